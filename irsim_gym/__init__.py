@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from irsim_gym.training.comparison import evaluate
     from irsim_gym.training.demonstrations import load_demonstrations
     from irsim_gym.training.recorder import record_demonstrations
+    from irsim_gym.training.shelf import load_policy
 
 _DECORATORS = (
     *("action", "behavior", "drive", "ending", "group_behavior"),
@@ -50,6 +51,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "irsim": ("irsim_gym.irsim", None),
     "load": ("irsim_gym.live", "load"),
     "load_demonstrations": ("irsim_gym.training.demonstrations", "load_demonstrations"),
+    "load_policy": ("irsim_gym.training.shelf", "load_policy"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "make_batch": ("irsim_gym.envs.batch", "make_batch"),
@@ -81,6 +83,7 @@ __all__ = [
     "irsim",
     "load",
     "load_demonstrations",
+    "load_policy",
     "load_scenario",
     "make",
     "make_batch",

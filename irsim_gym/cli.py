@@ -35,6 +35,7 @@ from irsim_gym.cli_options import (
     Team,
     TeamMode,
 )
+from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
@@ -49,6 +50,7 @@ app = typer.Typer(
 
 app.add_typer(suite, name="suite")
 app.add_typer(levels, name="levels")
+app.add_typer(shelf, name="policies")
 
 
 @app.command("list")

@@ -62,6 +62,8 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
         assert f"irsim_gym/configs/{source.relative_to(ROOT / 'configs').as_posix()}" in names
     for source in (ROOT / "agents" / "hyperparameters").glob("*.yaml"):
         assert f"irsim_gym/hyperparameters/{source.name}" in names
+    for source in (ROOT / "agents" / "shelf").iterdir():
+        assert f"irsim_gym/shelf/{source.name}" in names
     for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():
         assert f"irsim_gym/render/page/{source.name}" in names
     assert "irsim_gym/py.typed" in names
@@ -157,6 +159,11 @@ def test_the_installed_package_makes_an_env(environment: Path, tmp_path: Path) -
 def test_the_installed_package_finds_its_hyperparameters(environment: Path, tmp_path: Path) -> None:
     code = "from irsim_gym.training.hyperparameters import load_hyperparameters as f; print(f('ppo', 'cluttered_room'))"
     assert _run(str(_python(environment)), "-c", code, cwd=tmp_path)
+
+
+def test_the_installed_package_has_its_shelf(environment: Path, tmp_path: Path) -> None:
+    code = "import irsim_gym; print(irsim_gym.load_policy('cluttered_room').card.name)"
+    assert _run(str(_python(environment)), "-c", code, cwd=tmp_path) == "cluttered_room\n"
 
 
 def _build_hook() -> Any:

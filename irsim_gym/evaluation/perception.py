@@ -37,6 +37,15 @@ class Perception:
         """Names of the observations, in order."""
         return [str(item["name"]) for item in self.observations]
 
+    def to_plain(self) -> dict[str, Any]:
+        """Return it as JSON holds it."""
+        return {**vars(self), "observations": [dict(item) for item in self.observations]}
+
+
+def perception_from(data: Mapping[str, Any]) -> Perception:
+    """Make it from what ``to_plain`` returned."""
+    return Perception(tuple(data["observations"]), data["action"], data["observation_form"])
+
 
 @runtime_checkable
 class Perceives(Protocol):

@@ -37,12 +37,19 @@ def load_origin(source: str | Path) -> tuple[Path, SavedPolicy]:
     file = policy_file(source)
     loaded = load_policy(file)
     assert isinstance(loaded, SavedPolicy)
+    if not isinstance(loaded.model, BaseAlgorithm):
+        raise IrsimGymError(f"{file} holds what drives alone, without a critic: --from needs a run or a policy.zip")
     return file, loaded
+
+
+def _model(policy: SavedPolicy) -> BaseAlgorithm:
+    assert isinstance(policy.model, BaseAlgorithm), "what load_origin returned"
+    return policy.model
 
 
 def algorithm_of(policy: SavedPolicy) -> str:
     """Return the name of the algorithm that a policy was trained with."""
-    kind = type(policy.model).__name__
+    kind = type(_model(policy)).__name__
     return next(name for name, one in ALGORITHMS.items() if one.class_name == kind)
 
 
@@ -59,7 +66,7 @@ def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
     wanted = settings.hyperparameters
     own = dict(wanted.arguments.get("policy_kwargs") or {})
     kept = {name: value for name, value in own.items() if name not in SHAPES}
-    networks = {**kept, **_plain_networks(file, policy.model.policy_kwargs or {})}
+    networks = {**kept, **_plain_networks(file, _model(policy).policy_kwargs or {})}
     return replace(
         settings,
         origin={"policy": str(file.resolve()), "sha256": hashlib.sha256(file.read_bytes()).hexdigest()},
@@ -101,7 +108,7 @@ def take_weights(model: BaseAlgorithm, settings: Settings) -> None:
     """
     assert settings.origin is not None
     file, policy = load_origin(settings.origin["policy"])
-    learned = policy.model
+    learned = _model(policy)
     for what, known, here in (
         ("observations", learned.observation_space, model.observation_space),
         ("actions", learned.action_space, model.action_space),

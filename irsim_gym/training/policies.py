@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import pickle
 import zipfile
 from collections.abc import Callable, Sequence
@@ -22,17 +23,18 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
-from irsim_gym.evaluation.perception import Perception
+from irsim_gym.evaluation.perception import Perception, perception_from
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
+from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, read_policy, shelf_files
 from irsim_gym.training.trained_perception import trained_perception
 from irsim_gym.training.trusted import harmless_objects, load_pickle
 
-Source = str | Path | BaseAlgorithm | Policy | Callable[[Any], Any]
+Source = str | Path | BaseAlgorithm | ShelfPolicy | Policy | Callable[[Any], Any]
 """What a policy can be given as: see ``load_policy``."""
 
 CHUNK = 64
@@ -52,7 +54,7 @@ class UnknownPolicyError(IrsimGymError):
     """
 
     def __init__(self, source: str | Path, problem: str) -> None:
-        super().__init__(f"{problem}; use a .zip, a run's folder, or one of {', '.join(policy_kinds())}")
+        super().__init__(f"{problem}; use a .zip, a run's folder, or one of {', '.join(known_names())}")
         self.source, self.problem = source, problem
 
 
@@ -64,7 +66,8 @@ class SavedPolicy:
     """A trained policy, deterministic; the agents of a team share it.
 
     Args:
-        model: The loaded algorithm. A recurrent one has a memory for each agent of each world, empty at first.
+        model: The loaded algorithm, or a policy of the shelf. A recurrent one has a memory for each agent of each
+            world, empty at first.
         normalization: Statistics of the observations it was trained with.
 
     Attributes:
@@ -74,9 +77,13 @@ class SavedPolicy:
 
     perception: Perception | None = None
 
-    def __init__(self, model: BaseAlgorithm, normalization: VecNormalize | None = None) -> None:
+    def __init__(self, model: BaseAlgorithm | ShelfPolicy, normalization: VecNormalize | None = None) -> None:
         self.model, self.normalization = model, normalization
-        self._shape: tuple[int, ...] | None = getattr(model.policy, "lstm_hidden_state_shape", None)
+        self._shape: tuple[int, ...] | None = None
+        if isinstance(model, ShelfPolicy):
+            self.perception = None if model.perception is None else perception_from(model.perception)
+        else:
+            self._shape = getattr(model.policy, "lstm_hidden_state_shape", None)
         self._memory = np.zeros((0, 0, 0, 0), np.float32)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
@@ -169,15 +176,18 @@ def load_policy(source: Source) -> Policy:
     runs code from the file. A policy of a run perceives as the run's own task says.
 
     Args:
-        source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), a file
-            ``policy.zip``, a run's folder (its newest checkpoint if it is not finished), a model of Stable-Baselines3,
-            a function of observations as ``ObservationPolicy`` takes it, or a ``Policy``.
+        source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), that of
+            a policy on the shelf (``"cluttered_room"``), a file ``policy.zip`` or one that ``irsim-gym policies
+            export`` has written, a run's folder (its newest checkpoint if it is not finished), a model of
+            Stable-Baselines3, a function of observations as ``ObservationPolicy`` takes it, or a ``Policy``.
 
     Raises:
         IrsimGymError: There is no such policy.
     """
     if isinstance(source, Policy):
         return source
+    if isinstance(source, ShelfPolicy):
+        return SavedPolicy(source)
     if isinstance(source, BaseAlgorithm):
         return SavedPolicy(source, _frozen(source.get_vec_normalize_env()))
     if callable(source):
@@ -185,8 +195,11 @@ def load_policy(source: Source) -> Policy:
     if not isinstance(source, str | Path):
         raise TypeError(f"a policy is a function, a model, a file or a name, got {type(source).__name__}")
     if is_named_policy(source):
+        _check_one_meaning(source, "a behavior: give that another name")
         return reference_policy(str(source))
     path = policy_file(source)
+    if path.suffix == SUFFIX:
+        return SavedPolicy(read_policy(path))
     model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
     loaded = SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
     loaded.perception = trained_perception(path)
@@ -215,19 +228,47 @@ def policy_file(source: str | Path) -> Path:
     """Return the file of a policy.
 
     Args:
-        source: The file itself, or a run's folder: its policy, or the newest checkpoint's if it is not finished.
+        source: The file itself, a name on the shelf, or a run's folder: its policy, or the newest checkpoint's if it is
+            not finished. A ``Path`` is no name.
 
     Raises:
         UnknownPolicyError: There is none.
+        IrsimGymError: A name on the shelf is also that of a file or folder here.
     """
     path = Path(source)
+    if is_on_shelf(source):
+        if path.exists():
+            _check_one_meaning(source, f"a file or folder here: write .{os.sep}{source} for that")
+        return shelf_files()[str(source)]
     if path.is_dir():
         newest = newest_checkpoint(Run(path).checkpoints)
         path = path / POLICY if (path / POLICY).is_file() or newest is None else newest / POLICY
     if not path.is_file():
-        near = suggestion(str(source), policy_kinds())
+        near = suggestion(str(source), known_names())
         raise UnknownPolicyError(source, f"no policy at {source}{near}")
     return path
+
+
+def is_on_shelf(source: object) -> bool:
+    """Return whether a source is the name of a policy on the shelf; a ``Path`` is none."""
+    return isinstance(source, str) and source in shelf_files()
+
+
+def known_names() -> tuple[str, ...]:
+    """Return the names of behaviours and of policies on the shelf."""
+    return (*policy_kinds(), *shelf_files())
+
+
+def _check_one_meaning(source: str | Path, other: str) -> None:
+    """Refuse a name on the shelf that is also that of something else.
+
+    Raises:
+        IrsimGymError: It is.
+    """
+    if is_on_shelf(source):
+        raise IrsimGymError(
+            f"'{source}' is a policy on the shelf, and {other}, or {shelf_files()[str(source)]} for the policy"
+        )
 
 
 def policy_digest(source: str | Path) -> str | None:
@@ -244,7 +285,7 @@ def policy_names(sources: Sequence[Source]) -> list[str]:
 def _short_name(path: Path) -> str:
     if path.name == POLICY and path.parent.name:
         path = path.parent
-    return path.stem if path.suffix == ".zip" else path.name
+    return path.stem if path.suffix in (".zip", SUFFIX) else path.name
 
 
 def _called(source: object) -> str:

@@ -12,7 +12,9 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
+from irsim_gym.training.cards import CardScenario
 from irsim_gym.training.run import Run, lasting, scenario_name
+from irsim_gym.training.shelf import card_of
 from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
 
@@ -31,7 +33,7 @@ def remembered_parameters(
         strict: False ignores unused keys.
     """
     asked = dict(given or {})
-    runs = [_trained_with(scenario, Path(source)) for source in sources if not is_named_policy(source)]
+    runs = [_trained_with(scenario, source) for source in sources if not is_named_policy(source)]
     if not any(runs):
         return asked
     defaults = load_scenario(scenario_name(scenario), asked, strict=strict, warn=False).parameters
@@ -54,13 +56,19 @@ def changes_since(
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        source: A run's folder, or a policy in it. Nothing is known of other policies, nor of another scenario's.
+        source: A run's folder, a policy in it, or a policy on the shelf. Nothing is known of other policies, nor of
+            another scenario's.
         task: Shipped name or path of a task; that of the run is compared where it is the same one.
         strict: False ignores unused keys.
     """
+    if is_named_policy(source):
+        return []
+    card = card_of(source)
+    if card is not None:
+        return _changes_since_card(scenario, card.scenario, task, strict=strict)
     run = _run_of(source)
     before = run.snapshot()
-    if before is None or is_named_policy(source):
+    if before is None:
         return []
     settings = run.settings()
     named = lasting(scenario_name(str(scenario)))
@@ -71,6 +79,20 @@ def changes_since(
     except IrsimGymError as error:
         return [f"it cannot be read with the run's parameters: {str(error).splitlines()[0]}"]
     return differences(before, now)
+
+
+def _changes_since_card(
+    scenario: str | Path, card: CardScenario, task: str | Path | None, *, strict: bool
+) -> list[str]:
+    """Return that a scenario or its task is not what the card of a policy says; nothing of another scenario's."""
+    named = lasting(scenario_name(str(scenario)))
+    if card.name != Path(named).name or card.task != (None if task is None else Path(task).name):
+        return []
+    try:
+        now = take_snapshot(named, None if task is None else lasting(str(task)), card.parameters, strict=strict)
+    except IrsimGymError as error:
+        return [f"it cannot be read with the card's parameters: {str(error).splitlines()[0]}"]
+    return [] if now.digest == card.sha256 else ["its hash is not that on the card"]
 
 
 def tell_changes(scenario: str, sources: Sequence[str | Path], task: str | None = None, *, strict: bool = True) -> None:
@@ -85,8 +107,8 @@ def change_told(scenario: str | Path, source: str | Path, found: list[str]) -> s
     """Return what is said of a scenario that has changed."""
     run = _run_of(source)
     copied = run.snapshot()
-    assert copied is not None
-    return f"{scenario} has changed since {source} was trained: {listed(found)}. As it was: {run.copy / copied.file}"
+    where = "" if copied is None else f". As it was: {run.copy / copied.file}"
+    return f"{scenario} has changed since {source} was trained: {listed(found)}{where}"
 
 
 def _run_of(source: str | Path) -> Run:
@@ -96,8 +118,12 @@ def _run_of(source: str | Path) -> Run:
     return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
 
 
-def _trained_with(scenario: str, source: Path) -> dict[str, Any]:
-    """Return the parameters of the run that a policy is from; none where that is unknown or another scenario's."""
+def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
+    """Return the parameters that a policy was trained with; none where that is unknown or another scenario's."""
+    card = card_of(source)
+    if card is not None:
+        same = card.scenario.name == Path(scenario_name(scenario)).name
+        return dict(card.scenario.parameters) if same else {}
     run = _run_of(source)
     try:
         settings = json.loads(run.config.read_text())["settings"]

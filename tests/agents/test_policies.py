@@ -56,6 +56,7 @@ def test_all_unknown_policies_are_named_at_once() -> None:
     with pytest.raises(IrsimGymError) as refused:
         load_policies(["dsh", "dash", "runs/nowhere", "orcs"])
     problems, cure = str(refused.value).split("; ")
+    assert {"cluttered_room", "dense_room"} <= set(cure.split(", "))
     assert problems.splitlines() == [
         "no policy at dsh (did you mean 'dash'?)",
         "no policy at runs/nowhere",

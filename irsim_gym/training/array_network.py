@@ -1,0 +1,115 @@
+"""Networks in NumPy: what a policy on the shelf computes, without PyTorch.
+
+A network is plain data: steps by name with their options, and the arrays of each step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.errors import IrsimGymError, suggestion
+
+Options = Mapping[str, Any]
+"""What a step does: ``kind``, and the numbers that this kind takes."""
+Arrays = Mapping[str, NDArray[Any]]
+MOST_TERMS = 200_000
+"""Products of two numbers in one product of matrices; OpenBLAS takes several threads for more than 262,144."""
+
+
+def apply_steps(steps: Sequence[Options], arrays: Sequence[Arrays], rows: NDArray[Any]) -> Floats:
+    """Return what steps make of rows, one after the other, in double precision.
+
+    Args:
+        steps: What each does.
+        arrays: The arrays of each.
+        rows: Of shape ``(n, ...)``.
+    """
+    found: Floats = rows.astype(np.float64)
+    for step, own in zip(steps, arrays, strict=True):
+        found = STEPS[step["kind"]](found, own, step)
+    return found
+
+
+def check_steps(steps: Sequence[Options]) -> None:
+    """Make sure that all steps are known.
+
+    Raises:
+        IrsimGymError: One is not.
+    """
+    for step in steps:
+        if step.get("kind") not in STEPS:
+            near = suggestion(str(step.get("kind")), STEPS)
+            raise IrsimGymError(f"no step of a network is named '{step.get('kind')}'{near}")
+
+
+def linear(rows: Floats, arrays: Arrays, step: Options) -> Floats:
+    """Return ``rows @ weight.T + bias``: ``(n, n_in)`` to ``(n, n_out)``."""
+    return product(rows, arrays["weight"]) + arrays["bias"]
+
+
+def convolution(rows: Floats, arrays: Arrays, step: Options) -> Floats:
+    """Return the correlation with each filter: ``(n, n_in, height, width)`` to ``(n, n_out, ...)``, without padding."""
+    weight = arrays["weight"]
+    windows = sliding_window_view(rows, weight.shape[2:], axis=(2, 3))
+    down, right = step["stride"]
+    seen = windows[:, :, ::down, ::right].transpose(0, 2, 3, 1, 4, 5)
+    found = product(seen.reshape(-1, weight[0].size), weight.reshape(len(weight), -1)) + arrays["bias"]
+    return found.reshape(*seen.shape[:3], -1).transpose(0, 3, 1, 2)
+
+
+def product(rows: Floats, weight: Floats) -> Floats:
+    """Return ``rows @ weight.T``, a few rows at a time.
+
+    OpenBLAS divides larger products between threads, which wait for each other where other programs run. As all
+    parts are of one size, what becomes of a row does not depend on the others.
+    """
+    size = max(2, MOST_TERMS // weight.size)
+    parts = -(-len(rows) // size)
+    padded = np.zeros((parts * size, rows.shape[1]))
+    padded[: len(rows)] = rows
+    found: Floats = padded.reshape(parts, size, -1) @ weight.T
+    return found.reshape(-1, len(weight))[: len(rows)]
+
+
+def standardize(rows: Floats, arrays: Arrays, step: Options) -> Floats:
+    """Return rows as ``VecNormalize`` does: less the mean, over the standard deviation, cut off."""
+    scaled = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])
+    return np.asarray(np.clip(scaled, -step["clip"], step["clip"]).astype(np.float32), np.float64)
+
+
+def gelu(rows: Floats) -> Floats:
+    """Return ``x`` times the normal distribution's share below ``x``."""
+    from scipy.special import ndtr
+
+    return np.asarray(rows * ndtr(rows))
+
+
+def _sigmoid(rows: Floats) -> Floats:
+    return 0.5 * (1.0 + np.tanh(0.5 * rows))
+
+
+def _elementwise(function: Callable[[Floats], Floats]) -> Callable[[Floats, Arrays, Options], Floats]:
+    return lambda rows, arrays, step: function(rows)
+
+
+STEPS: dict[str, Callable[[Floats, Arrays, Options], Floats]] = {
+    "linear": linear,
+    "convolution": convolution,
+    "standardize": standardize,
+    "flatten": _elementwise(lambda rows: rows.reshape(len(rows), -1)),
+    "pixels": _elementwise(lambda rows: rows / 255.0),
+    "relu": _elementwise(lambda rows: np.maximum(rows, 0.0)),
+    "tanh": _elementwise(np.tanh),
+    "sigmoid": _elementwise(_sigmoid),
+    "silu": _elementwise(lambda rows: rows * _sigmoid(rows)),
+    "gelu": _elementwise(gelu),
+    "elu": lambda rows, arrays, step: np.where(rows > 0.0, rows, step["alpha"] * np.expm1(np.minimum(rows, 0.0))),
+    "leaky_relu": lambda rows, arrays, step: np.where(rows > 0.0, rows, step["slope"] * rows),
+}
+"""What each kind of step computes, of rows, its arrays and its options."""

@@ -1,0 +1,206 @@
+"""From a model of Stable-Baselines3 to the numbers of a policy on the shelf."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Dict, Discrete
+from numpy.typing import NDArray
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.preprocessing import is_image_space
+from stable_baselines3.common.torch_layers import CombinedExtractor, FlattenExtractor, NatureCNN
+from stable_baselines3.common.vec_env import VecNormalize
+from torch import nn
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.array_network import Options
+from irsim_gym.training.shelf import FORMAT, LONE
+
+Step = tuple[Options, dict[str, NDArray[Any]]]
+
+
+@dataclass(frozen=True)
+class ExportedNetwork:
+    """A network as plain data.
+
+    Attributes:
+        form: Spaces and steps, as JSON holds them.
+        arrays: Arrays by place, as ``ShelfPolicy`` finds them.
+        layers: The steps in words, a line for each part.
+    """
+
+    form: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+    layers: tuple[str, ...]
+
+    @property
+    def weights(self) -> int:
+        """How many weights it has."""
+        return sum(array.size for name, array in self.arrays.items() if name.endswith(("/weight", "/bias")))
+
+
+@dataclass
+class _Writer:
+    form: dict[str, Any]
+    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    def steps(self, place: str, steps: Sequence[Step]) -> list[Options]:
+        for i, (_, arrays) in enumerate(steps):
+            self.arrays |= {f"{place}/{i}/{name}": array for name, array in arrays.items()}
+        return [options for options, _ in steps]
+
+    def box(self, place: str, space: Box) -> str:
+        self.arrays |= {f"{place}/low": space.low, f"{place}/high": space.high}
+        return str(space.dtype)
+
+
+class UnfitNetworkError(IrsimGymError):
+    """A model whose network cannot be written as steps of the shelf."""
+
+
+def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> ExportedNetwork:
+    """Return the part of a model that drives, and the normalisation before it.
+
+    Args:
+        model: PPO, A2C, SAC, TD3, TQC or DQN of Stable-Baselines3 and sb3-contrib with their own networks.
+        normalization: Statistics of the observations that it was trained with.
+
+    Raises:
+        UnfitNetworkError: The network is recurrent, or has parts that are not known here.
+    """
+    extractor, trunk, output = _actor(model)
+    parts = dict(_parts(model, extractor, normalization))
+    action = model.action_space
+    writer = _Writer({"format": FORMAT, "observation": {}, "parts": {}, "output": output})
+    for name, steps in parts.items():
+        space = _spaces(model)[name]
+        writer.form["observation"][name] = writer.box(f"observation/{name}", space)
+        writer.form["parts"][name] = writer.steps(f"part/{name}", steps)
+    writer.form["trunk"] = writer.steps("trunk", trunk)
+    if isinstance(action, Discrete):
+        writer.form["action"] = {"n": int(action.n)}
+    else:
+        assert isinstance(action, Box)
+        writer.form["action"] = {"dtype": writer.box("action", action)}
+    lines = [*((name or "observation", steps) for name, steps in parts.items()), ("action", trunk)]
+    return ExportedNetwork(writer.form, writer.arrays, tuple(_words(name, steps) for name, steps in lines))
+
+
+def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
+    """Return what extracts features, the layers after it, and how an action is made of what they return."""
+    policy: Any = model.policy
+    if getattr(policy, "lstm_hidden_state_shape", None) is not None:
+        raise UnfitNetworkError("recurrent policies cannot be exported: the shelf has no memory")
+    if hasattr(policy, "q_net"):
+        return policy.q_net.features_extractor, list(_steps(policy.q_net.q_net)), "argmax"
+    actor = getattr(policy, "actor", None)
+    if actor is not None:  # SAC and TQC have mu after latent_pi; the mu of TD3 ends with the hyperbolic tangent itself
+        if hasattr(actor, "latent_pi"):
+            return actor.features_extractor, [*_steps(actor.latent_pi), *_steps(actor.mu)], "squash"
+        *before, last = actor.mu
+        if not isinstance(last, nn.Tanh):
+            raise UnfitNetworkError(f"the network of {type(policy).__name__} does not end with Tanh")
+        return actor.features_extractor, [step for one in before for step in _steps(one)], "squash"
+    if not hasattr(policy, "mlp_extractor") or getattr(policy, "squash_output", False):
+        raise UnfitNetworkError(f"networks of {type(policy).__name__} cannot be exported")
+    layers = [*_steps(policy.mlp_extractor.policy_net), *_steps(policy.action_net)]
+    return policy.pi_features_extractor, layers, "argmax" if isinstance(model.action_space, Discrete) else "clip"
+
+
+def _spaces(model: BaseAlgorithm) -> Mapping[str, Any]:
+    space = model.observation_space
+    return space.spaces if isinstance(space, Dict) else {LONE: space}
+
+
+def _parts(
+    model: BaseAlgorithm, extractor: nn.Module, normalization: VecNormalize | None
+) -> Iterator[tuple[str, list[Step]]]:
+    """Yield the steps before the features are put side by side, for each part of the observation."""
+    if isinstance(extractor, CombinedExtractor):
+        each: Mapping[str, nn.Module] = dict(extractor.extractors.items())
+    else:
+        each = {LONE: extractor}
+    for name, module in each.items():
+        space = _spaces(model)[name]
+        if not isinstance(space, Box):
+            raise UnfitNetworkError(f"observations {space} cannot be exported")
+        steps = _normalized(name, space, normalization)
+        if model.policy.normalize_images and is_image_space(space):
+            steps.append(({"kind": "pixels"}, {}))
+        yield name, [*steps, *_steps(module)]
+
+
+def _normalized(name: str, space: Box, normalization: VecNormalize | None) -> list[Step]:
+    if normalization is None or not normalization.norm_obs:
+        return []
+    statistics: Any = normalization.obs_rms
+    if name != LONE:
+        if name not in (normalization.norm_obs_keys or ()):
+            return []
+        statistics = statistics[name]
+    if is_image_space(space):
+        raise UnfitNetworkError("pictures that VecNormalize has normalised cannot be exported")
+    options = {"kind": "standardize", "epsilon": normalization.epsilon, "clip": normalization.clip_obs}
+    return [(options, {"mean": statistics.mean, "var": statistics.var})]
+
+
+def _steps(module: nn.Module) -> Iterator[Step]:
+    """Yield the steps of a module, one after the other.
+
+    Raises:
+        UnfitNetworkError: It is of a kind that is not known here.
+    """
+    if isinstance(module, nn.Sequential):
+        for part in module:
+            yield from _steps(part)
+    elif isinstance(module, NatureCNN):
+        yield from _steps(module.cnn)
+        yield from _steps(module.linear)
+    elif isinstance(module, FlattenExtractor | nn.Flatten):
+        yield {"kind": "flatten"}, {}
+    elif isinstance(module, nn.Linear):
+        yield {"kind": "linear"}, _weights(module)
+    elif isinstance(module, nn.Conv2d):
+        if (module.padding, module.dilation, module.groups) != ((0, 0), (1, 1), 1):
+            raise UnfitNetworkError(f"{module} cannot be exported: no padding, dilation or groups")
+        yield {"kind": "convolution", "stride": list(module.stride)}, _weights(module)
+    elif type(module) in ACTIVATIONS:
+        yield ACTIVATIONS[type(module)](module), {}
+    elif not isinstance(module, nn.Identity):
+        raise UnfitNetworkError(f"{type(module).__name__} cannot be exported")
+
+
+ACTIVATIONS: dict[type[nn.Module], Callable[[Any], Options]] = {
+    nn.ReLU: lambda module: {"kind": "relu"},
+    nn.Tanh: lambda module: {"kind": "tanh"},
+    nn.Sigmoid: lambda module: {"kind": "sigmoid"},
+    nn.SiLU: lambda module: {"kind": "silu"},
+    nn.GELU: lambda module: {"kind": "gelu"},
+    nn.ELU: lambda module: {"kind": "elu", "alpha": module.alpha},
+    nn.LeakyReLU: lambda module: {"kind": "leaky_relu", "slope": module.negative_slope},
+}
+"""Activation functions, and the steps that they are."""
+
+
+def _weights(module: nn.Linear | nn.Conv2d) -> dict[str, NDArray[Any]]:
+    weight: NDArray[Any] = module.weight.detach().cpu().numpy()
+    bias = np.zeros(len(weight), weight.dtype) if module.bias is None else module.bias.detach().cpu().numpy()
+    return {"weight": weight, "bias": bias}
+
+
+def _words(name: str, steps: Sequence[Step]) -> str:
+    """Return steps in words: ``action: 64, relu, 64, relu, 2``."""
+    told = [_word(options, arrays) for options, arrays in steps if options["kind"] != "flatten"]
+    return f"{name}: {', '.join(told) or 'as it is'}"
+
+
+def _word(options: Options, arrays: Mapping[str, NDArray[Any]]) -> str:
+    if options["kind"] == "linear":
+        return str(len(arrays["bias"]))
+    if options["kind"] == "convolution":
+        n_filters, _, height, width = arrays["weight"].shape
+        return f"{n_filters} filters {height} x {width}"
+    return str(options["kind"])

@@ -1,0 +1,227 @@
+"""Putting policies on the shelf: from a run's folder, or a ``policy.zip`` and the results of its training."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+from irsim_gym import __version__
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.metrics import Summary
+from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.tables import plain, write_bytes, write_json
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.cards import (
+    CardAction,
+    CardNetwork,
+    CardResult,
+    CardScenario,
+    CardTerm,
+    CardTraining,
+    PolicyCard,
+    card_file,
+)
+from irsim_gym.training.checkpoint import list_checkpoints, load_progress
+from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.training.evaluate import evaluate_policies
+from irsim_gym.training.evaluate_teams import evaluate_team_policies
+from irsim_gym.training.exported_network import ExportedNetwork, export_network
+from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
+from irsim_gym.training.results_files import SeedResults, read_results
+from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.shelf import SUFFIX, ShelfPolicy
+from irsim_gym.training.trained_perception import perception_in
+
+MEASURED = "played by the exported policy"
+
+
+def export(
+    source: Path,
+    name: str,
+    folder: Path,
+    *,
+    results: Sequence[Path] = (),
+    levels: int = 1000,
+    weaknesses: Sequence[str] = (),
+    overwrite: bool = False,
+    console: Console | None = None,
+) -> Path:
+    """Write the file and the card of a policy, and return the file.
+
+    Args:
+        source: A run's folder, or a ``policy.zip``.
+        name: What it is called on the shelf.
+        folder: Where the files go.
+        results: Files with figures of the policy, see ``read_results``. The card has these; without any, the exported
+            policy plays.
+        levels: On how many ``test`` levels it plays.
+        weaknesses: What it does badly, in sentences.
+        overwrite: Replace files of that name.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+
+    Raises:
+        IrsimGymError: The policy cannot be exported, or not enough is known of it.
+    """
+    target = folder / f"{name}{SUFFIX}"
+    _check_name(name, target, overwrite)
+    loaded = load_policy(source)
+    if not isinstance(loaded, SavedPolicy) or not isinstance(loaded.model, BaseAlgorithm):
+        raise IrsimGymError(f"{source} is no trained policy of Stable-Baselines3")
+    network = export_network(loaded.model, loaded.normalization)
+    found = [part for file in results for part in read_results(file, source)]
+    settings, training = _training(source, found)
+    scenario = _scenario(source, settings)
+    place = _place(source, settings)
+    episodes = make_episodes(place.scenario, team=scenario.team is not None, **_chosen(place))
+    network.form["perception"] = perception_in(place).to_plain()
+    driver = ShelfPolicy(network.form, network.arrays)
+    SavedPolicy(driver).check(episodes)
+    content = _content(network)
+    card = PolicyCard(
+        name=name,
+        scenario=scenario,
+        observation=_terms(episodes),
+        action=_action(episodes),
+        network=CardNetwork(layers=network.layers, weights=network.weights),
+        training=training,
+        results=tuple(part.result for part in found) or (_played(place, driver, scenario, levels, console),),
+        weaknesses=tuple(weaknesses),
+        sha256=hashlib.sha256(content).hexdigest(),
+        size=len(content),
+        exported_by=__version__,
+    )
+    write_json(card_file(target), card.model_dump())
+    write_bytes(target, content)
+    return target
+
+
+def _check_name(name: str, target: Path, overwrite: bool) -> None:
+    if not name.isidentifier():
+        raise IrsimGymError(f"a name on the shelf has letters, digits and _ alone, got '{name}'")
+    if name in policy_kinds():
+        raise IrsimGymError(f"'{name}' is the name of a behavior: choose another one")
+    if target.exists() and not overwrite:
+        raise IrsimGymError(f"{target} exists: choose another name or folder, or replace it with --overwrite")
+
+
+def _content(network: ExportedNetwork) -> bytes:
+    """Return the file: arrays and text, no objects; the same content gives the same bytes."""
+    stored: dict[str, NDArray[Any]] = {**network.arrays, "form": np.array(json.dumps(network.form))}
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in stored.items():
+            part = io.BytesIO()
+            np.lib.format.write_array(part, np.asarray(array, order="C"), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy"), part.getvalue(), zipfile.ZIP_DEFLATED)
+    return content.getvalue()
+
+
+def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, CardTraining]:
+    """Return the settings that a policy was trained with, and what the training cost.
+
+    Raises:
+        IrsimGymError: They are not known: of a lone file only results can tell them.
+    """
+    known = next((part.run for part in found if part.run is not None), None) or _of_run(source)
+    if known is None:
+        raise IrsimGymError(
+            f"the settings and the cost of the training of {source} are not known: name the run's folder, or give "
+            "--results with a file of agents/summarize.py"
+        )
+    settings = Settings.from_plain(known["settings"])
+    seeds = next((part.seeds for part in found if part.seeds), (settings.seed,))
+    return settings, CardTraining(
+        algorithm=settings.algorithm,
+        hyperparameters=settings.hyperparameters.to_plain(),
+        seed=settings.seed,
+        seeds=seeds,
+        machine=known["machine"],
+        **{name: known[name] for name in ("steps", "training_seconds", "cpu_seconds")},
+    )
+
+
+def _of_run(source: Path) -> dict[str, Any] | None:
+    """Return settings, machine and cost of a run; None for a file that is in no run's folder."""
+    run = Run(policy_file(source).parent)
+    if not run.exists():
+        return None
+    checkpoints = list_checkpoints(run.checkpoints)
+    if not run.finished() or not checkpoints:
+        raise IrsimGymError(f"{run.folder} is not finished: resume it, then export its policy")
+    config, progress = json.loads(run.config.read_text()), load_progress(checkpoints[-1])
+    cost = {name: getattr(progress, name) for name in ("steps", "training_seconds", "cpu_seconds")}
+    return {"settings": config["settings"], "machine": config["machine"], **cost}
+
+
+def _place(source: Path, settings: Settings) -> Settings:
+    """Return where the policy was trained: the run's own copy of its scenario where there is one."""
+    run = Run(policy_file(source).parent)
+    return run.own_settings() if run.exists() else settings
+
+
+def _chosen(settings: Settings) -> dict[str, Any]:
+    return {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
+
+
+def _scenario(source: Path, settings: Settings) -> CardScenario:
+    snapshot = Run(policy_file(source).parent).snapshot() or settings.snapshot()
+    return CardScenario(
+        name=_short(settings.scenario),
+        parameters=plain(dict(settings.parameters)),
+        task=None if settings.task is None else _short(settings.task),
+        team=settings.hyperparameters.team,
+        sha256=snapshot.digest,
+    )
+
+
+def _short(named: str) -> str:
+    """Return a name as it is, and of a path the name of the file: no card tells folders of a machine."""
+    return Path(named).name
+
+
+def _terms(episodes: Episodes) -> tuple[CardTerm, ...]:
+    columns = {name: low.shape for name, low, _ in episodes.observation_terms}
+    images = {name: image.shape[2:] for name, image in episodes.view.images.items()}
+    return tuple(CardTerm(name=name, shape=shape) for name, shape in {**columns, **images}.items())
+
+
+def _action(episodes: Episodes) -> CardAction:
+    term = episodes.terms["action"][0]
+    components = tuple(name for name, _ in term.components[0])
+    return CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
+
+
+def _played(
+    place: Settings, driver: ShelfPolicy, scenario: CardScenario, levels: int, console: Console | None
+) -> CardResult:
+    """Return how good the exported policy is on ``test`` levels."""
+    is_team = scenario.team is not None
+    evaluated = evaluate_team_policies if is_team else evaluate_policies
+    chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(place)}
+    found = evaluated(place.scenario, {scenario.name: driver}, **chosen)
+    figures: Any = found.summaries[0]
+    success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
+    return CardResult(
+        split=found.split,
+        levels=levels,
+        level_hash=found.level_set.hash,
+        parameters=scenario.parameters,
+        team=is_team,
+        success=plain(success),
+        individual_success=plain(figures.individual_success) if is_team else None,
+        collision=figures.collision.value,
+        timeout=figures.timeout.value,
+        spl=figures.spl,
+        seeds={},
+        source=MEASURED,
+    )

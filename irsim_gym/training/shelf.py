@@ -1,0 +1,215 @@
+"""Policies on the shelf: small files of numbers that drive without PyTorch and run no code as they are loaded.
+
+A policy is two files: ``NAME.npz`` with arrays and a description of the network, and ``NAME.json``, its card.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import Space
+from gymnasium.spaces import Box, Dict, Discrete
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.training.array_network import Options, apply_steps, check_steps
+from irsim_gym.training.cards import PolicyCard, read_card
+
+PACKAGE = Path(__file__).parent.parent
+SUFFIX = ".npz"
+FORMAT = 1
+LONE = ""
+"""Name of an observation that is no dict."""
+OUTPUTS = ("clip", "squash", "argmax")
+"""How an action is made of what the network returns: cut off, by the hyperbolic tangent, the greatest's number."""
+
+Observation = NDArray[Any] | Mapping[str, NDArray[Any]]
+
+
+class ShelfPolicy:
+    """A trained policy in NumPy, which always takes its mean or most probable action.
+
+    Args:
+        form: The description of its network.
+        arrays: The arrays of it.
+        card: What is known of it; None without a card.
+
+    Attributes:
+        observation_space: The observations that it was trained with.
+        action_space: Its actions.
+        perception: The observations with their options, and the action, in the words of a task; None where the file
+            does not say.
+        card: What is known of it; None without a card.
+    """
+
+    def __init__(
+        self, form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], card: PolicyCard | None = None
+    ) -> None:
+        self.card = card
+        self.perception: Mapping[str, Any] | None = form.get("perception")
+        self.observation_space = _observation_space(form["observation"], arrays)
+        self.action_space = _action_space(form["action"], arrays)
+        self._output: str = form["output"]
+        self._parts: dict[str, Sequence[Options]] = form["parts"]
+        self._trunk: Sequence[Options] = form["trunk"]
+        for steps in (*self._parts.values(), self._trunk):
+            check_steps(steps)
+        if self._output not in OUTPUTS:
+            raise IrsimGymError(f"output must be one of {', '.join(OUTPUTS)}, got '{self._output}'")
+        self._arrays = {name: _arrays_of(f"part/{name}", steps, arrays) for name, steps in self._parts.items()}
+        self._trunk_arrays = _arrays_of("trunk", self._trunk, arrays)
+
+    def predict(
+        self,
+        observation: Observation,
+        state: tuple[NDArray[Any], ...] | None = None,
+        episode_start: NDArray[Any] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
+        """Return the action for one observation, or those for several, and ``state``, as Stable-Baselines3 does.
+
+        Args:
+            observation: As the environment gives it, or several, with an axis in front.
+            state: Returned as it is: the policy has no memory.
+            episode_start: Not needed, for the same reason.
+            deterministic: Only True: nothing is drawn.
+
+        Raises:
+            ValueError: ``deterministic`` is False, or the observation is of another shape.
+        """
+        if not deterministic:
+            raise ValueError("policies on the shelf do not draw their actions: pass deterministic=True")
+        if isinstance(observation, Mapping) != isinstance(self.observation_space, Dict):
+            raise ValueError(f"the policy was trained with observations {self.observation_space}")
+        given = observation if isinstance(observation, Mapping) else {LONE: observation}
+        batches = {name: _batch(given[name], space) for name, space in _spaces(self.observation_space).items()}
+        rows = {name: rows for name, (rows, _) in batches.items()}
+        actions = self._actions(rows)
+        return (actions if all(several for _, several in batches.values()) else actions[0]), state
+
+    def _actions(self, rows: Mapping[str, NDArray[Any]]) -> NDArray[Any]:
+        parts = [apply_steps(steps, self._arrays[name], rows[name]) for name, steps in self._parts.items()]
+        found: NDArray[Any] = apply_steps(self._trunk, self._trunk_arrays, np.concatenate(parts, axis=1))
+        space = self.action_space
+        if isinstance(space, Discrete):
+            return np.asarray(found.argmax(axis=1))
+        low, high = space.low.astype(np.float64), space.high.astype(np.float64)
+        if self._output == "squash":
+            found = low + 0.5 * (np.tanh(found) + 1.0) * (high - low)
+        return np.asarray(np.clip(found, low, high), np.float32).reshape(-1, *low.shape)
+
+
+def shelf_folder() -> Path:
+    """Return the folder of the shipped policies: inside an installed package, else ``agents/shelf`` of a checkout."""
+    inside = PACKAGE / "shelf"
+    return inside if inside.is_dir() else PACKAGE.parent / "agents" / "shelf"
+
+
+def shelf_files() -> dict[str, Path]:
+    """Return the files of the shipped policies by name, in alphabetical order."""
+    return {file.stem: file for file in sorted(shelf_folder().glob(f"*{SUFFIX}"))}
+
+
+def shelf_file(name: str) -> Path:
+    """Return the file of a shipped policy.
+
+    Raises:
+        UnknownNameError: There is none of that name.
+    """
+    files = shelf_files()
+    if name not in files:
+        near = suggestion(name, files)
+        raise UnknownNameError(f"no policy named '{name}' on the shelf{near}; there are {', '.join(files) or 'none'}")
+    return files[name]
+
+
+def card_of(source: str | Path) -> PolicyCard | None:
+    """Return the card of a name on the shelf or of an exported file; None for everything else.
+
+    Raises:
+        IrsimGymError: The card cannot be read.
+    """
+    file = shelf_files().get(source, Path(source)) if isinstance(source, str) else source
+    return read_card(file) if file.suffix == SUFFIX and file.is_file() else None
+
+
+def load_policy(source: str | Path) -> ShelfPolicy:
+    """Return a trained policy with ``predict``, as models of Stable-Baselines3 have it; it needs no PyTorch.
+
+    Args:
+        source: Name of a shipped policy (``irsim-gym policies list``), or a file that ``irsim-gym policies export``
+            has written.
+
+    Raises:
+        UnknownNameError: There is none of that name.
+        IrsimGymError: The file is no policy.
+    """
+    return read_policy(Path(source) if Path(source).suffix == SUFFIX else shelf_file(str(source)))
+
+
+def read_policy(file: Path) -> ShelfPolicy:
+    """Return the policy in a file. No code of the file runs: it is numbers, and text that is read as JSON.
+
+    Raises:
+        IrsimGymError: It is no policy of the shelf.
+    """
+    try:
+        with np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        form = json.loads(str(arrays.pop("form")))
+        if form["format"] != FORMAT:
+            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads {FORMAT}")
+        return ShelfPolicy(form, arrays, read_card(file))
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, IrsimGymError) as error:
+        raise IrsimGymError(f"{file} is no policy of the shelf: {error}") from error
+
+
+def _arrays_of(place: str, steps: Sequence[Options], arrays: Mapping[str, NDArray[Any]]) -> list[dict[str, Floats]]:
+    """Return the arrays of each step: their names begin with the place of the step."""
+    found: list[dict[str, Floats]] = []
+    for i in range(len(steps)):
+        head = f"{place}/{i}/"
+        own = {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}
+        found.append({name: array.astype(np.float64) for name, array in own.items()})
+    return found
+
+
+def _observation_space(form: Mapping[str, str], arrays: Mapping[str, NDArray[Any]]) -> Space[Any]:
+    spaces: dict[str, Space[Any]] = {name: _box(f"observation/{name}", dtype, arrays) for name, dtype in form.items()}
+    return spaces[LONE] if list(spaces) == [LONE] else Dict(spaces)
+
+
+def _action_space(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Box | Discrete:
+    return Discrete(form["n"]) if "n" in form else _box("action", form["dtype"], arrays)
+
+
+def _box(place: str, dtype: str, arrays: Mapping[str, NDArray[Any]]) -> Box:
+    kind: Any = np.dtype(dtype).type
+    return Box(arrays[f"{place}/low"], arrays[f"{place}/high"], dtype=kind)
+
+
+def _spaces(space: Space[Any]) -> Mapping[str, Space[Any]]:
+    return space.spaces if isinstance(space, Dict) else {LONE: space}
+
+
+def _batch(given: NDArray[Any], space: Space[Any]) -> tuple[NDArray[Any], bool]:
+    """Return observations as rows, pictures with their channels first, and whether there were several.
+
+    Raises:
+        ValueError: They are of another shape.
+    """
+    rows, shape = np.asarray(given), space.shape
+    assert shape is not None
+    for several in (False, True):
+        found = rows if several else rows[None]
+        if found.shape[1:] == shape:
+            return found, several
+        if len(shape) == 3 and found.ndim == 4 and found.transpose(0, 3, 1, 2).shape[1:] == shape:
+            return found.transpose(0, 3, 1, 2), several
+    raise ValueError(f"the policy was trained with observations of shape {shape}, got {rows.shape}")

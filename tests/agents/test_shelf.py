@@ -1,0 +1,324 @@
+"""Policies on the shelf: what they are called, what their cards say, and that both are true."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import run
+
+import irsim_gym
+from irsim_gym.arenas.entrants import load_entrants
+from irsim_gym.envs.spaces import observation_layout
+from irsim_gym.errors import IrsimGymError, UnknownNameError
+from irsim_gym.evaluation.perception import perception_of
+from irsim_gym.evaluation.policy import percepts
+from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks import load_task
+from irsim_gym.training.cards import CardResult, PolicyCard, card_file
+from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.training.evaluate import evaluate_policies
+from irsim_gym.training.evaluate_teams import evaluate_team_policies
+from irsim_gym.training.fine_tuning import load_origin
+from irsim_gym.training.hyperparameters import Hyperparameters
+from irsim_gym.training.policies import SavedPolicy, UnfitPolicyError, load_policy, policy_digest, policy_names
+from irsim_gym.training.remembered import changes_since, remembered_parameters
+from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.shelf import card_of, shelf_file, shelf_files
+from irsim_gym.training.snapshot import take_snapshot
+from irsim_gym.training.train import train
+
+AGENTS = Path(__file__).parents[2] / "agents"
+ORIGINALS = {
+    "circle_swap": "circle_swap_seed_3",
+    "cluttered_room": "cluttered_room_seed_1",
+    "cluttered_room_images": "cluttered_room_images_seed_100",
+    "dense_room": "dense_room_seed_4",
+    "random_swap": "random_swap_seed_2",
+}
+"""Files in agents/policies that policies on the shelf were made of."""
+ROUNDING = {"cluttered_room_images": 5e-6}
+"""How far PyTorch is off in single precision where it is more than 1e-6."""
+LEVELS = 200
+FAST = {"cluttered_room", "dense_room"}
+"""Policies whose 200 levels take a second; teams and pictures take longer."""
+
+
+def card(name: str) -> PolicyCard:
+    found = card_of(name)
+    assert found is not None
+    return found
+
+
+def figures(name: str, result: CardResult, levels: int) -> Any:
+    """Return the share of levels that a policy solves under the conditions of one of its card's figures."""
+    chosen: dict[str, Any] = {"levels": levels, "split": result.split, "references": False}
+    where = card(name).scenario
+    chosen |= {"parameters": result.parameters, "task": where.task}
+    if result.team:
+        return evaluate_team_policies(where.name, [name], **chosen).summaries[0].cooperative_success
+    return evaluate_policies(where.name, [name], **chosen).summaries[0].success
+
+
+@pytest.mark.parametrize("name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in shelf_files()])
+def test_a_policy_is_as_good_as_its_card_says(name: str) -> None:
+    """The 95 % intervals of the card and of its first 200 levels have a part in common."""
+    for result in card(name).results:
+        found = figures(name, result, min(LEVELS, result.levels))
+        assert found.low <= result.success.high, result
+        assert found.high >= result.success.low, result
+
+
+@pytest.mark.parametrize("name", shelf_files())
+def test_a_card_belongs_to_its_policy_and_its_scenario(name: str) -> None:
+    found, file = card(name), shelf_file(name)
+    assert found.name == name
+    assert (found.size, found.sha256) == (file.stat().st_size, hashlib.sha256(file.read_bytes()).hexdigest())
+    where = found.scenario
+    assert where.sha256 == take_snapshot(where.name, where.task, where.parameters).digest, "export the policy anew"
+    observed = irsim_gym.load_policy(name).observation_space.shape
+    assert observed is not None
+    assert sum(np.prod(term.shape) for term in found.observation) == np.prod(observed)
+    assert found.training.seed in found.training.seeds
+    policy = load_policy(name)
+    assert isinstance(policy, SavedPolicy)
+    assert policy.perception == perception_of(
+        load_task(load_scenario(where.name, where.parameters), where.task, team=where.team is not None)
+    )
+    assert name not in policy_kinds()
+
+
+@pytest.mark.parametrize("name", ORIGINALS)
+def test_figures_are_those_of_the_committed_results(name: str) -> None:
+    seed = f"seed_{card(name).training.seed}"
+    for result in card(name).results:
+        data = json.loads((AGENTS / "results" / result.source).read_text())
+        rows = data["policies"] if "policies" in data else [one["test"] for one in data["seeds"]]
+        if result.team:
+            rows = [row[f"n_robots={result.parameters['n_robots']}"] for row in rows]
+        own = next(row for row in rows if row["policy"] == seed)
+        assert result.success.model_dump() == own["cooperative_success" if result.team else "success"]
+
+
+@pytest.mark.parametrize(("name", "original"), ORIGINALS.items())
+def test_it_acts_as_the_policy_that_it_was_made_of(name: str, original: str) -> None:
+    where = card(name).scenario
+    chosen: dict[str, Any] = {"parameters": where.parameters, "team": where.team is not None, "task": where.task}
+    episodes = make_episodes(where.name, n_worlds=8, **chosen)
+    worlds = np.arange(8)
+    shelf, saved = load_policy(name), load_policy(AGENTS / "policies" / f"{original}.zip")
+    episodes.begin(worlds, worlds, "test")
+    for policy in (shelf, saved):
+        policy.begin(episodes, worlds, worlds)
+    for _ in range(25):
+        acted = shelf.act(episodes, worlds)
+        np.testing.assert_allclose(acted, saved.act(episodes, worlds), atol=ROUNDING.get(name, 1e-6))
+        episodes.step(acted.reshape(8, episodes.n_agents, -1), worlds)
+
+
+def test_it_predicts_as_models_of_stable_baselines_do() -> None:
+    policy = irsim_gym.load_policy("cluttered_room")
+    env = irsim_gym.make("cluttered_room")
+    observation, _ = env.reset(seed=4)
+    action, state = policy.predict(observation, deterministic=True)
+    assert state is None
+    assert env.action_space.contains(action)
+    several, _ = policy.predict(np.stack([observation] * 3))
+    assert several.shape == (3, 2)
+    np.testing.assert_allclose(several, np.stack([action] * 3), atol=1e-12)
+    with pytest.raises(ValueError, match="deterministic=True"):
+        policy.predict(observation, deterministic=False)
+    with pytest.raises(ValueError, match=r"observations of shape \(88,\), got \(87,\)"):
+        policy.predict(observation[1:])
+    found = irsim_gym.evaluate("cluttered_room", policy, levels=5, references=False)
+    assert [summary.policy for summary in found.summaries] == ["shelfpolicy"]
+    assert policy.observation_space.shape == env.observation_space.shape
+    env.close()
+
+
+def test_it_needs_no_pytorch() -> None:
+    code = (
+        "import sys, numpy, irsim_gym\n"
+        "policy = irsim_gym.load_policy('cluttered_room')\n"
+        "action, _ = policy.predict(numpy.zeros(policy.observation_space.shape, numpy.float32))\n"
+        "print(action.shape, [name for name in ('torch', 'stable_baselines3', 'numba') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout == "(2,) []\n", done.stderr
+
+
+class Dangerous:
+    def __reduce__(self) -> tuple[Any, ...]:
+        return print, ("code of the file runs",)
+
+
+def test_no_code_of_a_file_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "bad.npz"
+    np.savez(file, form=np.array([Dangerous()], object))
+    with pytest.raises(IrsimGymError, match="no policy of the shelf: Object arrays cannot be loaded"):
+        load_policy(file)
+    file.write_bytes(pickle.dumps(Dangerous()))
+    with pytest.raises(IrsimGymError, match="no policy of the shelf"):
+        load_policy(file)
+    assert capsys.readouterr().out == ""
+
+
+def with_form(name: str, **changed: Any) -> io.BytesIO:
+    """Return a shipped policy's file with another description."""
+    with np.load(shelf_file(name)) as archive:
+        arrays = dict(archive)
+    form = {**json.loads(str(arrays.pop("form"))), **changed}
+    content = io.BytesIO()
+    np.savez(content, form=np.array(json.dumps(form)), **arrays)
+    return content
+
+
+def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "later.npz"
+    for changed, said in (
+        ({"format": 2}, "its format is 2, and this version of irsim_gym reads 1"),
+        ({"trunk": [{"kind": "lineer"}]}, "no step of a network is named 'lineer' \\(did you mean 'linear'"),
+        ({"output": "soft"}, "output must be one of clip, squash, argmax, got 'soft'"),
+    ):
+        file.write_bytes(with_form("cluttered_room", **changed).getvalue())
+        with pytest.raises(IrsimGymError, match=said):
+            irsim_gym.load_policy(file)
+    card_file(file).write_text('{"name": 3}')
+    file.write_bytes(shelf_file("cluttered_room").read_bytes())
+    with pytest.raises(IrsimGymError, match=r"later.json is no card of a policy: name: .*; scenario: Field required"):
+        irsim_gym.load_policy(file)
+
+
+def test_names_on_the_shelf_are_policies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert isinstance(load_policy("cluttered_room"), SavedPolicy)
+    assert policy_names(["cluttered_room", "a/cluttered_room.npz", "dash"]) == [
+        "cluttered_room-1",
+        "cluttered_room-2",
+        "dash",
+    ]
+    (entrant,) = load_entrants(["cluttered_room"])
+    assert entrant.sha256 == policy_digest("cluttered_room") == card("cluttered_room").sha256
+    with pytest.raises(IrsimGymError, match="no policy at cluttered_rom \\(did you mean 'cluttered_room'"):
+        load_policy("cluttered_rom")
+    with pytest.raises(UnknownNameError, match="no policy named 'dash' on the shelf"):
+        irsim_gym.load_policy("dash")
+    with pytest.raises(IrsimGymError, match="what drives alone, without a critic"):
+        load_origin("cluttered_room")
+
+
+def test_a_name_with_two_meanings_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cluttered_room").mkdir()
+    with pytest.raises(IrsimGymError, match=r"a file or folder here: write \./cluttered_room for that, or /.*npz"):
+        load_policy("cluttered_room")
+    with pytest.raises(IrsimGymError, match="no policy at cluttered_room"):
+        load_policy(Path("cluttered_room"))
+    (tmp_path / "cluttered_room").rmdir()
+    monkeypatch.setattr("irsim_gym.training.policies.shelf_files", lambda: {"dash": tmp_path / "dash.npz"})
+    with pytest.raises(IrsimGymError, match="'dash' is a policy on the shelf, and a behavior: give that another name"):
+        load_policy("dash")
+
+
+def test_a_policy_for_another_task_is_refused() -> None:
+    with pytest.raises(UnfitPolicyError, match="trained with observations of shape"):
+        evaluate_policies("circle_swap", ["cluttered_room"], levels=1, references=False)
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """A short training of a team, with normalised observations."""
+    tiny = {"n_timesteps": 256, "n_envs": 4, "n_steps": 16, "batch_size": 32, "n_epochs": 1}
+    wanted = Hyperparameters.from_plain({**tiny, "normalize": True, "team": "episode"})
+    settings = Settings("circle_swap", "ppo", 7, None, wanted, {"n_robots": 3})
+    return train(settings, tmp_path_factory.mktemp("team") / "run")
+
+
+def test_a_run_becomes_a_policy_of_the_shelf(
+    trained: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["policies", "export", trained.folder, "trio", "--out", tmp_path]
+    assert run(monkeypatch, *words, "--levels", 3, "--weakness", "Hardly trained.") == 0
+    file = tmp_path / "trio.npz"
+    assert capsys.readouterr().out == f"policy: {file}\ncard: {tmp_path / 'trio.json'}\n"
+    found = card_of(file)
+    assert found is not None
+    assert found.scenario.sha256 == take_snapshot("circle_swap", None, {"n_robots": 3}).digest
+    assert (found.scenario.name, found.scenario.parameters["n_robots"]) == ("circle_swap", 3)
+    assert (found.training.seed, found.training.steps, found.training.seeds) == (7, 384, (7,))
+    assert (found.results[0].levels, found.results[0].team, found.weaknesses) == (3, True, ("Hardly trained.",))
+    assert str(tmp_path) not in (tmp_path / "trio.json").read_text()
+    first = file.read_bytes()
+    assert run(monkeypatch, *words) == 1
+    assert "trio.npz exists" in capsys.readouterr().err
+    assert run(monkeypatch, *words, "--overwrite", "--levels", 1) == 0
+    assert file.read_bytes() == first
+    assert run(monkeypatch, "policies", "show", file) == 0
+    assert "network, observation: standardize\nnetwork, action: 64, tanh, 64, tanh, 2\n" in capsys.readouterr().out
+
+
+def test_what_a_policy_was_trained_with_is_remembered(
+    trained: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "policies", "export", trained.folder, "trio", "--out", tmp_path, "--levels", 1) == 0
+    file = tmp_path / "trio.npz"
+    assert remembered_parameters("circle_swap", [file])["n_robots"] == 3
+    assert remembered_parameters("random_swap", [file]) == {}
+    assert changes_since("circle_swap", file) == []
+    changed = json.loads(card_file(file).read_text())
+    changed["scenario"]["sha256"] = "0" * 64
+    card_file(file).write_text(json.dumps(changed))
+    assert changes_since("circle_swap", file) == ["its hash is not that on the card"]
+    assert run(monkeypatch, "rollout", "circle_swap", "--policy", file, "--team", "--levels", 1) == 0
+    said = capsys.readouterr().err
+    assert f"circle_swap has changed since {file} was trained: its hash is not that on the card\n" in said
+
+
+def test_an_exported_run_drives_as_the_run(trained: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(monkeypatch, "policies", "export", trained.folder, "trio", "--out", tmp_path, "--levels", 1) == 0
+    episodes = make_episodes("circle_swap", n_worlds=2, parameters={"n_robots": 3}, team=True)
+    worlds = np.arange(2)
+    episodes.begin(worlds, worlds, "dev")
+    policy, original = irsim_gym.load_policy(tmp_path / "trio.npz"), load_policy(trained.folder)
+    seen = observation_layout(episodes).formed(percepts(episodes, worlds))
+    assert not isinstance(seen, dict)
+    original.begin(episodes, worlds, worlds)
+    expected = original.act(episodes, worlds).reshape(6, 2)
+    np.testing.assert_allclose(policy.predict(seen)[0], expected, atol=1e-6)
+
+
+def test_what_cannot_be_exported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    zipped = AGENTS / "policies" / "dense_room_seed_0.zip"
+    results = AGENTS / "results" / "cluttered_room.json"
+    for words, said in (
+        ((zipped, "dense"), "settings and the cost of the training"),
+        ((zipped, "dash"), "'dash' is the name of a behavior"),
+        ((zipped, "dense room"), "a name on the shelf has letters, digits and _ alone"),
+        (("dash", "mine"), "is no trained policy of Stable-Baselines3"),
+        ((shelf_file("cluttered_room"), "mine"), "is no trained policy of Stable-Baselines3"),
+        ((AGENTS / "policies" / "cluttered_room_images_seed_100.zip", "x", "--results", results), "has no row of its"),
+        ((zipped, "dense", "--results", __file__), "holds no figures of policies"),
+    ):
+        assert run(monkeypatch, "policies", "export", *words, "--out", tmp_path) == 1
+        assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_shelf_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "policies", "list") == 0
+    said = capsys.readouterr().out
+    assert all(name in said for name in shelf_files())
+    assert "99.3 [99.1, 99.5]" in said
+    assert run(monkeypatch, "policies", "show", "cluttered_room", "--json") == 0
+    assert PolicyCard.model_validate_json(capsys.readouterr().out) == card("cluttered_room")
+    assert run(monkeypatch, "policies", "show", "clutered_room") == 1
+    assert "did you mean 'cluttered_room'" in capsys.readouterr().err
