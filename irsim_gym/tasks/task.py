@@ -113,7 +113,8 @@ def load_task(
     Args:
         scenario: Where it is played.
         task: A shipped name, the path of a YAML file, or the same as plain data, in place of the scenario's own
-            section ``task``; None takes that section, and ``navigation`` where there is none.
+            section ``task``; None takes that section, and ``navigation`` where there is none. With a name or path,
+            the time limit of the scenario's own section holds, unless the file itself states one.
         max_steps: Replaces the task's time limit.
         team: Without ``agents`` in the task all robots learn instead of the first one.
 
@@ -190,7 +191,8 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     """Return the task's name and its files and sections, the most basic one first."""
     folder = Path(scenario.file).parent if scenario.file else Path()
     if isinstance(task, str | Path):
-        return _file_layers(library.find(task, "tasks"), folder)
+        called, layers = _file_layers(library.find(task, "tasks"), folder)
+        return called, [*layers[:-1], *_own_limit(scenario), layers[-1]]
     if task is None:
         top = Layer(_title(scenario), scenario.task, _task_line(scenario), ("task",), _task_remark(scenario))
     else:
@@ -211,6 +213,14 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     except UnknownNameError as error:
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
     return called, [*layers, top]
+
+
+def _own_limit(scenario: Scenario) -> list[Layer]:
+    """Return the time limit that a scenario gives itself: it also holds for other tasks, unless they state one."""
+    own = {key: value for key, value in scenario.task.items() if key == "max_steps"}
+    if not own:
+        return []
+    return [Layer(_title(scenario), own, _task_line(scenario), ("task",), _task_remark(scenario))]
 
 
 def _task_line(scenario: Scenario) -> Callable[[Place], int]:

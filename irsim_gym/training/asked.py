@@ -81,19 +81,28 @@ class Asked:
         learned = load_task(loaded, self.task, team=True)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
         names = algorithm, environment_id(self.scenario)
-        images = _looks(learned)
-        found = load_hyperparameters(*names, images=images, file=self.hyperparameters, overrides=self.overrides)
+        chosen_file: dict[str, Any] = {
+            "task": self._task_name(),
+            "images": _looks(learned),
+            "file": self.hyperparameters,
+        }
+        found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
         return Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
 
     def folder(self, settings: Settings) -> Path:
         """Return the default folder of a run, named after its unusual settings."""
-        marks = [] if self.task is None else [Path(self.task).stem]
+        task = self._task_name()
+        marks = [] if task is None else [task]
         marks += [] if self.curriculum is None else [self.curriculum]
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
         return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
+
+    def _task_name(self) -> str | None:
+        """Return the name of the task in place of the scenario's own."""
+        return None if self.task is None else Path(self.task).stem
 
     def _changed(self, settings: Settings) -> list[str]:
         """Return which hyper-parameters differ from the shipped ones: a few by value, else by the file's name."""
@@ -101,7 +110,8 @@ class Asked:
             return []
         loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
         names = settings.algorithm, environment_id(self.scenario)
-        chosen: dict[str, Any] = {"images": _looks(load_task(loaded, self.task, team=True)), "given": self.overrides}
+        images = _looks(load_task(loaded, self.task, team=True))
+        chosen: dict[str, Any] = {"task": self._task_name(), "images": images, "given": self.overrides}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
         changed = _changed_values(usual, stated)

@@ -31,18 +31,22 @@ DEFAULT = "default"
 MOST_NAMES = 24
 SWITCHES = ("training", "norm_obs", "norm_reward")
 """Arguments of VecNormalize that are true or false."""
-_ENTRY = re.compile(r"irsim_gym/.+-v0")
+_ENTRY = re.compile(r"irsim_gym/[^/]+-v0(/[^/]+)?")
 _PLAIN_NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 _DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
 
 
-def read_hyperparameters(file: Path, algorithm: Algorithm, environment_id: str, given: Iterable[str]) -> dict[str, Any]:
-    """Return what a file says of an environment: its entry, laid over ``default``.
+def read_hyperparameters(
+    file: Path, algorithm: Algorithm, environment_id: str, task: str | None, given: Iterable[str]
+) -> dict[str, Any]:
+    """Return what a file says of an environment and a task: their entries, laid over ``default``.
 
     Args:
         file: The YAML file; all its entries are checked.
         algorithm: For which it is.
-        environment_id: Name of the entry.
+        environment_id: Name of the environment's entry.
+        task: Name of a task in place of the scenario's own; ``ID/TASK`` is its entry, laid over that of the
+            environment.
         given: Keys that are given elsewhere, so that the file need not have them.
 
     Raises:
@@ -58,12 +62,14 @@ def read_hyperparameters(file: Path, algorithm: Algorithm, environment_id: str, 
             entries[name] = _entry(name, entry, algorithm, report)
     else:
         report.add((), f"must be a mapping with the entry '{DEFAULT}', got {show(source.data)}")
-    chosen = {**entries.get(DEFAULT, {}), **entries.get(environment_id, {})}
+    names = [DEFAULT, environment_id] if task is None else [DEFAULT, environment_id, f"{environment_id}/{task}"]
+    found = [name for name in names if name in entries]
+    chosen = {key: value for name in found for key, value in entries[name].items()}
     if not report.problems:
         required = [name for name, info in option_fields(RunKeys).items() if info.is_required()]
         for name in (name for name in required if name not in chosen and name not in given):
             report.add((DEFAULT, name), "is required")
-        _check_together(chosen, algorithm, environment_id if environment_id in entries else DEFAULT, report)
+        _check_together(chosen, algorithm, found[-1] if found else DEFAULT, report)
     if report.problems:
         raise ScenarioError(source.title, list(report.problems))
     return chosen
@@ -73,10 +79,11 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
     """Return the checked values of one entry."""
     if name != DEFAULT and not _ENTRY.fullmatch(name):
         is_key = name in option_fields(RunKeys) or name in _arguments(algorithm)
-        others = [DEFAULT, re.sub(r"-v\d+$", "-v0", name)] if "/" in name else [DEFAULT]
+        others = [DEFAULT, re.sub(r"-v\d+(?=/|$)", "-v0", name)] if "/" in name else [DEFAULT]
         hint = f" (it belongs below '{DEFAULT}:')" if is_key else suggestion(name, others)
         report.add(
-            (name,), f"no entry{hint}; entries are '{DEFAULT}' and environment ids such as irsim_gym/cluttered_room-v0"
+            (name,),
+            f"no entry{hint}; entries are '{DEFAULT}', ids such as irsim_gym/cluttered_room-v0, and ID/TASK",
         )
         if is_key:
             return {}

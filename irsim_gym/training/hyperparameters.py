@@ -122,6 +122,7 @@ def load_hyperparameters(
     algorithm: str,
     environment_id: str,
     *,
+    task: str | None = None,
     images: bool = False,
     file: Path | None = None,
     overrides: Mapping[str, object] | None = None,
@@ -131,6 +132,7 @@ def load_hyperparameters(
     Args:
         algorithm: One of ``algorithms.ALGORITHMS``, e.g. ``"ppo"``.
         environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
+        task: Name of a task in place of the scenario's own, which may have an entry of its own.
         images: Observations hold pictures; where the algorithm has a file for these, ``ALGORITHM_images.yaml``, it is
             read in place of the other. The networks are then on a graphics card where there is one, unless ``device``
             says otherwise.
@@ -143,26 +145,33 @@ def load_hyperparameters(
         IrsimGymError: The algorithm is not installed.
     """
     given = dict(overrides or {})
-    stated = stated_hyperparameters(algorithm, environment_id, images=images, file=file, given=given)
+    stated = stated_hyperparameters(algorithm, environment_id, task=task, images=images, file=file, given=given)
     usual = {"device": "auto"} if images else {}
     return Hyperparameters.from_plain({**usual, **stated, **given})
 
 
 def stated_hyperparameters(
-    algorithm: str, environment_id: str, *, images: bool = False, file: Path | None = None, given: Iterable[str] = ()
+    algorithm: str,
+    environment_id: str,
+    *,
+    task: str | None = None,
+    images: bool = False,
+    file: Path | None = None,
+    given: Iterable[str] = (),
 ) -> dict[str, Any]:
     """Return what stands in a hyper-parameter file for an environment; see ``load_hyperparameters``.
 
     Args:
         algorithm: The algorithm.
         environment_id: The entry that is laid over the default.
+        task: The task whose entry for this environment is laid over that.
         images: Observations hold pictures.
         file: A file to use in place of the shipped one.
         given: Keys that are given elsewhere, so that the file need not have them.
     """
     chosen = find_algorithm(algorithm)
     chosen.load()
-    return read_hyperparameters(file or _shipped(algorithm, images), chosen, environment_id, given)
+    return read_hyperparameters(file or _shipped(algorithm, images), chosen, environment_id, task, given)
 
 
 def _shipped(algorithm: str, images: bool) -> Path:

@@ -38,6 +38,22 @@ def test_entry_is_laid_over_the_default(tmp_path: Path) -> None:
     assert (special.arguments["gamma"], special.n_envs, special.normalize) == (0.5, 4, {})
 
 
+def test_a_task_in_place_of_the_scenarios_own_may_have_an_entry(tmp_path: Path) -> None:
+    file = tmp_path / "ppo.yaml"
+    file.write_text(
+        "default: {n_timesteps: 10, n_envs: 2, gamma: 0.9}\nirsim_gym/x-v0: {gamma: 0.5, n_envs: 3}\n"
+        "irsim_gym/x-v0/careful: {gamma: 0.7}\nirsim_gym/y-v0/careful: {gamma: 0.6}\n"
+    )
+
+    def found(environment_id: str, task: str | None) -> tuple[float, int]:
+        chosen = load_hyperparameters("ppo", environment_id, task=task, file=file)
+        return chosen.arguments["gamma"], chosen.n_envs
+
+    assert found("irsim_gym/x-v0", None) == found("irsim_gym/x-v0", "other") == (0.5, 3)
+    assert found("irsim_gym/x-v0", "careful") == (0.7, 3)
+    assert found("irsim_gym/y-v0", "careful") == (0.6, 2)
+
+
 COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
 
 
@@ -80,6 +96,7 @@ COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
         ("ppo", "gamma: 0.9", 1, "gamma: no entry .it belongs below 'default:'"),
         ("ppo", "defualt: {n_envs: 2}", 1, "defualt: no entry .did you mean 'default'"),
         ("ppo", COMPLETE + "}\nirsim_gym/cave-v9: {gamma: 0.9}", 2, "no entry .did you mean 'irsim_gym/cave-v0'"),
+        ("ppo", COMPLETE + "}\nirsim_gym/x-v1/own: {gamma: 0.9}", 2, "no entry .did you mean 'irsim_gym/x-v0/own'"),
         ("ppo", "- 1", 1, r"must be a mapping with the entry 'default', got \[1\]"),
         ("ppo", "default: {}", 1, "default.n_envs: is required"),
     ],

@@ -120,6 +120,18 @@ def test_files_build_upon_files(tmp_path: Path) -> None:
         load_task(scenario(), tmp_path / "loop_a.yaml")
 
 
+def test_the_time_limit_of_a_scenario_holds_for_other_tasks_that_state_none(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text("name: navigation\nobservations: [velocity]\n")
+    (tmp_path / "slow.yaml").write_text("name: navigation\nmax_steps: 900\n")
+    world = scenario(task={"name": "navigation", "max_steps": 123})
+    assert load_task(world, tmp_path / "own.yaml").max_steps == 123
+    assert load_task(world, "image_navigation").max_steps == 123
+    assert load_task(world, tmp_path / "slow.yaml").max_steps == 900
+    assert load_task(scenario(), tmp_path / "own.yaml").max_steps == 300
+    with pytest.raises(ScenarioError, match=r"task.max_steps: must be >= 1, got 0"):
+        load_task(scenario(task={"max_steps": 0}), tmp_path / "own.yaml")
+
+
 # --- who learns
 
 TWO = [{**ROBOT, "name": "ann"}, {**ROBOT, "name": "bob", "state": [2, 2, 0]}]
