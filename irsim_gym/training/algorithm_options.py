@@ -46,6 +46,11 @@ class RunKeys:
         None,
         meaning="Which levels are played again: those in which the policy sometimes succeeds and sometimes fails.",
     )
+    clone: str | None = option(
+        None, min_length=1, meaning="Policy that the actor imitates before it learns, e.g. pursuit:known=seen."
+    )
+    clone_levels: int = option(2000, ge=1, meaning="Levels of ``train`` that the imitated policy plays.")
+    clone_epochs: int = option(8, ge=1, meaning="Passes over what it did in the levels that it won.")
     torch_threads: int = option(1, ge=1, le=1024, meaning="Threads of PyTorch.")
     checkpoint_every: int = option(100_000, ge=1, unit="steps", meaning="Steps between checkpoints.")
     reward_scale: float = option(1.0, gt=0.0, meaning="Factor on the rewards that the algorithm sees.")

@@ -42,6 +42,9 @@ class Hyperparameters:
         team: What robots that have ended do while others learn on, ``"episode"`` or ``"respawn"``; see
             ``envs.sb3.make_multi_agent_vec_env``. None where one robot learns.
         curriculum: Which levels are played again, ``"learnability"``: see ``sb3.LearnabilityCallback``; None for none.
+        clone: What the actor imitates first, see ``cloning.clone_behavior``; None for nothing.
+        clone_levels: Levels that the imitated policy plays.
+        clone_epochs: Passes over what it did there.
         torch_threads: Threads of PyTorch.
         checkpoint_every: Steps between checkpoints.
         reward_scale: Factor on the rewards that the algorithm sees.
@@ -54,6 +57,9 @@ class Hyperparameters:
     n_envs: int
     team: str | None = None
     curriculum: str | None = None
+    clone: str | None = None
+    clone_levels: int = 2000
+    clone_epochs: int = 8
     torch_threads: int = 1
     checkpoint_every: int = 100_000
     reward_scale: float = 1.0

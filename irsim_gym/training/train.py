@@ -19,6 +19,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
 from irsim_gym.sb3 import LearnabilityCallback
 from irsim_gym.training import checkpoint as files
+from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import take_weights
 from irsim_gym.training.folders import replaceable, setting_differences
@@ -98,7 +99,7 @@ def train(
         return run
     used = run.own_settings() if goes_on else settings
     newest = files.newest_checkpoint(run.checkpoints) if goes_on else None
-    model, progress = _model(used, newest, device)
+    model, progress = _model(used, newest, device, screen)
     curriculum = curriculum_of(used, newest)
     if not goes_on:
         if run.exists():
@@ -136,7 +137,9 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
         screen.print(message, markup=False, highlight=False, soft_wrap=True)
 
 
-def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple[BaseAlgorithm, files.RunProgress]:
+def _model(
+    settings: Settings, newest: Path | None, device: str | None, screen: Console
+) -> tuple[BaseAlgorithm, files.RunProgress]:
     """Return the model that learns, a new one or that of a checkpoint, and how far it is."""
     if device is not None:
         settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
@@ -148,7 +151,10 @@ def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple
     model = new_model(settings)
     if settings.origin is not None:
         take_weights(model, settings)
-    return model, files.RunProgress()
+    if settings.hyperparameters.clone is None:
+        return model, files.RunProgress()
+    seconds, cpu_seconds = clone_behavior(model, settings, screen)
+    return model, files.RunProgress(training_seconds=seconds, cpu_seconds=cpu_seconds)
 
 
 def _learn(

@@ -1,0 +1,173 @@
+"""Behavioural cloning: the actor imitates a policy, such as a planner, before it learns (Pomerleau 1991)."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium.spaces import Box, Dict
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import Progress
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.distributions import DiagGaussianDistribution
+from stable_baselines3.common.policies import ActorCriticPolicy
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.envs.spaces import observation_layout
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.policy import Policy, by_agent, percepts
+from irsim_gym.evaluation.protocol import drive
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.training.evaluate import WORLDS
+from irsim_gym.training.policies import load_policy
+from irsim_gym.training.run import Settings
+
+BATCH = 1024
+"""Rows of a minibatch."""
+LEARNING_RATE = 2e-3
+"""Of Adam at the start; it falls to 0 in proportion to what remains."""
+
+
+@dataclass
+class Imitated:
+    """A policy that drives, and all that its agents see and do while their episodes run.
+
+    Attributes:
+        policy: What drives.
+        seen: Observations of each step, ``(n, ...)``.
+        done: Actions of each step, as ``Policy.act`` returns them with an axis of agents.
+        episode: Level and agent of each row, ``(n, 2)``.
+    """
+
+    policy: Policy
+    seen: list[NDArray[Any]] = field(default_factory=list)
+    done: list[NDArray[Any]] = field(default_factory=list)
+    episode: list[Ints] = field(default_factory=list)
+    _level: dict[int, int] = field(default_factory=dict)
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Take note of the levels that begin in worlds."""
+        self._level.update(zip(worlds.tolist(), levels.tolist(), strict=True))
+        self.policy.begin(episodes, worlds, levels)
+
+    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
+        """Return what the policy does, and keep it for the agents that have not ended."""
+        actions = self.policy.act(episodes, worlds)
+        runs = (episodes.view.infos["outcome"][worlds] == Outcome.RUNNING).ravel()
+        seen = observation_layout(episodes).formed(percepts(episodes, worlds))
+        by_row = by_agent(actions, episodes, worlds)
+        rows = [(self._level[w], a) for w in worlds.tolist() for a in range(episodes.n_agents)]
+        self.seen.append(np.array(seen)[runs])
+        self.done.append(by_row.reshape(-1, *by_row.shape[2:])[runs])
+        self.episode.append(np.array(rows, np.int64)[runs])
+        return actions
+
+
+def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -> tuple[float, float]:
+    """Let the actor of a new model imitate the policy that the hyper-parameters name.
+
+    The policy plays levels of the run's own part of ``train``; what its agents saw and did in the episodes that they
+    won is learnt. A continuous actor learns the mean of its actions, and keeps ``log_std_init``; a discrete one learns
+    the probabilities. The critic is left as it is.
+
+    Args:
+        model: A model of an on-policy algorithm without memory.
+        settings: What the run trains, with ``clone``.
+        console: Where progress bars go; none where it is no terminal.
+
+    Returns:
+        The wall-clock and the processor time that it took [s].
+
+    Raises:
+        IrsimGymError: The model cannot imitate, or the policy cannot drive these robots or never succeeds.
+    """
+    begun = time.perf_counter(), time.process_time()
+    _refuse(model, settings)
+    assert settings.hyperparameters.clone is not None
+    seen, done = demonstrations(settings, settings.hyperparameters.clone, console)
+    imitate(model, seen, done, settings.hyperparameters.clone_epochs, console)
+    return time.perf_counter() - begun[0], time.process_time() - begun[1]
+
+
+def _refuse(model: BaseAlgorithm, settings: Settings) -> None:
+    """Raise if a model cannot imitate."""
+    policy, problems = model.policy, []
+    if not isinstance(policy, ActorCriticPolicy) or hasattr(policy, "lstm_actor"):
+        problems.append(f"{settings.algorithm} has no actor that can: use ppo or a2c")
+    if isinstance(model.observation_space, Dict):
+        problems.append("the task's observation is a dict: use observation_form: flat")
+    if settings.hyperparameters.normalize is not None:
+        problems.append("statistics of normalize would change under what was learnt: leave it out")
+    if problems:
+        raise IrsimGymError(f"clone: {'; '.join(problems)}")
+
+
+def demonstrations(settings: Settings, source: str, console: Console) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return what the agents of a policy saw and did in the episodes that they won, ``(n, ...)`` each.
+
+    Args:
+        settings: What the run trains.
+        source: The policy, as ``load_policy`` takes it.
+        console: Where the progress bar goes.
+
+    Raises:
+        IrsimGymError: It never succeeds.
+    """
+    count = settings.hyperparameters.clone_levels
+    episodes = make_episodes(
+        settings.scenario,
+        task=settings.task,
+        n_worlds=min(WORLDS, count),
+        parameters=settings.parameters,
+        team=settings.hyperparameters.team is not None,
+        strict=settings.strict,
+    )
+    imitated, won = Imitated(load_policy(source)), set[tuple[int, int]]()
+    levels = range(settings.first_level, settings.first_level + count)
+    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+        line = bar.add_task(f"{source} plays", total=count)
+        for _, worlds, played in drive(imitated, episodes, levels, "train"):
+            outcomes = episodes.view.infos["outcome"][worlds] == Outcome.SUCCESS
+            won |= {(played[k], int(agent)) for k, agent in zip(*np.nonzero(outcomes), strict=True)}
+            bar.advance(line, len(worlds))
+    good = np.array([(level, agent) in won for level, agent in np.concatenate(imitated.episode).tolist()], np.bool_)
+    if not good.any():
+        raise IrsimGymError(f"clone: {source} wins none of {count:,} levels, so there is nothing to imitate")
+    return np.concatenate(imitated.seen)[good], np.concatenate(imitated.done)[good]
+
+
+def imitate(model: BaseAlgorithm, seen: NDArray[Any], done: NDArray[Any], epochs: int, console: Console) -> None:
+    """Fit an actor to observations and actions, ``(n, ...)`` each."""
+    policy = model.policy
+    assert isinstance(policy, ActorCriticPolicy)
+    aims: NDArray[Any] = np.clip(done, -1.0, 1.0) if isinstance(model.action_space, Box) else done
+    wanted = torch.as_tensor(aims, device=policy.device)
+    optimizer = torch.optim.Adam(policy.parameters(), lr=LEARNING_RATE)
+    batches = -(-len(seen) // BATCH)
+    schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, epochs * batches)
+    policy.set_training_mode(True)
+    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+        for _ in bar.track(range(epochs), description="imitating"):
+            order = torch.randperm(len(seen))
+            for part in (order[k : k + BATCH] for k in range(0, len(seen), BATCH)):
+                rows, _ = policy.obs_to_tensor(seen[part.numpy()])
+                found = policy.get_distribution(rows)
+                loss = _loss(found, wanted[part])
+                optimizer.zero_grad()
+                loss.backward()  # type: ignore[no-untyped-call]
+                optimizer.step()
+                schedule.step()
+    policy.set_training_mode(False)
+
+
+def _loss(found: Any, wanted: torch.Tensor) -> torch.Tensor:
+    """Return the squared error of a Gaussian's mean, or the negative logarithm of the probability of choices."""
+    if isinstance(found, DiagGaussianDistribution):
+        return torch.nn.functional.mse_loss(found.distribution.mean, wanted.float())
+    probability: torch.Tensor = found.log_prob(wanted)
+    return -probability.mean()
