@@ -19,6 +19,7 @@ from irsim_gym.engine.path_checks import reachability_check
 from irsim_gym.engine.traits import collect_traits
 from irsim_gym.engine.turns import take_turns
 from irsim_gym.errors import Problem, ScenarioError
+from irsim_gym.scenario.level_checks import n_goals_drawn
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.world.group import Group, WorldContext
 from irsim_gym.world.model import LOOP, WorldModel
@@ -61,8 +62,8 @@ def collect_parts(
     external = scenario.world.step_mode == "external"
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
-    placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
-    single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
+    n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for _, body in bodies]
+    single = np.array([count <= 1 for count in n_goals], np.bool_)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,

@@ -19,6 +19,7 @@ from irsim_gym.engine.start_checks import refuse_blocked_starts
 from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_people
 from irsim_gym.geometry.cells import find_boxes
 from irsim_gym.geometry.world_maps import lay_cells, most_boxes
+from irsim_gym.scenario.level_checks import n_goals_drawn
 from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.scenario.wander_goals import WanderGoals
@@ -213,13 +214,13 @@ class _GoalPlan:
     Attributes:
         renewal: ``KEEP_GOAL``, ``WANDER`` or ``LOOP``.
         count: Goals of a round; one that loops between a single goal and its start has two.
-        placed: Its distribution gives the goal.
+        placed: So many goals are given by its distribution.
         keeps_first: It wanders, but only after the first goal, which it is given.
     """
 
     renewal: int
     count: int
-    placed: bool
+    placed: int
     keeps_first: bool
 
     @property
@@ -233,10 +234,10 @@ def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalP
 
     An agent's behaviour is overridden, so it does not loop, and wanders only where it has no other goal.
     """
-    placed: bool = scenario.placements[body.entry].kind.gives_goal
+    placed = n_goals_drawn(scenario.placements[body.entry])
     wanders = body.wanders and not (is_agent and (placed or body.goal))
     loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
-    count = 1 if placed else len(body.goal)
+    count = placed or len(body.goal)
     renewal = WANDER if wanders else LOOP if loops else KEEP_GOAL
     keeps_first = wanders and count > 0 and bool(_wander_goals(body).keep_first)
     return _GoalPlan(renewal, 2 if loops and count == 1 else count, placed, keeps_first)
@@ -259,6 +260,6 @@ def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, mod
     model.waypoints[:, b, :, 2] = np.nan
     given = np.array(body.goal[: plan.rows]).reshape(-1, 3)
     model.waypoints[:, b, : len(given)] = given
-    model.has_goal[b] = bool(model.movable[b]) and (plan.renewal == WANDER or plan.placed or len(body.goal) > 0)
-    model.goal_renewal[b] = plan.renewal
+    model.has_goal[b] = bool(model.movable[b]) and (plan.renewal == WANDER or plan.placed > 0 or len(body.goal) > 0)
+    model.goal_renewal[b], model.drawn_goals[b] = plan.renewal, plan.placed
     model.waypoint_count[:, b] = plan.count

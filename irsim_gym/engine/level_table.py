@@ -26,7 +26,7 @@ class LevelTable(Struct):
         bodies: Body of each column, shape ``(n,)``.
         shaped: Whether its outline is the file's, shape ``(n,)``.
         start: Poses [m, m, rad], shape ``(n_levels, n, 3)``.
-        goal: Goals [m, m, rad], likewise; NaN for none.
+        goal: Goals in order [m, m, rad], shape ``(n_levels, n, n_goals, 3)``; NaN for none.
         present: Bodies that the level has, shape ``(n_levels, n)``.
         segments: Sides of outlines [m], shape ``(n_segments, 4)``.
         segment_rows: First row of each body's segments and the row after the last, shape ``(n_levels, n, 2)``.
@@ -156,8 +156,10 @@ def copy_levels(worlds: Ints, levels: LevelTable, model: WorldModel, state: Worl
             model.present[w, b], state.placed[w, b] = levels.present[row, k], levels.present[row, k]
             for axis in range(3):
                 state.pose[w, b, axis] = levels.start[row, k, axis]
-                if not np.isnan(levels.goal[row, k, 0]):
-                    model.waypoints[w, b, 0, axis] = levels.goal[row, k, axis]
+            for i in range(levels.goal.shape[2]):
+                if not np.isnan(levels.goal[row, k, i, 0]):
+                    for axis in range(3):
+                        model.waypoints[w, b, i, axis] = levels.goal[row, k, i, axis]
             if levels.shaped[k]:
                 copy_outline(w, b, levels.segment_rows[row, k], levels.disc_rows[row, k], levels, model)
 

@@ -111,7 +111,7 @@ def forget_bodies(parts: Parts, shard: Shard, bodies: Ints, chosen: Flags) -> No
 def _failure(place: str) -> str:
     return (
         f"no place found for {place}, or no way to its goal, in {LEVEL_TRIES} draws of the level: "
-        "the world is too full, or the bounds, min_distance, clearance, min_goal_distance or radius of its "
+        "the world is too full, or the bounds, goals, min_distance, clearance, min_goal_distance or radius of its "
         "distribution leave no room for its size"
     )
 

@@ -90,6 +90,7 @@ class _Taker:
         drawn[list(drawn_bodies(*without_map(scenario)))] = True
         self._bodies: Ints = np.flatnonzero(drawn | given_bodies(scenario))
         varied = varied_outlines(scenario)
+        self._n_goals: Ints = np.maximum(simulation.model.drawn_goals[self._bodies], 1)
         self._shaped: Flags = varied[self._bodies]
         self._cells: list[Flags] | None = [] if scenario.occupied is not None and varied[-1] else None
         self._rows: dict[str, list[Any]] = {name: [] for name in ("start", "goal", "present", "random")}
@@ -101,10 +102,12 @@ class _Taker:
         worlds = np.arange(count)
         model, chosen = self._simulation.model, np.ix_(worlds, self._bodies)
         present = model.present[chosen]
-        has_goal = present & model.has_goal[self._bodies] & (model.waypoint_count[chosen] == 1)
+        has_goal = present & model.has_goal[self._bodies] & (model.waypoint_count[chosen] == self._n_goals)
+        rows = np.arange(self._n_goals.max(initial=1))
+        has_goals = has_goal[:, :, None] & (rows < self._n_goals[:, None])
         self._rows["present"].append(present)
         self._rows["start"].append(np.where(present[..., None], model.start[chosen], 0.0))
-        self._rows["goal"].append(np.where(has_goal[..., None], model.waypoints[chosen][:, :, 0], np.nan))
+        self._rows["goal"].append(np.where(has_goals[..., None], model.waypoints[chosen][:, :, rows], np.nan))
         self._rows["random"].append(model.level_random[worlds])
         if self._cells is not None:
             self._cells.append(model.map_squares[worlds, 0] == 0)

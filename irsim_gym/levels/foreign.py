@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.errors import Problem, ScenarioError
-from irsim_gym.scenario.level_set import LevelSet
+from irsim_gym.scenario.level_set import LevelSet, with_goal_axis
 
 
 class ForeignObject:
@@ -30,7 +30,6 @@ def complete_set(**arrays: Any) -> LevelSet:
     start = arrays["start"]
     offsets = np.zeros((len(start), start.shape[1] + 1), np.int64)
     whole: dict[str, Any] = {
-        "goal": np.full(start.shape, np.nan),
         "present": np.ones(start.shape[:2], np.bool_),
         "segments": np.zeros((0, 4)),
         "segment_start": offsets,
@@ -40,7 +39,8 @@ def complete_set(**arrays: Any) -> LevelSet:
         "random": None,
         "splits": {"all": (0, len(start))},
     }
-    return LevelSet(**{"file": "", **whole, **arrays})
+    goal = with_goal_axis(arrays.get("goal", np.full(start.shape, np.nan)))
+    return LevelSet(**{"file": "", **whole, **arrays, "goal": goal})
 
 
 def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, NDArray[Any]]:

@@ -11,16 +11,19 @@ import numpy as np
 from irsim_gym.arraytypes import CellMap, CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import Grid
 from irsim_gym.placements.free_space import (
     WayGrids,
     has_way_of_length,
     is_goal_free,
     is_start_free,
+    leg_start,
     length_option,
     length_problems,
     way_grids,
 )
+from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind
 from irsim_gym.structs import Struct
@@ -68,6 +71,12 @@ class CellPlacement:
 
     min_way_length: float = length_option("min_way_length")
     max_way_length: float | None = length_option("max_way_length")
+    goals: int = goals_option()
+
+    @property
+    def n_goals(self) -> int:
+        """Number of goals of each member."""
+        return self.goals
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
@@ -82,6 +91,8 @@ class CellPlacement:
         side = float(min(frame.width, frame.height))
         if reaches.max(initial=0.0) >= 0.5 * side:
             return f"needs cells wider than the members: a cell is {side:g} m wide, they reach {reaches.max():g} m"
+        if (misfit := misfit_of_goals(group, model)) is not None:
+            return misfit
         n_bodies, n_cells = len(model.role), int(np.prod(model.map_room.shape[1:]))
         options = group.options[0]
         limits = np.array([options.min_way_length, options.max_way_length or np.inf])
@@ -125,12 +136,12 @@ def draw_in_cells(
 
     Every free cell is as likely a start as any other, and so is every goal that can be reached from it.
 
-    Reads: tables (everyone, found, free, limits, members, needs_way, seen), model (disc_count, disc_start,
+    Reads: tables (everyone, found, free, limits, members, needs_way, seen), model (disc_count, disc_start, drawn_goals,
         goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
         stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: tables (found, free, seen), grids, model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
-    free, found, seen = tables.free[slot], tables.found[slot], tables.seen[slot]
+    free = tables.free[slot]
     for w in worlds:
         here = map_of(cells, w)
         for b in tables.members:
@@ -144,16 +155,49 @@ def draw_in_cells(
                 place_outline(model, state, w, b)
                 if not is_start_free(w, b, tables.everyone, 0.0, model, state, cells):
                     continue
-                n_found = find_reached(here, start, found, seen) if model.has_goal[b] else 0
-                state.placed[w, b] = not model.has_goal[b]
-                while n_found > 0 and not state.placed[w, b]:
-                    n_found -= 1
-                    put_in_cell(here, take(found, n_found, w, state), w, state, model.waypoints[w, b, 0])
-                    state.placed[w, b] = is_goal_free(w, b, 0.0, model, state, cells) and (
-                        not tables.needs_way or has_way_of_length(w, b, tables.limits, grids, model, state, cells)
-                    )
+                state.placed[w, b] = not model.has_goal[b] or draw_goals(w, slot, b, tables, grids, model, state, cells)
             if not state.placed[w, b]:
                 failed[w] = b + 1
+
+
+@kernel
+def draw_goals(
+    w: int,
+    slot: int,
+    b: int,
+    tables: CellTables,
+    grids: WayGrids,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMaps,
+) -> bool:
+    """Draw the goals of body b, each from the cells that can be reached from the one before; return if there are any.
+
+    Reads: tables (found, limits, needs_way, seen), model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal,
+        present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed,
+        pose, random, segments).
+    Writes: tables (found, seen), grids, model (waypoints), state (random).
+    """
+    here, found, seen = map_of(cells, w), tables.found[slot], tables.seen[slot]
+    for k in range(model.drawn_goals[b]):
+        n_found, is_drawn = find_reached(here, cell_at(here, leg_start(w, b, k, model, state)), found, seen), False
+        while n_found > 0 and not is_drawn:
+            n_found -= 1
+            put_in_cell(here, take(found, n_found, w, state), w, state, model.waypoints[w, b, k])
+            is_drawn = is_goal_free(w, b, k, 0.0, model, state, cells) and (
+                not tables.needs_way or has_way_of_length(w, b, k, tables.limits, grids, model, state, cells)
+            )
+        if not is_drawn:
+            return False
+    return True
+
+
+@kernel
+def cell_at(cells: CellMap, point: Point) -> int:
+    """Return the number of the cell that holds a point [m] of the map."""
+    column, row = (point[0] - cells.x) / cells.width, (point[1] - cells.y) / cells.height
+    rows = int(cells.room.shape[1])
+    return int(np.floor(column)) * rows + int(np.floor(row))
 
 
 @kernel

@@ -148,9 +148,9 @@ def draw_shifted(
     """Turn the circle, then shift the start and the goal of one member after the other until they are free.
 
     Reads: circle (angles, clearance, everyone, jitter, mirror, radius, scatter, turn, x, y), model (abreast,
-        disc_count, disc_start, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach,
-        segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random,
-        segments).
+        disc_count, disc_start, drawn_goals, goal_renewal, has_goal, leader, local_discs, local_segments, present,
+        reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose,
+        random, segments).
     Writes: model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     placed = state.placed
@@ -175,8 +175,8 @@ def shift_start(
     """Draw a pose near body b's place on the circle, facing the centre; return the place's angle, NaN if none is free.
 
     Reads: circle (clearance, everyone, jitter, mirror, radius, scatter, x, y), model (abreast, disc_count, disc_start,
-        goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count, segment_start,
-        solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+        drawn_goals, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: state (discs, pose, random, segments).
     """
     pose = state.pose[w, b]
@@ -228,9 +228,9 @@ def shift_goal(
 ) -> bool:
     """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
 
-    Reads: circle (clearance, jitter, mirror, radius, x, y), model (abreast, disc_count, disc_start, goal_renewal,
-        has_goal, present, reach, segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose,
-        random, segments).
+    Reads: circle (clearance, jitter, mirror, radius, x, y), model (abreast, disc_count, disc_start, drawn_goals,
+        goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints),
+        state (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (random).
     """
     clearance, goal = circle.clearance, model.waypoints[w, b, 0]
@@ -242,7 +242,7 @@ def shift_goal(
             x, y = shifted(w, place_x, place_y, circle.jitter, state)
         goal[0], goal[1], goal[2] = circle.x + x, circle.y + y, np.arctan2(y, x)
         if are_goals_apart(w, b, members, clearance, model, state) and is_goal_free(
-            w, b, clearance, model, state, cells
+            w, b, 0, clearance, model, state, cells
         ):
             return True
     return False

@@ -123,8 +123,8 @@ def is_start_free(
 
     A body that will not move is clear of all placed bodies' goals too.
 
-    Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
-        stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
+    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     if outline_near_map(cells, w, outline, clearance):
@@ -147,8 +147,8 @@ def is_start_free(
 def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state: WorldState) -> bool:
     """Return whether body b, where its outline stands, is clear of the goals of all placed bodies.
 
-    Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
-        waypoint_count, waypoints), state (discs, placed, segments).
+    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
+        segment_start, solid, waypoint_count, waypoints), state (discs, placed, segments).
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     for q in range(reaches.shape[0]):
@@ -156,11 +156,20 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state
             continue
         if not state.placed[w, q] or not model.present[w, q]:
             continue
-        for k in range(model.waypoint_count[w, q] if model.goal_renewal[q] == KEEP_GOAL else 1):
+        for k in range(kept_goals(w, q, model)):
             x, y = model.waypoints[w, q, k, 0], model.waypoints[w, q, k, 1]
             if point_outline_distance(x, y, outline) < reaches[q] + clearance:
                 return False
     return True
+
+
+@kernel
+def kept_goals(w: int, b: int, model: WorldModel) -> int:
+    """Return how many goals of body b others keep clear of: all; of a loop those that are drawn, or the first.
+
+    Reads: model (drawn_goals, goal_renewal, waypoint_count).
+    """
+    return int(model.waypoint_count[w, b] if model.goal_renewal[b] == KEEP_GOAL else max(model.drawn_goals[b], 1))
 
 
 @kernel
@@ -173,25 +182,26 @@ def is_closer(clearance: float, one: BodyOutline, other: BodyOutline) -> bool:
 
 @kernel
 def is_goal_free(
-    w: int, b: int, clearance: float, model: WorldModel, state: WorldState, cells: CellMaps | None
+    w: int, b: int, k: int, clearance: float, model: WorldModel, state: WorldState, cells: CellMaps | None
 ) -> bool:
-    """Return whether a disc around body b at its goal is clear of the map, placed static bodies and others' goals.
+    """Return whether a disc around body b at its goal k is clear of the map, placed static bodies and others' goals.
 
-    Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
-        stands, waypoints), state (discs, placed, pose, segments).
+    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
     """
     reaches, waypoints = model.reach[row_of(model.reach, w)], model.waypoints[w]
-    x, y, room = waypoints[b, 0, 0], waypoints[b, 0, 1], reaches[b] + clearance
+    x, y, room = waypoints[b, k, 0], waypoints[b, k, 1], reaches[b] + clearance
     if map_is_closer(cells, w, x, y, room):
         return False
     for q in range(reaches.shape[0]):
         if q == b or not state.placed[w, q] or not model.present[w, q]:
             continue
         if model.has_goal[q] and model.goal_renewal[q] != WANDER:
-            dx, dy = waypoints[q, 0, 0] - x, waypoints[q, 0, 1] - y
             apart = reaches[b] + reaches[q]
-            if dx * dx + dy * dy < apart * apart:
-                return False
+            for i in range(kept_goals(w, q, model)):
+                dx, dy = waypoints[q, i, 0] - x, waypoints[q, i, 1] - y
+                if dx * dx + dy * dy < apart * apart:
+                    return False
         if not model.stands[q]:
             continue
         dx, dy = state.pose[w, q, 0] - x, state.pose[w, q, 1] - y
@@ -204,22 +214,40 @@ def is_goal_free(
 
 
 @kernel
+def leg_start(w: int, b: int, k: int, model: WorldModel, state: WorldState) -> Point:
+    """Return where body b comes from on the way to its goal k [m]: the goal before it, at first the start.
+
+    Reads: model (waypoints), state (pose).
+    """
+    if k == 0:
+        return (state.pose[w, b, 0], state.pose[w, b, 1])
+    return (model.waypoints[w, b, k - 1, 0], model.waypoints[w, b, k - 1, 1])
+
+
+@kernel
 def has_way_of_length(
-    w: int, b: int, limits: Floats, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMaps | None
+    w: int,
+    b: int,
+    k: int,
+    limits: Floats,
+    grids: WayGrids,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMaps | None,
 ) -> bool:
-    """Return whether a disc around body b has a free way to its goal, whose length is within ``limits`` [m].
+    """Return whether a disc around body b has a free way to its goal k, whose length is within ``limits`` [m].
 
     Reads: model (present, reach, stands, waypoints), state (placed, pose).
     Writes: grids.
     """
-    dx, dy = model.waypoints[w, b, 0, 0] - state.pose[w, b, 0], model.waypoints[w, b, 0, 1] - state.pose[w, b, 1]
+    start, goal = leg_start(w, b, k, model, state), (model.waypoints[w, b, k, 0], model.waypoints[w, b, k, 1])
+    dx, dy = goal[0] - start[0], goal[1] - start[1]
     straight = np.sqrt(dx * dx + dy * dy)
-    if straight > limits[1] or not has_way(w, b, grids, model, state, cells):
+    if straight > limits[1] or not has_way(w, b, start, goal, grids, model, state, cells):
         return False
     if straight >= limits[0] and limits[1] == np.inf:
         return True
     obstacles, radius = Obstacles(model, state, w, grids.blocks, cells, None), model.reach[row_of(model.reach, w), b]
-    start, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (model.waypoints[w, b, 0, 0], model.waypoints[w, b, 0, 1])
     return bool(limits[0] <= way_length(grids.search, obstacles, radius, start, goal) <= limits[1])
 
 
@@ -238,18 +266,26 @@ def way_length(search: WaySearch | None, obstacles: Obstacles, radius: float, st
 
 
 @kernel
-def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMaps | None) -> bool:
-    """Return whether a disc around body b has a free way to its goal past the placed static bodies.
+def has_way(
+    w: int,
+    b: int,
+    start: Point,
+    goal: Point,
+    grids: WayGrids,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMaps | None,
+) -> bool:
+    """Return whether a disc around body b has a free way between two points [m] past the placed static bodies.
 
-    Reads: model (present, reach, stands, waypoints), state (placed, pose).
+    Reads: model (present, reach, stands), state (placed).
     Writes: grids.
     """
-    blocks, goal = grids.blocks, (model.waypoints[w, b, 0, 0], model.waypoints[w, b, 0, 1])
+    blocks = grids.blocks
     for q in range(blocks.shape[0]):
         blocks[q] = q != b and state.placed[w, q] and model.present[w, q] and model.stands[q]
     obstacles = Obstacles(model, state, w, blocks, cells, None)
     radius = model.reach[row_of(model.reach, w), b]
-    start = (state.pose[w, b, 0], state.pose[w, b, 1])
     return way_exists(obstacles, radius, start, goal, grids.coarse) or way_exists(
         obstacles, radius, start, goal, grids.fine
     )

@@ -153,7 +153,7 @@ def _place(group: Group, model: WorldModel, state: WorldState, ego: Any, options
             continue
         if made.gives_goal and model.has_goal[b]:
             model.waypoints[w, b, 0] = poses[1]
-            if not is_goal_free(w, b, 0.0, model, state, model.cells):
+            if not is_goal_free(w, b, 0, 0.0, model, state, model.cells):
                 continue
         return True
     return False

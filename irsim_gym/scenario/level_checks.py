@@ -84,6 +84,11 @@ def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]
     )
 
 
+def n_goals_drawn(placement: PlacementSpec) -> int:
+    """Return how many goals the distribution of an entry gives each of its bodies."""
+    return int(getattr(placement.kind, "n_goals", 1)) if placement.kind.gives_goal else 0
+
+
 def misfits(
     levels: LevelSet,
     bodies: Sequence[BodySpec],
@@ -122,13 +127,17 @@ def _misfits_of(
     name, present = f"'{levels.bodies[k]}'", levels.present[:, k]
     if placement.number_range is None and not present.all():
         yield "present", f"{_where(~present, name)}: must be there, since its entry has no number_range"
-    is_given = ~np.isnan(levels.goal[:, k, 0]) & present
-    is_mobile, gives_goal = body.kinematics is not None and not body.static, bool(placement.kind.gives_goal)
-    if is_given.any() and not (is_mobile and (gives_goal or len(body.goal) == 1)):
+    given = (~np.isnan(levels.goal[:, k, :, 0])).sum(axis=1) * present
+    is_mobile = body.kinematics is not None and not body.static
+    wanted = n_goals_drawn(placement) if is_mobile else 0
+    if given.any() and not wanted and not (is_mobile and len(body.goal) == 1):
         has = f"{len(body.goal)} goals" if is_mobile and body.goal else "no goal"
-        yield "goal", f"{_where(is_given, name)}: has {has} in the scenario, so the file can give it none"
-    if is_mobile and gives_goal and (present & ~is_given).any():
-        yield "goal", f"{_where(present & ~is_given, name)}: needs a goal, since its distribution would draw one"
+        yield "goal", f"{_where(given > 0, name)}: has {has} in the scenario, so the file can give it none"
+    elif (given > 1).any() and not wanted:
+        yield "goal", f"{_where(given > 1, name)}: has 1 goal in the scenario, so the file can give it no more"
+    if (wrong := present & (given != wanted)).any() and wanted:
+        what = "a goal, since its distribution would draw one" if wanted == 1 else f"{wanted} goals, as in the scenario"
+        yield "goal", f"{_where(wrong, name)}: needs {what}, got {given[wrong][0] or 'none'}"
     rows = np.diff(levels.segment_start, axis=1)[:, k] + np.diff(levels.disc_start, axis=1)[:, k]
     if is_shaped and not body.shape.is_random and (is_mobile or body.sensors):
         yield "segments", f"{name}: only a random_shape or a standing obstacle takes its outline from a file"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags
 from irsim_gym.errors import Problem, ScenarioError, suggestion
-from irsim_gym.scenario.level_set import ARRAYS, NEEDED, SPLITS, LevelSet
+from irsim_gym.scenario.level_set import ARRAYS, NEEDED, SPLITS, LevelSet, with_goal_axis
 from irsim_gym.scenario.options import LARGEST
 
 MAX_BYTES = 2**32
@@ -93,20 +93,22 @@ def _shapes(arrays: Found) -> Iterator[Mistake]:
             continue
         if array.dtype.kind not in declared.kinds:
             yield name, f"must hold {_WORDS[declared.kinds[0]]}, got {array.dtype}"
-        if array.ndim != len(declared.axes):
-            yield name, f"must have the axes ({', '.join(declared.axes)}), got shape {array.shape}"
+        axes, wish = declared.axes_of(array.ndim), f"must have the axes ({', '.join(declared.axes)})"
+        if array.ndim != len(axes):
+            yield name, f"{wish}, got shape {array.shape}"
             continue
-        for axis, length in zip(declared.axes, array.shape, strict=True):
+        for axis, length in zip(axes, array.shape, strict=True):
             if axis.isdigit():
                 if length != int(axis):
-                    yield name, f"must have the axes ({', '.join(declared.axes)}), got shape {array.shape}"
+                    yield name, f"{wish}, got shape {array.shape}"
                 continue
             key, more = axis.removesuffix("+1"), int(axis.endswith("+1"))
             known, whose = sizes.setdefault(key, (length - more, name))
             if length != known + more:
                 yield name, f"axis {axis} must be {known + more} long, as {whose} has {known}, got {length}"
-    if sizes.get("level", (1, ""))[0] == 0:
-        yield sizes["level"][1], "holds no level"
+    for axis in ("level", "goal"):
+        if sizes.get(axis, (1, ""))[0] == 0:
+            yield sizes[axis][1], f"holds no {axis}"
 
 
 _WORDS = {"U": "text", "f": "numbers", "b": "true or false", "i": "whole numbers", "u": "unsigned whole numbers"}
@@ -125,7 +127,7 @@ def _complete(file: Path, arrays: Found) -> LevelSet:
         file=str(file),
         bodies=tuple(str(name) for name in arrays["bodies"]),
         start=start,
-        goal=np.ascontiguousarray(arrays.get("goal", np.full(start.shape, np.nan)), np.float64),
+        goal=with_goal_axis(arrays.get("goal", np.full(start.shape, np.nan))),
         present=np.ascontiguousarray(arrays.get("present", np.ones((count, size))), np.bool_),
         segments=np.ascontiguousarray(arrays.get("segments", np.zeros((0, 4))), np.float64),
         segment_start=np.ascontiguousarray(arrays.get("segment_start", offsets), np.int64),
@@ -154,10 +156,7 @@ def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
         yield "bodies", f"the name '{doubled[0]}' is there twice"
     bad = ~((np.abs(levels.start) <= LARGEST).all(axis=2)) & levels.present
     yield from _per_level("start", bad, levels, "must be three numbers between -1e7 and 1e7", levels.start)
-    x, y, heading = np.moveaxis(levels.goal, 2, 0)
-    is_good = (np.abs(x) <= LARGEST) & (np.abs(y) <= LARGEST) & ~(np.abs(heading) > LARGEST)
-    bad = ~(is_good | np.isnan(levels.goal).all(axis=2)) & levels.present
-    yield from _per_level("goal", bad, levels, "must be x, y and a heading or NaN, or three NaN", levels.goal)
+    yield from _goal_mistakes(levels)
     for name, rows in (("segment_start", levels.segments), ("disc_start", levels.discs)):
         offsets = getattr(levels, name)
         bad = (np.diff(offsets, axis=1) < 0) | (offsets[:, :-1] < 0) | (offsets[:, 1:] > len(rows))
@@ -172,6 +171,18 @@ def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
         level = int(np.argwhere(cells > 1)[0, 0])
         yield "cells", f"level {level}: must be 0 (free) or 1 (occupied), got {cells[level].max()}"
     yield from _split_mistakes(levels, arrays)
+
+
+def _goal_mistakes(levels: LevelSet) -> Iterator[Mistake]:
+    """Yield goals that are none, and gaps in the order of goals."""
+    x, y, heading = np.moveaxis(levels.goal, 3, 0)
+    is_good = (np.abs(x) <= LARGEST) & (np.abs(y) <= LARGEST) & ~(np.abs(heading) > LARGEST)
+    is_none = np.array(np.isnan(levels.goal).all(axis=3), np.bool_)
+    shown = levels.goal if levels.goal.shape[2] > 1 else levels.goal[:, :, 0]
+    bad = ~(is_good | is_none).all(axis=2) & levels.present
+    yield from _per_level("goal", bad, levels, "must be x, y and a heading or NaN, or three NaN", shown)
+    gap = (is_none[:, :, :-1] & ~is_none[:, :, 1:]).any(axis=2) & levels.present & ~bad
+    yield from _per_level("goal", gap, levels, "rows of NaN must come after all goals", shown)
 
 
 def _per_row(name: str, is_good: Flags, values: NDArray[Any], wish: str) -> Iterator[Mistake]:

@@ -25,7 +25,8 @@ class LevelArray:
     """The declaration of one array of a file of levels.
 
     Attributes:
-        axes: Names of its axes; a digit is a fixed length, and ``body+1`` has one more than there are bodies.
+        axes: Names of its axes; a digit is a fixed length, and ``body+1`` has one more than there are bodies. An axis
+            in brackets may be left out.
         kinds: Kinds of element types that are read, as NumPy abbreviates them.
         unit: SI unit.
         meaning: What it holds.
@@ -36,15 +37,21 @@ class LevelArray:
     unit: str
     meaning: str
 
+    def axes_of(self, n_axes: int) -> tuple[str, ...]:
+        """Return the axes of an array that has so many, without an axis that such an array leaves out."""
+        given = len(self.axes) == n_axes
+        return tuple(axis.strip("[]") for axis in self.axes if given or not axis.startswith("["))
+
 
 ARRAYS: Mapping[str, LevelArray] = {
     "bodies": LevelArray(("body",), "U", "", "Names of the bodies that the file places, in the order of its arrays."),
     "start": LevelArray(("level", "body", "3"), "fiu", "m, m, rad", "Pose at the start: x, y, heading."),
     "goal": LevelArray(
-        ("level", "body", "3"),
+        ("level", "body", "[goal]", "3"),
         "fiu",
         "m, m, rad",
-        "Goal: x, y, heading; a heading of NaN is any, and a row of NaN leaves the goals of the scenario.",
+        "Goals in order: x, y, heading; a heading of NaN is any, a row of NaN no goal. Bodies without any keep "
+        "those of the scenario.",
     ),
     "present": LevelArray(("level", "body"), "b", "", "False for a body that the level does not have."),
     "segments": LevelArray(("segment", "4"), "fiu", "m", "Sides of outlines in the body's frame: x0, y0, x1, y1."),
@@ -72,7 +79,8 @@ class LevelSet:
         file: Path of the file; empty for levels that are in no file.
         bodies: Names of the bodies.
         start: Poses [m, m, rad], shape ``(n_levels, n_bodies, 3)``.
-        goal: Goals [m, m, rad], likewise; NaN where the scenario's own goals stay.
+        goal: Goals in order [m, m, rad], shape ``(n_levels, n_bodies, n_goals, 3)``; NaN after the last one, and where
+            the scenario's own goals stay.
         present: Bodies that the level has, shape ``(n_levels, n_bodies)``.
         segments: Sides of outlines [m], shape ``(n_segments, 4)``.
         segment_start: Rows of each body's segments, shape ``(n_levels, n_bodies + 1)``.
@@ -131,7 +139,7 @@ class LevelSet:
         """Return the arrays of its file, by name; those that say nothing are left out."""
         found: dict[str, NDArray[Any]] = {"bodies": np.array(self.bodies, np.str_), "start": self.start}
         if not np.isnan(self.goal[..., 0]).all():
-            found["goal"] = self.goal
+            found["goal"] = self.goal if self.goal.shape[2] > 1 else self.goal[:, :, 0]
         if not self.present.all():
             found["present"] = self.present
         for rows, start in (("segments", "segment_start"), ("discs", "disc_start")):
@@ -155,7 +163,8 @@ class LevelSet:
         Lengths and angles count to a millionth, so that all machines agree.
         """
         names, shaped = "\0".join(self.bodies).encode(), np.flatnonzero(self.shaped)
-        places = _grains(np.concatenate([self.start, self.goal], axis=2))
+        goals = self.goal.reshape(*self.start.shape[:2], 3 * self.goal.shape[2])
+        places = _grains(np.concatenate([self.start, goals], axis=2))
         outlines = (self.segment_start, _grains(self.segments)), (self.disc_start, _grains(self.discs))
         hashes = np.zeros(self.count, np.uint64)
         for level in range(self.count):
@@ -172,6 +181,11 @@ class LevelSet:
                 digest.update(self.random[level].astype("<u8").tobytes())
             hashes[level] = int.from_bytes(digest.digest(), "little")
         return hashes
+
+
+def with_goal_axis(goal: NDArray[Any]) -> Floats:
+    """Return goals with an axis for goals, shape ``(n_levels, n_bodies, n_goals, 3)``, where theirs may be left out."""
+    return np.ascontiguousarray(goal[:, :, None] if goal.ndim == 3 else goal, np.float64)
 
 
 def _grains(values: Floats) -> Ints:

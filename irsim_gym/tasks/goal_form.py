@@ -11,6 +11,7 @@ from typing import Any
 
 from irsim_gym.errors import Problem
 from irsim_gym.families import REWARDS
+from irsim_gym.scenario.level_checks import n_goals_drawn
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks.audit import Terms
 from irsim_gym.tasks.layers import Merged
@@ -41,7 +42,7 @@ def goal_terms(scenario: Scenario, agents: Sequence[int], terms: Terms, merged: 
                 "arrives by place and heading (arrive_mode: state); observation_form 'goal' supports positions only"
             )
             merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
-        if len(body.goal) > 1 or body.wanders:
+        if max(len(body.goal), n_goals_drawn(scenario.placements[body.entry])) > 1 or body.wanders:
             message = "has several goals; observation_form 'goal' supports one"
             merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
     for place, reward in terms["rewards"]:

@@ -119,7 +119,9 @@ class PlacementKind(Protocol):
     is_random: ClassVar[Annotated[bool, "True if levels differ, else False"]]
     roams: ClassVar[Annotated[bool, "True if it looks for room among what is placed already, else False"]]
     ensures_way: ClassVar[Annotated[bool, "True if each goal it draws can be reached, else False"]]
-    gives_goal: ClassVar[Annotated[bool, "True if it writes model.waypoints[w, b, 0], else False"]]
+    gives_goal: ClassVar[
+        Annotated[bool, "True if it writes model.waypoints[w, b], n_goals of them if it has that number, else False"]
+    ]
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:

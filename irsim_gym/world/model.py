@@ -118,6 +118,7 @@ class WorldModel(Arrays):
     start: Floats = column("world body 3", np.float64, "m, m, rad", "pose at the start")
     waypoints: Floats = column("world body waypoint 3", np.float64, "m, m, rad", "goals in order; NaN heading: any")
     waypoint_count: Ints = column("world body", np.int64, "", "number of goals")
+    drawn_goals: Ints = column("body", np.int64, "", "goals that each level draws for the body; 0: none")
     static_partner: Ints = column("world body", np.int64, "", "a static body that a static body touches, -1 for none")
     static_pose: Floats = column(
         "world body 3", np.float64, "m, m, rad", "where it stood then; inf where it was absent"

@@ -59,7 +59,7 @@ MAPS_BY_LEVEL: tuple[dict[str, Any], ...] = (
 def map_by_level(obstacle_map: dict[str, Any]) -> dict[str, Any]:
     """Return robots in the cells of a map that each level draws, one with a way of limited length."""
     disc = {**FAST, "shape": {"name": "circle", "radius": 0.1}, "behavior": {"name": "dash"}, "sensors": SCANNER}
-    there = {**disc, "distribution": {"name": "cells", "max_way_length": 5}}
+    there = {**disc, "distribution": {"name": "cells", "max_way_length": 5, "goals": 2}}
     anywhere = {**disc, "behavior": {"name": "rvo"}, "distribution": {"name": "random", "reachable": True}}
     return {"world": {**SHORT, "obstacle_map": obstacle_map, "fog_map": True}, "robot": [there, anywhere]}
 

@@ -29,7 +29,7 @@ world:
 robot:
   - number: 3
     kinematics: {name: diff, noise: true}
-    distribution: {name: random, reachable: true}
+    distribution: {name: random, reachable: true, goals: 2}
     behavior: {name: rvo, mode: hrvo, neighbor_threshold: 5}
     acce: [2, 3]
     sensors:

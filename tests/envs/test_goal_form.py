@@ -33,6 +33,9 @@ ROBOT: dict[str, Any] = {
     "goal_threshold": 0.3,
 }
 
+DRAWN = {**{key: value for key, value in ROBOT.items() if key not in ("state", "goal")},
+         "distribution": {"name": "random", "goals": 2}}  # fmt: skip
+
 
 def world(**robot: Any) -> dict[str, Any]:
     return {"world": {"width": 10, "height": 6, "step_time": 0.1}, "robot": {**ROBOT, **robot}}
@@ -113,6 +116,7 @@ def test_batches(kind: str) -> None:
     [
         (world(), {"observation_form": "goal"}, "progress.*cannot be computed for another goal"),
         (world(goal=[[3, 4], [5, 4]]), TASK, "has several goals; observation_form 'goal' supports one"),
+        ({**world(), "robot": DRAWN}, TASK, "has several goals"),
         (world(arrive_mode="state"), TASK, "arrive_mode: state"),
         (world(goal=None), TASK, "has no goal"),
         (world(), {**TASK, "observations": ["top_view"]}, "does not support pictures"),

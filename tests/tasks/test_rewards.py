@@ -46,8 +46,10 @@ def test_progress_sums_to_the_difference_of_the_potential() -> None:
     assert total == pytest.approx(4 / DIAGONAL * (start - episodes.view.infos["goal_distance"][0, 0]))
 
 
-def test_progress_over_two_goals_never_jumps() -> None:
-    episodes = play({"state": [2, 5, 0], "goal": [[[3, 5], [3, 9]]]})
+@pytest.mark.parametrize("potential", ["euclidean", "geodesic"])
+def test_progress_over_two_goals_never_jumps(potential: str) -> None:
+    task = {"rewards": [{"name": "progress", "potential": potential}]}
+    episodes = play({"state": [2, 5, 0], "goal": [[[3, 5], [3, 9]]]}, task=task)
     gains = []
     for _ in range(12):
         drive(episodes, 1, 0)

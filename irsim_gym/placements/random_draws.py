@@ -1,0 +1,235 @@
+"""Starts and goals drawn evenly from boxes, one body after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
+from irsim_gym.geometry.buckets import bucket_of, gather_nearby, put
+from irsim_gym.jit import kernel
+from irsim_gym.placements.free_space import (
+    WayGrids,
+    has_way_of_length,
+    is_goal_free,
+    is_spaced,
+    is_start_free,
+    kept_goals,
+    leg_start,
+)
+from irsim_gym.rng import uniform
+from irsim_gym.structs import Struct
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import place_outline
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+START_TRIES = 1000
+GOAL_TRIES = 100
+PATH_TRIES = 8
+
+
+@dataclass(repr=False)
+class DrawTables(Struct):
+    """What the starts and goals of one entry are drawn from.
+
+    Attributes:
+        low: Lower bounds of the starts [m, m, rad], shape ``(3,)``.
+        high: Upper bounds of the starts, likewise.
+        goal_low: Lower bounds of the goals, likewise.
+        goal_high: Upper bounds of the goals, likewise.
+        min_distance: Least distance between the origins, and between the goals, of two members [m].
+        clearance: Surface distance kept from everything else [m].
+        min_goal_distance: Least distance from start to goal, and from goal to goal [m].
+        needs_way: A start counts only where there is a free way to the goal, and a goal where one comes from the last.
+        limits: Least and greatest length of that way [m], shape ``(2,)``.
+        is_member: Bodies of the entry, shape ``(n_bodies,)``.
+        members: Their numbers.
+        everyone: Numbers of all bodies.
+    """
+
+    low: Floats
+    high: Floats
+    goal_low: Floats
+    goal_high: Floats
+    min_distance: float
+    clearance: float
+    min_goal_distance: float
+    needs_way: bool
+    limits: Floats
+    is_member: Flags
+    members: Ints
+    everyone: Ints
+
+
+@kernel
+def draw_members(
+    worlds: Ints,
+    tables: DrawTables,
+    grids: WayGrids,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMaps | None,
+    failed: Ints,
+) -> None:
+    """Place one member after the other in each world, those that have no place yet, until one finds none.
+
+    Reads: tables (clearance, goal_high, goal_low, high, is_member, limits, low, members, min_distance,
+        min_goal_distance, needs_way), model (bucket_frame, bucketed, disc_count, disc_start, drawn_goals, goal_renewal,
+        has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands,
+        waypoint_count, waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random,
+        segments).
+    Writes: grids, model (waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random,
+        segments), failed.
+    """
+    placed, has_buckets = state.placed, model.bucket_frame[0].columns > 0
+    for w in worlds:
+        if has_buckets:
+            sort_placed(w, model, state)
+        for b in tables.members:
+            if failed[w] > 0 or not model.present[w, b] or placed[w, b]:
+                continue
+            for _ in range(PATH_TRIES if model.has_goal[b] else 1):
+                placed[w, b] = draw_start(w, b, tables, model, state, cells) and (
+                    not model.has_goal[b] or draw_goal(w, b, 0, tables, model, state, cells)
+                )
+                if placed[w, b] and tables.needs_way and model.has_goal[b]:
+                    placed[w, b] = has_way_of_length(w, b, 0, tables.limits, grids, model, state, cells)
+                if placed[w, b]:
+                    break
+            for k in range(1, model.drawn_goals[b]):
+                placed[w, b] = placed[w, b] and draw_next_goal(w, b, k, tables, grids, model, state, cells)
+            if not placed[w, b]:
+                failed[w] = b + 1
+            elif has_buckets:
+                put_placed(w, b, model, state)
+
+
+@kernel
+def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
+    """Let the buckets of world w hold the placed bodies and nobody else.
+
+    Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, placed, pose).
+    Writes: state (bucket, bucket_first, bucket_next).
+    """
+    state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
+    for b in range(state.placed.shape[1]):
+        if state.placed[w, b] and model.present[w, b]:
+            put_placed(w, b, model, state)
+
+
+@kernel
+def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
+    """Put body b of world w into its bucket.
+
+    Reads: model (bucket_frame, bucketed), state (bucket, bucket_first, bucket_next, pose).
+    Writes: state (bucket, bucket_first, bucket_next).
+    """
+    place = bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame[0])
+    put(b, place, state.bucket[w], state.bucket_first[w], state.bucket_next[w])
+
+
+@kernel
+def draw_start(
+    w: int, b: int, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMaps | None
+) -> bool:
+    """Draw a pose for body b that is clear of everything placed so far; return whether there is one.
+
+    Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
+        drawn_goals, goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start,
+        solid, stands, waypoint_count, waypoints), state (bucket_first, bucket_next, discs, nearby, placed, pose,
+        random, segments).
+    Writes: state (discs, nearby, pose, random, segments).
+    """
+    frame, pose, placed, peers, others = (
+        model.bucket_frame[0],
+        state.pose[w],
+        state.placed[w],
+        tables.members,
+        tables.everyone,
+    )
+    first, following, found = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
+    own = model.reach[row_of(model.reach, w), b]
+    for _ in range(START_TRIES):
+        for axis in range(3):
+            pose[b, axis] = uniform(state.random, w, tables.low[axis], tables.high[axis])
+        if frame.columns > 0:
+            within = max(tables.min_distance, own + tables.clearance + frame.reach)
+            count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
+            peers, others = found[:count], found[:count]
+        if not is_spaced(pose, b, peers, tables.is_member, tables.min_distance, model.present[w], placed):
+            continue
+        place_outline(model, state, w, b)
+        if is_start_free(w, b, others, tables.clearance, model, state, cells):
+            return True
+    return False
+
+
+@kernel
+def draw_next_goal(
+    w: int,
+    b: int,
+    k: int,
+    tables: DrawTables,
+    grids: WayGrids,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMaps | None,
+) -> bool:
+    """Draw goal k of body b, with a way from the goal before it if one is needed; return whether there is one.
+
+    Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance, needs_way), model
+        (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count, segment_start,
+        solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Writes: grids, model (waypoints), state (random).
+    """
+    for _ in range(PATH_TRIES):
+        if not draw_goal(w, b, k, tables, model, state, cells):
+            return False
+        if not tables.needs_way or has_way_of_length(w, b, k, tables.limits, grids, model, state, cells):
+            return True
+    return False
+
+
+@kernel
+def draw_goal(
+    w: int, b: int, k: int, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMaps | None
+) -> bool:
+    """Draw goal k of body b, which its footprint can stand on; return whether there is one.
+
+    Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance), model (disc_count,
+        disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands,
+        waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Writes: model (waypoints), state (random).
+    """
+    goal, least, most = model.waypoints[w, b, k], tables.min_goal_distance, tables.limits[1]
+    x, y = leg_start(w, b, k, model, state)
+    for _ in range(GOAL_TRIES):
+        for axis in range(3):
+            goal[axis] = uniform(state.random, w, tables.goal_low[axis], tables.goal_high[axis])
+        dx, dy = goal[0] - x, goal[1] - y
+        if dx * dx + dy * dy < least * least or dx * dx + dy * dy > most * most:
+            continue
+        if not is_goal_spaced(w, b, k, tables, model, state):
+            continue
+        if is_goal_free(w, b, k, tables.clearance, model, state, cells):
+            return True
+    return False
+
+
+@kernel
+def is_goal_spaced(w: int, b: int, k: int, tables: DrawTables, model: WorldModel, state: WorldState) -> bool:
+    """Return whether goal k of body b keeps its distance from all goals of the other members that are placed.
+
+    Reads: tables (members, min_distance), model (drawn_goals, goal_renewal, present, waypoint_count, waypoints), state
+        (placed).
+    """
+    goals, least = model.waypoints[w], tables.min_distance
+    x, y = goals[b, k, 0], goals[b, k, 1]
+    for q in tables.members:
+        if q == b or not model.present[w, q] or not state.placed[w, q]:
+            continue
+        for i in range(kept_goals(w, q, model)):
+            dx, dy = goals[q, i, 0] - x, goals[q, i, 1] - y
+            if dx * dx + dy * dy < least * least:
+                return False
+    return True
