@@ -17,7 +17,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from summarize import HERE, percent
+from summarize import HERE
+
+from irsim_gym.training.seed_summary import percent
 
 RESULTS, PAGE = HERE / "results" / "shipped.json", HERE / "README.md"
 BEGIN, END = "<!-- shipped: begin -->", "<!-- shipped: end -->"

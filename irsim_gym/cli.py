@@ -13,32 +13,23 @@ from irsim_gym.cli_arena import arena
 from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
     LAST_LEVEL,
-    Algorithm,
-    BeginAnew,
-    Curriculum,
-    Device,
-    DevLevels,
     Given,
-    Hyperparameters,
     Imports,
     Lenient,
     Levels,
-    Origin,
     Reference,
-    Resume,
-    RunFolder,
     Scenario,
     Seed,
     Split,
     Steps,
     Task,
     Team,
-    TeamMode,
 )
 from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
+from irsim_gym.cli_train import train
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -134,45 +125,7 @@ def schema() -> None:
     print(json.dumps(json_schema(), indent=2))
 
 
-@app.command()
-def train(
-    scenario: Scenario,
-    algorithm: Algorithm = None,
-    seed: Seed = 0,
-    steps: Steps = None,
-    task: Task = None,
-    out: RunFolder = None,
-    hyperparameters: Hyperparameters = None,
-    resume: Resume = False,
-    overwrite: BeginAnew = False,
-    origin: Origin = None,
-    device: Device = None,
-    dev_levels: DevLevels = 1000,
-    team: TeamMode = None,
-    curriculum: Curriculum = None,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
-) -> None:
-    """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
-    from irsim_gym.training.asked import Asked
-    from irsim_gym.training.commands import run_training
-
-    asked = Asked(
-        scenario,
-        algorithm,
-        seed,
-        steps,
-        task,
-        hyperparameters,
-        team,
-        read_parameters(given),
-        not lenient,
-        device,
-        origin,
-        curriculum,
-    )
-    run_training(asked, out, resume=resume, overwrite=overwrite, dev_levels=dev_levels)
+app.command()(train)
 
 
 @app.command()

@@ -22,6 +22,14 @@ Steps = Annotated[
     typer.Option(min=1, help="Training steps over all worlds, instead of the file's; rounded up to whole rollouts."),
 ]
 Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help="Seed of networks, exploration and training levels.")]
+Seeds = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        help="Train so many seeds, from --seed on, in a folder above their runs, and sum them up.",
+    ),
+]
+TestLevels = Annotated[int, typer.Option(min=1, help="Number of test levels that --seeds is summed up on.")]
 Reference = Annotated[
     str, typer.Option(help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.")
 ]

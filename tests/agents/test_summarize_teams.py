@@ -31,7 +31,7 @@ def make_results(folder: Path) -> list[str]:
     runs = [folder / f"seed_{i}" for i in range(3)]
     for run in runs:
         write(run / "config.json", {"settings": {"algorithm": "ppo"}, "machine": {}})
-        write(run / "curve.json", {"seconds_to": {}, "points": [point]})
+        write(run / "curve.json", {"seconds_to": {"95%": 1.5, "98%": None}, "points": [point]})
         (run / "policy.zip").write_bytes(b"policy")
     for n, csr in ((4, (0.9, 0.7, 0.8)), (8, (0.3, 0.2, 0.1))):
         rows = [row(run.name, value) for run, value in zip(runs, csr, strict=True)]
@@ -50,7 +50,8 @@ def test_medians_and_tables(tmp_path: Path) -> None:
     assert [row["policy"] for row in result["references"]["n_robots=4"]] == ["rvo"]
     lines = found.stdout.splitlines()
     assert lines[0] == "n_robots=4: median CSR of the seeds 80.0 %"
-    cells = "| seed_0 | 90.0 [89.0, 91.0] | 25.0 | 25.0 | 25.0 | 25.0 | 12.5 | 1.0/2.0/3.0 | 0.500 |"
-    assert cells in lines
+    figures = "90.0 [89.0, 91.0] | 25.0 | 25.0 | 25.0 | 25.0 | 12.5 | 1.0/2.0/3.0 | 0.500"
+    assert f"| seed_0 | {figures} | 1.5 | - | 2 | 1 | 8 |" in lines
+    assert lines[-2].endswith("| 0.500 |  |  |  |  |  |")
     assert (tmp_path / "policies" / "swap_seed_2.zip").read_bytes() == b"policy"
     assert (tmp_path / "results" / "swap.png").read_bytes().startswith(b"\x89PNG")

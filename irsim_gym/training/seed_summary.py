@@ -1,0 +1,198 @@
+"""Several seeds of one training in one: figures as JSON, a table, and a picture of the learning curves."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.tables import write_bytes, write_json
+
+Figures = dict[str, Any]
+"""A row of a ``summary.json`` of ``irsim-gym evaluate``, or the whole file, as plain data."""
+
+MARKS = ("95%", "98%")
+COSTS = ("s to 95 %", "s to 98 %", "training s", "CPU s", "steps")
+HEAD = ("policy", "success % [95 % interval]", "collision %", "timeout %", "SPL")
+TEAM_HEAD = (
+    *("policy", "CSR % [95 % interval]", "ISR %", "collided %", "timeout %", "deadlocked %"),
+    *("makespan s", "extra time s, 50/75/90 %", "SPL"),
+)
+TEAM_SHARES = ("individual_success", "collision", "timeout", "deadlocked")
+
+
+def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures]) -> Figures:
+    """Return what several seeds came to.
+
+    Args:
+        scenario: The scenario.
+        runs: Their folders, with scored checkpoints.
+        tests: Evaluations that hold all runs, by the names of their folders; several for teams alone.
+
+    Raises:
+        IrsimGymError: An evaluation lacks a run, or several are given of one robot.
+    """
+    is_team = "cooperative_success" in tests[0]["policies"][0]
+    if not is_team and len(tests) > 1:
+        raise IrsimGymError(f"the seeds of one robot are summed up over one evaluation, got {len(tests)}")
+    conditions = [test["conditions"] for test in tests]
+    labelled = {label(test["conditions"], conditions): test for test in tests}
+    seeds = [read_seed(run, labelled) for run in runs]
+    names = {run.name for run in runs}
+    others = {name: [row for row in test["policies"] if row["policy"] not in names] for name, test in labelled.items()}
+    if is_team:
+        rates = {key: "cooperative_success" if key == "csr" else "individual_success" for key in ("csr", "isr")}
+        middle: Figures = {
+            f"median_test_{key}": {test: _median([seed["test"][test] for seed in seeds], name) for test in labelled}
+            for key, name in rates.items()
+        }
+        said = {name: test["conditions"] for name, test in labelled.items()}
+        return {"scenario": scenario, "conditions": said, **middle, "seeds": seeds, "references": others}
+    (only,) = labelled
+    seeds = [{**seed, "test": seed["test"][only]} for seed in seeds]
+    return {
+        "scenario": scenario,
+        "conditions": conditions[0],
+        "median_test_success": _median([seed["test"] for seed in seeds], "success"),
+        "seeds": seeds,
+        "references": others[only],
+    }
+
+
+def label(conditions: Figures, every: Sequence[Figures]) -> str:
+    """Return what tells a test from the others: the parameters that differ between them, or all of a single one."""
+    own = conditions["parameters"]
+    differing = [name for name in own if len({str(other["parameters"].get(name)) for other in every}) > 1]
+    return ", ".join(f"{name}={own[name]}" for name in differing or own) or str(conditions["scenario"])
+
+
+def read_seed(run: Path, tests: Mapping[str, Figures]) -> Figures:
+    """Return what one run came to: its curve, the seconds to each mark, and its row in each test."""
+    config, curve = (json.loads((run / file).read_text()) for file in ("config.json", "curve.json"))
+    last = curve["points"][-1]
+    return {
+        "run": run.name,
+        "settings": config["settings"],
+        "machine": config["machine"],
+        **{name: last[name] for name in ("training_seconds", "cpu_seconds", "steps")},
+        "seconds_to": curve["seconds_to"],
+        "dev_success": last["success"],
+        "test": {name: _row_of(run.name, test) for name, test in tests.items()},
+        "curve": curve["points"],
+    }
+
+
+def _row_of(policy: str, test: Figures) -> Figures:
+    found = [row for row in test["policies"] if row["policy"] == policy]
+    if not found:
+        raise IrsimGymError(f"'{policy}' is not among the policies of the test on {test['conditions']['parameters']}")
+    return dict(found[0])
+
+
+def _median(rows: Sequence[Figures], key: str) -> float:
+    return float(median(row[key]["value"] for row in rows))
+
+
+def seed_cells(summary: Figures, test: str | None = None) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return the heads and rows of a table: the seeds with the cost of their training, then the references.
+
+    Args:
+        summary: What ``summarize_seeds`` returned.
+        test: Of a team: which test.
+    """
+    seeds, others = summary["seeds"], summary["references"] if test is None else summary["references"][test]
+    cells = _cells if test is None else _team_cells
+    rows = [(*cells(seed["test"] if test is None else seed["test"][test]), *_costs(seed)) for seed in seeds]
+    rows += [(*cells(row), *[""] * len(COSTS)) for row in others]
+    return (*(HEAD if test is None else TEAM_HEAD), *COSTS), rows
+
+
+def _cells(row: Figures) -> tuple[str, ...]:
+    collision, timeout = (f"{100 * row[name]['value']:.1f}" for name in ("collision", "timeout"))
+    return row["policy"], percent(row["success"]), collision, timeout, f"{row['spl']:.3f}"
+
+
+def _team_cells(row: Figures) -> tuple[str, ...]:
+    shares = (f"{100 * row[name]['value']:.1f}" for name in TEAM_SHARES)
+    times = [row["extra_time"][name] for name in ("p50", "p75", "p90")]
+    extra = "-" if None in times else "/".join(f"{time:.1f}" for time in times)
+    success = percent(row["cooperative_success"])
+    return row["policy"], success, *shares, f"{row['makespan']:.1f}", extra, f"{row['spl']:.3f}"
+
+
+def _costs(seed: Figures) -> tuple[str, ...]:
+    marks = (seed["seconds_to"].get(mark) for mark in MARKS)
+    times = ("-" if value is None else f"{value:.1f}" for value in marks)
+    return *times, f"{seed['training_seconds']:.0f}", f"{seed['cpu_seconds']:.0f}", f"{seed['steps']:,}"
+
+
+def percent(rate: Mapping[str, float]) -> str:
+    """Return a rate with its interval."""
+    return f"{100 * rate['value']:.1f} [{100 * rate['low']:.1f}, {100 * rate['high']:.1f}]"
+
+
+def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a table in Markdown."""
+    first, *others = (f"| {' | '.join(cells)} |" for cells in (head, *rows))
+    return [first, "|" + "---|" * len(head), *others]
+
+
+def screen_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    """Return a table for the screen."""
+    table = Table(title=title, title_justify="left")
+    for i, name in enumerate(head):
+        table.add_column(Text(name), justify="left" if i == 0 else "right", no_wrap=i == 0)
+    for cells in rows:
+        table.add_row(*map(Text, cells))
+    return table
+
+
+def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None = None) -> None:
+    """Write ``NAME.json``, and ``NAME.png`` with the learning curves.
+
+    Args:
+        folder: Where they go.
+        name: Of the files.
+        summary: What ``summarize_seeds`` returned.
+        called: What the picture calls it; None for the name of the files.
+    """
+    write_json(folder / f"{name}.json", summary)
+    seeds = summary["seeds"]
+    is_team = "median_test_csr" in summary
+    algorithm = seeds[0]["settings"]["algorithm"].upper()
+    title = f"{called or name}: {algorithm}, {len(seeds)} seed{'s' * (len(seeds) > 1)}"
+    draw_curves(folder / f"{name}.png", title, seeds, "all robots arrive" if is_team else "success")
+
+
+def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) -> None:
+    """Draw the learning curves of all seeds over training seconds."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    for seed in seeds:
+        seconds = [point["training_seconds"] for point in seed["curve"]]
+        axes.plot(
+            seconds, [100 * point["success"] for point in seed["curve"]], lw=1.4, marker="o", ms=2.5, label=seed["run"]
+        )
+    for mark in (95, 98):
+        axes.axhline(mark, color="#d9dee3", lw=1, zorder=0)
+    worst = 100 * min(point["success"] for seed in seeds for point in seed["curve"])
+    levels = seeds[0]["curve"][-1]["levels"]
+    axes.set(xlabel="training time [s]", ylabel=f"{success} on {levels:,.0f} dev levels [%]")
+    axes.set(ylim=(max(0.0, worst // 10 * 10 - 10), 100.5), xlim=(0, None))
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    content = io.BytesIO()
+    figure.savefig(content, format="png")
+    write_bytes(path, content.getvalue())

@@ -1,0 +1,115 @@
+"""Several seeds of one training: their folders, how they go on, and their sum."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import run as command
+
+from irsim_gym.training.asked import Asked
+from irsim_gym.training.results_files import read_results
+from irsim_gym.training.seed_runs import group_folder
+from irsim_gym.training.seed_summary import seed_cells
+from irsim_gym.training.trajectory_figures import Atlas
+
+TINY = "n_timesteps: 64, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, policy_kwargs: {net_arch: [8]}"
+FILE = """\
+robot:
+  kinematics: {name: diff}
+  goal: [9, 9]
+  sensors: [{name: lidar2d, range_max: 4}]
+task: {max_steps: 20, rewards: [{name: time, weight: 1.0}]}
+"""
+WORDS = ("train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--dev-levels", 4, "--test-levels", 6)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new working directory with a scenario and hyper-parameters for short runs; pictures of ways take too long."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Atlas, "draw", lambda *args: None)
+    Path("yard.yaml").write_text(FILE)
+    Path("ppo.yaml").write_text(f"default: {{{TINY}}}")
+    return tmp_path
+
+
+def results(place: str) -> Any:
+    return json.loads(Path(place, "results.json").read_text())
+
+
+def test_seeds_are_trained_and_summed_up(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seed", 3, "--seeds", 1) == 0
+    first = Path("all/seed_3/policy.zip").read_bytes()
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seed", 3, "--seeds", 2) == 0
+    assert Path("all/seed_3/policy.zip").read_bytes() == first
+    said = capsys.readouterr().out
+    summary, test = results("all"), json.loads(Path("all/test/summary.json").read_text())
+    assert [(seed["run"], seed["settings"]["seed"]) for seed in summary["seeds"]] == [("seed_3", 3), ("seed_4", 4)]
+    assert [row["policy"] for row in test["policies"]] == ["ppo-1", "ppo-2", "random", "dash"]
+    for seed, row in zip(summary["seeds"], test["policies"], strict=False):
+        assert {**seed["test"], "policy": ""} == {**row, "policy": ""}
+    assert [row["policy"] for row in summary["references"]] == ["random", "dash"]
+    assert test["conditions"]["levels"] == 6
+    head, rows = seed_cells(summary)
+    assert [cells[0] for cells in rows] == ["seed_3", "seed_4", "random", "dash"]
+    assert rows[0][-1] == "64"
+    assert Path("all/results.md").read_text().splitlines()[2] == f"| {' | '.join(rows[0])} |"
+    assert len(head) == len(rows[0])
+    assert "of seeds" not in said
+    assert "median" in said
+    assert Path("all/results.png").read_bytes().startswith(b"\x89PNG")
+    (found,) = read_results(Path("all/results.json"), Path("all/seed_4"))
+    assert found.seeds == (3, 4)
+    assert found.result.levels == 6
+    assert found.run is not None
+    assert found.run["settings"]["seed"] == 4
+
+
+def test_a_seed_of_several_is_the_run_of_that_seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seed", 1, "--seeds", 1) == 0
+    assert command(monkeypatch, *WORDS, "--out", "alone", "--seed", 1) == 0
+    curves = [
+        [{**point, "training_seconds": 0, "cpu_seconds": 0} for point in json.loads(Path(place).read_text())["points"]]
+        for place in ("all/seed_1/curve.json", "alone/curve.json")
+    ]
+    assert curves[0] == curves[1]
+
+
+def test_seeds_go_on_where_they_were_stopped(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of three seeds one is finished, one is unfinished, and one has not begun."""
+    assert command(monkeypatch, *WORDS, "--out", "all/seed_0") == 0
+    assert command(monkeypatch, *WORDS, "--out", "all/seed_1", "--seed", 1) == 0
+    Path("all/seed_1/policy.zip").unlink()
+    capsys.readouterr()
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seeds", 3) == 1
+    assert "all/seed_1 holds an unfinished run; continue it with --resume" in capsys.readouterr().err
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seeds", 3, "--resume") == 0
+    assert [seed["run"] for seed in results("all")["seeds"]] == ["seed_0", "seed_1", "seed_2"]
+
+
+def test_what_does_not_go_with_seeds(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command(monkeypatch, *WORDS, "--dev-levels", 0, "--seeds", 2) == 1
+    assert "--dev-levels must be at least 1" in capsys.readouterr().err
+    assert not Path("runs").exists()
+
+
+def test_the_folder_above_is_named_as_a_run() -> None:
+    asked = Asked("yard.yaml", seed=10, hyperparameters=Path("ppo.yaml"))
+    assert asked.folder(asked.settings()).name.endswith("-10")
+    assert group_folder(asked).name == asked.folder(asked.settings()).name.removesuffix("10") + "seeds"
+
+
+def test_teams_are_summed_up(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("train", "circle_swap", "--set", "n_robots=2", "--hyperparameters", "ppo.yaml", "--team", "episode")
+    levels = ("--dev-levels", 2, "--test-levels", 2)
+    assert command(monkeypatch, *words, *levels, "--out", "team", "--seeds", 2) == 0
+    summary = results("team")
+    (label,) = summary["conditions"]
+    assert label == "n_robots=2, jitter=0.4"
+    assert [seed["test"][label]["policy"] for seed in summary["seeds"]] == ["seed_0", "seed_1"]
+    assert "CSR" in capsys.readouterr().out
