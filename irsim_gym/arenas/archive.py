@@ -127,7 +127,12 @@ def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]
     ]
     new = {policy["name"]: policy for policy in now["policies"]}
     for policy in before["policies"]:
-        if policy["name"] in new and policy != new[policy["name"]]:
+        if policy["name"] in new and _is_other(policy, new[policy["name"]]):
             was, now_is = (f"{each['source']} (sha256 {each['sha256']})" for each in (policy, new[policy["name"]]))
             found.append(f"policy {policy['name']} {was}, asked for: {now_is}")
     return found
+
+
+def _is_other(before: Mapping[str, Any], now: Mapping[str, Any]) -> bool:
+    """Return whether two entries of a policy differ in what both say."""
+    return any(before[key] != value for key, value in now.items() if key in before)

@@ -13,8 +13,8 @@ from rich.progress import Progress
 from irsim_gym import __version__
 from irsim_gym.arenas.archive import PAGE, TABLE, Archive, holds_arena
 from irsim_gym.arenas.board import Board
-from irsim_gym.arenas.crossplay import arrangements, meetings, mixed
-from irsim_gym.arenas.entrants import Entrant, check_entrants, load_entrants
+from irsim_gym.arenas.crossplay import arrangements, check_mix, meetings, mixed
+from irsim_gym.arenas.entrants import Entrant, load_entrants
 from irsim_gym.arenas.page_data import page_data
 from irsim_gym.arenas.page_file import write_page
 from irsim_gym.arenas.shown_episodes import choose_episodes, record_episodes
@@ -22,6 +22,7 @@ from irsim_gym.arenas.standings import Standings, stand
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import table_text, write_text
@@ -30,6 +31,7 @@ from irsim_gym.levels.played import played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import conditions, make_episodes, team_conditions
+from irsim_gym.training.fitting import check_policies, tell_perceptions
 from irsim_gym.training.folders import has_results
 from irsim_gym.training.policies import Source, policy_names
 from irsim_gym.training.run import machine
@@ -138,13 +140,15 @@ class Contest:
         team: bool,
         mix: bool,
     ) -> None:
-        check_entrants(entrants, episodes)
         self.entrants, self.episodes, self.levels, self.split = entrants, episodes, levels, split
-        self.team, self.mix = team, mix
+        self.team, self.mix, self.worlds = team, mix, Perceived(episodes)
         self.names = [entrant.name for entrant in entrants]
         self.players: dict[str, Policy] = {entrant.name: entrant.policy for entrant in entrants}
+        check_policies(self.players, self.worlds)
+        tell_perceptions(self.players, self.worlds)
         drivers = None
         if mix:
+            check_mix(entrants, self.worlds)
             self.players |= mixed(entrants, episodes.n_agents)
             drivers = {pair.name: pair.drivers(episodes.n_agents) for pair in arrangements(self.names)}
         self.level_set = played_levels(episodes.simulation, split, levels)
@@ -170,7 +174,7 @@ class Contest:
             "team": self.team,
             "mix": self.mix,
             "irsim_gym": __version__,
-            "policies": [entrant.told() for entrant in self.entrants],
+            "policies": [entrant.told(self.worlds) for entrant in self.entrants],
         }
 
     def run(self, told: Mapping[str, Any], replays: int, console: Console, *, resume: bool) -> Arena:
@@ -203,7 +207,7 @@ class Contest:
                 bar.update(line, description=name)
                 rows = evaluation(
                     self.players[name],
-                    self.episodes,
+                    self.worlds.of(self.players[name]),
                     self.levels,
                     self.split,
                     optima=optima,
@@ -215,7 +219,7 @@ class Contest:
         """Play some episodes again for the page, and write it."""
         board = Board.of(found.rows)
         chosen = choose_episodes(board, replays)
-        recorded = record_episodes(board, list(self.players.values()), self.episodes, self.split, chosen)
+        recorded = record_episodes(board, list(self.players.values()), self.worlds, self.split, chosen)
         data = page_data(found.title, board, len(self.names), found.standings, summary)
         with _bar(console) as bar:
             track = bar.track(recorded, total=len(chosen), description="recording")

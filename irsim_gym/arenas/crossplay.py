@@ -17,6 +17,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.metrics import Rate
+from irsim_gym.evaluation.perception import Perceived, Perceives, Perception
 from irsim_gym.evaluation.policy import Actions, Policy, by_agent, without_lone_axis
 from irsim_gym.evaluation.team_metrics import TeamRow, rate_of_agents
 from irsim_gym.tasks import Episodes
@@ -26,7 +27,7 @@ BETWEEN = " + "
 
 
 class MixedPolicy:
-    """Drives some agents as one policy does, and the others as another one.
+    """Drives some agents as one policy does, and the others as another one; both observe the same, see ``check_mix``.
 
     Args:
         one: Drives the first agent, the third and so on.
@@ -37,6 +38,8 @@ class MixedPolicy:
     def __init__(self, one: Policy, other: Policy, n_agents: int) -> None:
         first, second = range(0, n_agents, 2), range(1, n_agents, 2)
         self._parts = [(_of_agents(one, first), first), (_of_agents(other, second), second)]
+        perceiving = (policy for policy in (one, other) if isinstance(policy, Perceives))
+        self.perception: Perception | None = next((policy.perception for policy in perceiving), None)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
         """Tell both that levels begin."""
@@ -101,6 +104,23 @@ def mixed(entrants: Sequence[Entrant], n_agents: int) -> dict[str, Policy]:
     of = {entrant.name: entrant.policy for entrant in entrants}
     pairs = [pair for pair in arrangements(list(of)) if pair.one != pair.other]
     return {pair.name: MixedPolicy(of[pair.one], of[pair.other], n_agents) for pair in pairs}
+
+
+def check_mix(entrants: Sequence[Entrant], worlds: Perceived) -> None:
+    """Make sure that policies that observe anything observe the same, so that any two can drive one team.
+
+    Raises:
+        IrsimGymError: They do not.
+    """
+    perceiving = [entrant for entrant in entrants if isinstance(entrant.policy, Perceives)]
+    if len({id(worlds.of(entrant.policy)) for entrant in perceiving}) > 1:
+        told = "; ".join(
+            f"{entrant.name} {', '.join(worlds.observed_by(entrant.policy) or ())}" for entrant in perceiving
+        )
+        raise IrsimGymError(
+            f"--mix lets two policies drive one team, and these do not observe and act alike: {told}. "
+            "Leave some out, or play without --mix"
+        )
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import policy_kinds
-from irsim_gym.tasks import Episodes
 from irsim_gym.training.policies import Source, load_policies, policy_digest, policy_names
 
 
@@ -29,9 +30,11 @@ class Entrant:
     source: str | None
     sha256: str | None
 
-    def told(self) -> dict[str, str | None]:
-        """Return what results say of it."""
-        return {"name": self.name, "source": self.source, "sha256": self.sha256}
+    def told(self, worlds: Perceived) -> dict[str, Any]:
+        """Return what results say of it, in the worlds that it plays in."""
+        told = {"name": self.name, "source": self.source, "sha256": self.sha256}
+        observes = worlds.observed_by(self.policy)
+        return told if observes is None else {**told, "observes": observes}
 
 
 def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None) -> list[Entrant]:
@@ -56,21 +59,3 @@ def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None)
         Entrant(*parts, None if parts[2] is None else policy_digest(parts[2]))
         for parts in zip(called, loaded, texts, strict=True)
     ]
-
-
-def check_entrants(entrants: Sequence[Entrant], episodes: Episodes) -> None:
-    """Make sure that all can drive the agents.
-
-    Raises:
-        IrsimGymError: Some cannot; the message names them all.
-    """
-    problems = []
-    for entrant in entrants:
-        check = getattr(entrant.policy, "check", None)
-        try:
-            if check is not None:
-                check(episodes)
-        except IrsimGymError as error:
-            problems.append(f"{entrant.name}: {error}")
-    if problems:
-        raise IrsimGymError("\n".join(problems))

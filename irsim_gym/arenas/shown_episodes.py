@@ -10,6 +10,7 @@ import numpy as np
 
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.episode_log import EpisodeLog
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
@@ -75,24 +76,25 @@ def _by_level(chosen: Mapping[ShownEpisode, None]) -> list[ShownEpisode]:
 
 
 def record_episodes(
-    board: Board, policies: Sequence[Policy], episodes: Episodes, split: str, chosen: Sequence[ShownEpisode]
+    board: Board, policies: Sequence[Policy], worlds: Perceived, split: str, chosen: Sequence[ShownEpisode]
 ) -> Iterator[tuple[ShownEpisode, Recording | None]]:
     """Play episodes again and yield their recordings; None for one that came to another end this time.
 
     Args:
         board: What they were.
         policies: Who drives, in the order of the board.
-        episodes: Worlds to play in.
+        worlds: Worlds to play in, as each policy perceives them.
         split: Split of the levels.
         chosen: Which episodes.
     """
-    log = EpisodeLog(episodes, split)
+    log = EpisodeLog(worlds.episodes, split)
     for policy in sorted({shown.policy for shown in chosen}):
         mine = [shown for shown in chosen if shown.policy == policy]
         log.policy = board.policies[policy]
         levels = board.levels[[shown.level for shown in mine]].tolist()
-        for indices, worlds, _ in drive(policies[policy], episodes, levels, split, log):
-            for index, world in zip(indices, worlds, strict=True):
+        episodes = worlds.of(policies[policy])
+        for indices, ended, _ in drive(policies[policy], episodes, levels, split, log):
+            for index, world in zip(indices, ended, strict=True):
                 recording = log.take(world)
                 yield mine[index], recording if _ended_alike(board, episodes, world, mine[index]) else None
     log.close()

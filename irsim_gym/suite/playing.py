@@ -14,6 +14,7 @@ from rich.progress import Progress, TaskID
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.perception import Perceived, UnfitPerceptionError
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.played import played_levels
@@ -21,7 +22,6 @@ from irsim_gym.suite.members import Member
 from irsim_gym.suite.row_files import write_rows
 from irsim_gym.suite.scores import score_suite
 from irsim_gym.suite.suite_record import ROWS, SUMMARY, SuiteRecord, read_record
-from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS
@@ -42,8 +42,8 @@ def play_suite(
 ) -> SuiteRecord:
     """Play what has not been played yet, and score everything; return what the folder holds then.
 
-    A policy that cannot drive a benchmark's robots, or was trained with other observations, is left out there, and the
-    record says why.
+    A policy that cannot drive a benchmark's robots, or observes what these do not have, is left out there, and the
+    record says why. Each policy perceives as in ``evaluate_policies``.
 
     Args:
         members: The benchmarks.
@@ -99,14 +99,14 @@ def _play_member(
     conditions = team_conditions(episodes, record.split, levels)
     conditions |= played_levels(episodes.simulation, record.split, levels).conditions()
     record.members[member.name]["conditions"] = plain(conditions)
-    optima = Optima(record.split)
+    optima, worlds = Optima(record.split), Perceived(episodes)
     for method in methods:
         done = record.done(member.name, method.name)
         for number in range(len(done), len(method.sources)):
             label = f"{member.name}: {method.name}" + (f" {number}" if len(method.sources) > 1 else "")
             line = bar.add_task(label, total=levels)
             file = f"{ROWS}/{member.name}/{as_name(method.name)}-{number}.csv"
-            done.append(_play_policy(method.sources[number], episodes, levels, optima, folder / file, bar, line))
+            done.append(_play_policy(method.sources[number], worlds, levels, optima, folder / file, bar, line))
             record.write(folder)
             bar.remove_task(line)
             if not screen.is_terminal:
@@ -115,20 +115,22 @@ def _play_member(
 
 
 def _play_policy(
-    source: str, episodes: Episodes, levels: int, optima: Optima, path: Path, bar: Progress, line: TaskID
+    source: str, worlds: Perceived, levels: int, optima: Optima, path: Path, bar: Progress, line: TaskID
 ) -> dict[str, Any]:
     """Play one policy, write its rows, and return its entry in the record."""
-    begun = time.process_time()
+    begun, policy = time.process_time(), load_policy(source)
     try:
         rows = evaluate_team(
-            load_policy(source),
-            episodes,
+            policy,
+            worlds.of(policy),
             levels,
             optima.split,
             optima=optima,
             on_episodes=lambda count: bar.advance(line, count),
         )
-    except (UnfitBehaviorError, UnfitPolicyError) as problem:
+    except (UnfitBehaviorError, UnfitPerceptionError, UnfitPolicyError) as problem:
         return {"left_out": str(problem)}
     write_rows(path, rows)
-    return {"file": path.relative_to(path.parents[2]).as_posix(), "seconds": time.process_time() - begun}
+    entry = {"file": path.relative_to(path.parents[2]).as_posix(), "seconds": time.process_time() - begun}
+    observes = worlds.observed_by(policy)
+    return entry if observes is None else {**entry, "observes": observes}

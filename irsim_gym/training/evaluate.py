@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,6 +14,7 @@ from rich.table import Table
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.evaluation.metrics import EpisodeRow, Rate, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
@@ -28,8 +29,8 @@ from irsim_gym.evaluation.tables import (
 )
 from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
-from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, make_episodes
+from irsim_gym.training.fitting import check_policies, observed_by, tell_perceptions
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.run import machine
@@ -51,6 +52,7 @@ class Evaluation:
         summaries: Figures, in the same order.
         level_set: Hash of the levels, and their certificate.
         seeds: Names of its policies, for each method that has several.
+        observes: Names of the observations of each policy that decides by some.
     """
 
     scenario: str
@@ -59,6 +61,7 @@ class Evaluation:
     summaries: list[Summary]
     level_set: PlayedLevels
     seeds: dict[str, list[str]]
+    observes: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def tables(self) -> list[Table]:
@@ -97,6 +100,9 @@ def evaluate_policies(
 ) -> Evaluation:
     """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.
 
+    A policy that knows what it was trained to observe observes that, and acts as it did; all others observe and act as
+    the task says. Everything else is that of the task for all.
+
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         sources: Policies as ``load_policy`` takes them; by name, those of a method, one or several seeds.
@@ -112,12 +118,14 @@ def evaluate_policies(
     """
     made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=max(1, min(n_worlds, levels)), **made)
+    worlds = Perceived(episodes)
     chosen, seeds = named_policies(sources, ALWAYS_SHOWN if references else ())
     atlas = None if folder is None else Atlas(episodes)
-    rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True), atlas)
+    rows = drive_policies(evaluate, worlds, chosen, levels, split, console or Console(stderr=True), atlas)
     played = played_levels(episodes.simulation, split, levels)
     summaries = [summarize(name, rows[name]) for name in rows]
-    found = Evaluation(episodes.simulation.scenario.label, split, rows, summaries, played, seeds)
+    label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
+    found = Evaluation(label, split, rows, summaries, played, seeds, observes)
     if folder is not None and atlas is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
         said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
@@ -130,7 +138,7 @@ def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object
     write_episodes(folder / "episodes.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
     figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
-    write_json(folder / "summary.json", figures)
+    write_json(folder / "summary.json", {**figures, "observes": found.observes})
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 
 
@@ -159,7 +167,7 @@ def named_policies(sources: Sources, references: Sequence[str]) -> tuple[dict[st
 
 def drive_policies(
     evaluation: Callable[..., list[Row]],
-    episodes: Episodes,
+    worlds: Perceived,
     policies: Mapping[str, Policy],
     levels: int,
     split: str,
@@ -170,20 +178,25 @@ def drive_policies(
 
     Args:
         evaluation: ``evaluate`` or ``evaluate_team``.
-        episodes: The worlds.
+        worlds: The worlds, as each policy perceives them.
         policies: Those that drive, by name.
         levels: How many levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         console: Where the bar goes; it stays quiet when that is no terminal.
         atlas: Who keeps their ways, for a picture.
+
+    Raises:
+        UnfitPolicyError: Some policies cannot drive the agents.
     """
+    check_policies(policies, worlds)
+    tell_perceptions(policies, worlds)
     optima, rows = Optima(split), {}
     with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
         for name, policy in policies.items():
             line = bar.add_task(name, total=levels)
             rows[name] = evaluation(
                 policy,
-                episodes,
+                worlds.of(policy),
                 levels,
                 split,
                 optima=optima,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from rich.table import Table
 
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import TEAM_SHOWN
 from irsim_gym.evaluation.tables import percent, table_text, worst_table, write_json, write_text
@@ -23,6 +24,7 @@ from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, rate_text
+from irsim_gym.training.fitting import observed_by
 from irsim_gym.training.methods import Sources
 from irsim_gym.training.run import machine
 from irsim_gym.training.trajectory_figures import Atlas
@@ -39,6 +41,7 @@ class TeamEvaluation:
         summaries: Figures, in the same order.
         level_set: Hash of the levels, and their certificate.
         seeds: Names of its policies, for each method that has several.
+        observes: Names of the observations of each policy that decides by some.
     """
 
     scenario: str
@@ -47,6 +50,7 @@ class TeamEvaluation:
     summaries: list[TeamSummary]
     level_set: PlayedLevels
     seeds: dict[str, list[str]]
+    observes: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def tables(self) -> list[Table]:
@@ -88,7 +92,8 @@ def evaluate_team_policies(
 ) -> TeamEvaluation:
     """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json``, ``table.txt``, ``ways.*``.
 
-    A reference policy that cannot drive all robots is left out, and said to be, unless it is among the sources.
+    A reference policy that cannot drive all robots is left out, and said to be, unless it is among the sources. What
+    policies observe is as in ``evaluate_policies``.
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
@@ -107,15 +112,17 @@ def evaluate_team_policies(
     n_worlds = max(1, min(n_worlds, levels))
     made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=n_worlds, team=True, **made)
+    worlds = Perceived(episodes)
     screen = console or Console(stderr=True)
     chosen, seeds = named_policies(sources, ())
     if references:
         shown, _ = named_policies((), [name for name in TEAM_SHOWN if name not in chosen])
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
     atlas = None if folder is None else Atlas(episodes)
-    rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen, atlas)
+    rows = drive_policies(evaluate_team, worlds, chosen, levels, split, screen, atlas)
     played = played_levels(episodes.simulation, split, levels)
-    found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows), played, seeds)
+    label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
+    found = TeamEvaluation(label, split, rows, summarize_teams(rows), played, seeds, observes)
     if folder is not None and atlas is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
         said = {
@@ -133,7 +140,7 @@ def write_team_evaluation(folder: Path, found: TeamEvaluation, named: Mapping[st
     write_levels(folder / "levels.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
     figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
-    write_json(folder / "summary.json", figures)
+    write_json(folder / "summary.json", {**figures, "observes": found.observes})
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 
 

@@ -18,6 +18,7 @@ from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehavior
 from irsim_gym.evaluation.certificate_measures import is_disc
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_bytes
@@ -131,10 +132,10 @@ def run_certify(
 def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
     """Return the certificate of levels, with a progress bar; ``policies`` as for ``run_certify``."""
     chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
-    optima = Optima(split)
+    optima, worlds = Optima(split), Perceived(episodes)
     with bar("certifying", count * (1 + len(chosen))) as advance:
         rows = {
-            name: evaluate_team(policy, episodes, count, split, optima=optima, on_episodes=advance)
+            name: evaluate_team(policy, worlds.of(policy), count, split, optima=optima, on_episodes=advance)
             for name, policy in chosen.items()
         }
         return certify(episodes, split, count, rows, advance)

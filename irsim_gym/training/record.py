@@ -155,12 +155,12 @@ def _recorded(cast: Players, world: int, level: int) -> Recording:
     """Play a level and return what it looked like."""
     from irsim_gym.render.replay_data import Recording
 
-    scenario, policy = cast.episodes.simulation.scenario, cast.names[world]
+    scenario, policy = cast.simulation.scenario, cast.names[world]
     details = {"policy": policy, "level": f"{level} ({cast.split})"}
-    recording = Recording(scenario, cast.episodes.agent_names, details)
+    recording = Recording(scenario, cast.episodes[world].agent_names, details)
     for status in cast.play(world, level):
         scene = cast.renderer.scene(world, status)
-        recording.note(scene, cast.episodes.simulation.state.pose[world], cast.values(world))
+        recording.note(scene, cast.simulation.state.pose[world], cast.values(world))
     recording.name = cast.title(world, level, status)
     return recording
 

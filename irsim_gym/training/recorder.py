@@ -14,6 +14,7 @@ from rich.progress import Progress
 import irsim_gym
 from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.single import WorldEnv
+from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.tasks import Outcome
 from irsim_gym.training.demonstrations import (
     FORMAT,
@@ -139,13 +140,14 @@ def record_demonstrations(
         All that the file holds now.
 
     Raises:
-        DemonstrationError: The file cannot be gone on with.
+        DemonstrationError: The file cannot be gone on with, or the policy was trained with other observations.
     """
     from irsim_gym.training.policies import load_policy  # loads PyTorch, which a person who plays does not need
 
     env = irsim_gym.make(scenario, task=task, strict=strict, **parameters)
     world, driver = env.unwrapped, load_policy(policy)
     assert isinstance(world, WorldEnv)
+    _check_demonstrator(world, driver)
     recorder = Recorder(env, Path(path))
     first, screen = np.zeros(1, np.int64), console or Console(stderr=True)
     chosen = range(levels) if isinstance(levels, int) else levels
@@ -165,6 +167,17 @@ def record_demonstrations(
         recorder.save()
         env.close()
     return load_demonstrations(path)
+
+
+def _check_demonstrator(env: WorldEnv, policy: object) -> None:
+    """Refuse a policy that observes other things than the environment: it would drive by what it does not know."""
+    episodes = env.worlds.episodes
+    worlds = Perceived(episodes)
+    if worlds.of(policy) is not episodes:
+        raise DemonstrationError(
+            f"the policy observes {', '.join(worlds.observed_by(policy) or ())}, and demonstrations hold what task "
+            f"'{episodes.task.name}' observes: pass the task that it was trained with"
+        )
 
 
 class _Episode:

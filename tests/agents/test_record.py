@@ -81,7 +81,7 @@ def test_a_film_shows_samples_and_the_end(file: str, monkeypatch: pytest.MonkeyP
     Path(file).write_text(STRAIGHT.replace("step_time: 0.25", "step_time: 0.25, sample_time: 1.25"), encoding="utf-8")
     cast = players(file, ["dash"])
     assert cast.steps_per_frame == 5
-    shown = [(int(cast.episodes.simulation.state.step[0]), status) for status in cast.play(0, 0) if cast.is_frame(0)]
+    shown = [(int(cast.simulation.state.step[0]), status) for status in cast.play(0, 0) if cast.is_frame(0)]
     assert shown == [(0, "running"), (5, "running"), (10, "running"), (12, "success")]
     (trail,) = cast.renderer.scene(0).trails
     assert trail.points[:, 0] == pytest.approx(1.0 + 0.25 * np.arange(STEPS + 1))

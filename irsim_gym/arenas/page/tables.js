@@ -134,6 +134,12 @@ function showStrata({ strata, policies, alone }) {
       + "levels are. A policy's own failures do not count, so its columns hold other levels than those of another policy.";
 }
 
+/** Return where a policy is from, and what it observes, in words. */
+function toldOf({ source, sha256, observes }) {
+  const from = [source, sha256].filter(Boolean).join(", sha256 ") || "\u2013";
+  return observes ? `${from}; observes ${observes.join(", ")}` : from;
+}
+
 /** List facts: nested mappings by dotted names. */
 function showFacts({ facts }) {
   const list = document.querySelector("#facts dl");
@@ -142,7 +148,7 @@ function showFacts({ facts }) {
     if (isMapping) {
       for (const [key, part] of Object.entries(value)) walk(part, name ? `${name}.${key}` : key);
     } else if (name === "arena.policies") {
-      value.forEach((policy) => list.append(make("dt", {}, policy.name), make("dd", {}, [policy.source, policy.sha256].filter(Boolean).join(", sha256 ") || "\u2013")));
+      value.forEach((policy) => list.append(make("dt", {}, policy.name), make("dd", {}, toldOf(policy))));
     } else {
       list.append(make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, Array.isArray(value) ? JSON.stringify(value) : String(value ?? "\u2013")));
     }

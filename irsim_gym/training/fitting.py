@@ -1,0 +1,50 @@
+"""Which policies can drive the agents of given worlds."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.perception import Perceived
+from irsim_gym.evaluation.policy import Policy
+from irsim_gym.training.policies import UnfitPolicyError
+
+
+def check_policies(policies: Mapping[str, Policy], worlds: Perceived) -> None:
+    """Make sure that policies can drive the agents, each by what it observes.
+
+    Args:
+        policies: The policies by name.
+        worlds: Where they drive.
+
+    Raises:
+        UnfitPolicyError: Some cannot; the message names them all.
+    """
+    problems = []
+    for name, policy in policies.items():
+        try:
+            place, check = worlds.of(policy), getattr(policy, "check", None)
+            if check is not None:
+                check(place)
+        except IrsimGymError as error:
+            problems.append(f"{name}: {error}")
+    if problems:
+        raise UnfitPolicyError("\n".join(problems))
+
+
+def tell_perceptions(policies: Mapping[str, Policy], worlds: Perceived) -> None:
+    """Say on standard error which policies observe other things than the task says, a line for those of one kind."""
+    own: dict[str, list[str]] = {}
+    for name, policy in policies.items():
+        if worlds.of(policy) is not worlds.episodes:
+            own.setdefault(", ".join(worlds.observed_by(policy) or ()), []).append(name)
+    for observed, names in own.items():
+        who = f"{', '.join(names)}: {observed}"
+        print(f"{who}, as in training, not the observations of '{worlds.episodes.task.name}'", file=sys.stderr)
+
+
+def observed_by(policies: Mapping[str, Policy], worlds: Perceived) -> dict[str, list[str]]:
+    """Return the names of the observations of each policy that decides by some."""
+    found = {name: worlds.observed_by(policy) for name, policy in policies.items()}
+    return {name: names for name, names in found.items() if names is not None}
