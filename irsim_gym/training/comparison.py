@@ -35,9 +35,9 @@ def evaluate(
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, ``"random"``, the name
     of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets
     what the environment observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and
-    returns the actions of ``env.step``, ``(n, action_dim)`` or ``(n,)``. A policy of a run observes and acts as in its
-    training, whatever ``task`` is; what counts is that of ``task`` for all. A ``ChangedScenarioWarning`` reports a
-    scenario that has changed since a run was trained in it.
+    returns the actions of ``env.step``, ``(n, action_dim)`` or ``(n,)``. A policy of a run or of the shelf observes and
+    acts as in its training; what counts is said by ``task`` for all. A ``ChangedScenarioWarning`` reports a scenario
+    that has changed since a run was trained in it.
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.

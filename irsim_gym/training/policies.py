@@ -173,7 +173,7 @@ def load_policy(source: Source) -> Policy:
     """Return what drives.
 
     Of a file the weights are read, and objects of known, harmless classes; for others it warns, because loading them
-    runs code from the file. A policy of a run perceives as the run's own task says.
+    runs code from the file. A policy of a run or of the shelf perceives as in its training.
 
     Args:
         source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), that of

@@ -13,7 +13,7 @@ from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardScenario
-from irsim_gym.training.run import Run, lasting, scenario_name
+from irsim_gym.training.run import lasting, run_of, scenario_name
 from irsim_gym.training.shelf import card_of
 from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
@@ -66,7 +66,7 @@ def changes_since(
     card = card_of(source)
     if card is not None:
         return _changes_since_card(scenario, card.scenario, task, strict=strict)
-    run = _run_of(source)
+    run = run_of(source)
     before = run.snapshot()
     if before is None:
         return []
@@ -105,17 +105,10 @@ def tell_changes(scenario: str, sources: Sequence[str | Path], task: str | None 
 
 def change_told(scenario: str | Path, source: str | Path, found: list[str]) -> str:
     """Return what is said of a scenario that has changed."""
-    run = _run_of(source)
+    run = run_of(source)
     copied = run.snapshot()
     where = "" if copied is None else f". As it was: {run.copy / copied.file}"
     return f"{scenario} has changed since {source} was trained: {listed(found)}{where}"
-
-
-def _run_of(source: str | Path) -> Run:
-    """Return the run that a policy is from: its folder, the one with its file, or that of its checkpoint."""
-    path = Path(source)
-    folder = path if path.is_dir() else path.parent
-    return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
 
 
 def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
@@ -124,7 +117,7 @@ def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
     if card is not None:
         same = card.scenario.name == Path(scenario_name(scenario)).name
         return dict(card.scenario.parameters) if same else {}
-    run = _run_of(source)
+    run = run_of(source)
     try:
         settings = json.loads(run.config.read_text())["settings"]
         same = settings["scenario"] == lasting(scenario_name(scenario))

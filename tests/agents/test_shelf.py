@@ -229,9 +229,16 @@ def test_a_name_with_two_meanings_is_refused(tmp_path: Path, monkeypatch: pytest
         load_policy("dash")
 
 
-def test_a_policy_for_another_task_is_refused() -> None:
-    with pytest.raises(UnfitPolicyError, match="trained with observations of shape"):
-        evaluate_policies("circle_swap", ["cluttered_room"], levels=1, references=False)
+def test_a_policy_observes_in_another_task_what_it_was_trained_with() -> None:
+    found = evaluate_policies("circle_swap", ["cluttered_room"], levels=1, references=False)
+    assert found.observes == {"cluttered_room": ["scan", "goal", "last_action", "free_travel", "goal_record", "trail"]}
+
+
+def test_a_policy_is_refused_where_it_would_observe_something_else() -> None:
+    """Without a scan it would see the nearest bodies and a route, which are other numbers."""
+    robot = {"kinematics": {"name": "diff"}, "state": [1, 1, 0], "goal": [5, 5, 0]}
+    with pytest.raises(UnfitPolicyError, match="cluttered_room: the policy was trained with observations of shape"):
+        evaluate_policies({"robot": robot}, ["cluttered_room"], levels=1, references=False)
 
 
 @pytest.fixture(scope="module")
