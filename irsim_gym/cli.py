@@ -27,6 +27,7 @@ from irsim_gym.cli_options import (
 )
 from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
+from irsim_gym.cli_start import doctor, new
 from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
 from irsim_gym.cli_train import train
@@ -240,6 +241,8 @@ def rollout(
 
 
 app.command("run")(run_by_itself)
+app.command()(new)
+app.command()(doctor)
 
 
 @app.command()

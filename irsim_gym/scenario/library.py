@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -47,6 +47,24 @@ def recordings() -> Mapping[str, Path]:
 def images() -> Mapping[str, Path]:
     """Return the shipped images of bodies by file name, in alphabetical order."""
     return MappingProxyType({file.name: file for file in sorted((configs_folder() / "images").glob("*.png"))})
+
+
+def write_template(file: Path) -> None:
+    """Write a commented scenario to start from.
+
+    Raises:
+        IrsimGymError: The file exists, has another suffix, or its folder does not exist.
+    """
+    if file.suffix not in SUFFIXES:
+        raise IrsimGymError(f"a scenario is a .yaml file, got '{file}'")
+    if not file.parent.is_dir():
+        raise IrsimGymError(f"there is no folder {file.parent}")
+    text = (configs_folder() / "templates" / "scenario.yaml").read_text(encoding="utf-8")
+    try:
+        with file.open("x", encoding="utf-8") as out:
+            out.write(text.replace("FILE", str(file)).replace("FILM.gif", f"{file.stem}.gif"))
+    except FileExistsError:
+        raise IrsimGymError(f"{file} exists; choose another name") from None
 
 
 def scenario_names() -> tuple[str, ...]:

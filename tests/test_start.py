@@ -1,0 +1,70 @@
+"""A scenario to start from, and a look at what is installed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import irsim_gym
+from irsim_gym.cli import app
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training import doctor
+
+
+def run(*words: str) -> tuple[int, str]:
+    found = CliRunner().invoke(app, list(words))
+    if isinstance(found.exception, IrsimGymError):
+        return 2, str(found.exception)
+    return found.exit_code, found.output
+
+
+def test_a_new_scenario_is_an_environment_as_it_stands(tmp_path: Path) -> None:
+    file = tmp_path / "my_world.yaml"
+    code, said = run("new", str(file))
+    assert (code, f"irsim-gym train {file}" in said) == (0, True)
+    text = file.read_text()
+    assert f"irsim-gym check {file} " in text
+    assert "--frames my_world.gif" in text
+    env = irsim_gym.make(file)
+    assert env.reset(seed=0)[0] in env.observation_space
+    assert len(env.unwrapped.bodies) == 9  # the robot, the walls, six discs and a walker
+
+
+def test_a_new_scenario_replaces_nothing(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("mine")
+    assert run("new", str(mine)) == (2, f"{mine} exists; choose another name")
+    assert mine.read_text() == "mine"
+    assert "a scenario is a .yaml file" in run("new", str(tmp_path / "world.txt"))[1]
+    assert "there is no folder" in run("new", str(tmp_path / "nowhere" / "world.yaml"))[1]
+
+
+def test_doctor_names_versions_and_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    code, said = run("doctor")
+    assert code == 0
+    for word in (irsim_gym.__version__, "numba", "cache of kernels", "processors", "display"):
+        assert word in said
+    monkeypatch.setattr(doctor, "OPTIONAL", {"no_such_module": ("fly", "pip install wings")})
+    last = doctor.examine()[-1]
+    assert (last.topic, last.found, last.advice) == ("fly", "no_such_module is not installed", "pip install wings")
+
+
+def test_doctor_fails_where_a_package_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(doctor, "PACKAGES", ("numpy", "no-such-package"))
+    assert run("doctor")[0] == 1
+    assert [one.topic for one in doctor.examine() if one.is_wrong] == ["no-such-package"]
+
+
+def test_doctor_says_how_kernels_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def said() -> str:
+        return next(one.found for one in doctor.examine() if one.topic == "compiled kernels")
+
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
+    monkeypatch.delenv("IRSIM_GYM_PLAIN_NUMBA", raising=False)
+    assert said() == "on"
+    monkeypatch.setenv("IRSIM_GYM_PLAIN_NUMBA", "1")
+    assert said() == "Numba's plain way: IRSIM_GYM_PLAIN_NUMBA is set"
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    assert said() == "off: NUMBA_DISABLE_JIT is set"
