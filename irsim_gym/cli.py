@@ -30,7 +30,7 @@ from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new
 from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
-from irsim_gym.cli_train import train
+from irsim_gym.cli_train import train, tune
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -127,6 +127,7 @@ def schema() -> None:
 
 
 app.command()(train)
+app.command()(tune)
 
 
 @app.command()

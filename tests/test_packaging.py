@@ -60,8 +60,8 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     for source in (file for suffix in ("yaml", "png") for file in (ROOT / "configs").rglob(f"*.{suffix}")):
         assert f"irsim_gym/configs/{source.relative_to(ROOT / 'configs').as_posix()}" in names
-    for source in (ROOT / "agents" / "hyperparameters").glob("*.yaml"):
-        assert f"irsim_gym/hyperparameters/{source.name}" in names
+    for source in (ROOT / "agents" / "hyperparameters").rglob("*.yaml"):
+        assert f"irsim_gym/{source.relative_to(ROOT / 'agents').as_posix()}" in names
     for source in (ROOT / "agents" / "shelf").iterdir():
         assert f"irsim_gym/shelf/{source.name}" in names
     for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():

@@ -10,8 +10,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.reference_policies import policy_kinds
-from irsim_gym.training.policies import Source, load_policies, policy_digest, policy_names
+from irsim_gym.training.policies import Source, known_names, load_policies, policy_digest, policy_names
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None)
         IrsimGymError: There are none, some do not exist, or two of them are the same.
     """
     if not sources:
-        raise IrsimGymError(f"an arena needs policies: a .zip, a run's folder, or any of {', '.join(policy_kinds())}")
+        raise IrsimGymError(f"an arena needs policies: a .zip, a run's folder, or any of {', '.join(known_names())}")
     called = policy_names(sources) if names is None else list(names)
     texts = [str(source) if isinstance(source, str | Path) else None for source in sources]
     twice = sorted({text for text in texts if text is not None and texts.count(text) > 1})

@@ -68,9 +68,14 @@ def save_checkpoint(
     partial.rename(target)
     for older in list_checkpoints(folder):
         if older != target:
-            for name in (STATE, REPLAY_BUFFER):
-                (older / name).unlink(missing_ok=True)
+            forget_state(older)
     return target
+
+
+def forget_state(checkpoint: Path) -> None:
+    """Remove what resuming needs; the policy and its progress stay."""
+    for name in (STATE, REPLAY_BUFFER):
+        (checkpoint / name).unlink(missing_ok=True)
 
 
 def export_policy(path: Path, model: BaseAlgorithm) -> None:

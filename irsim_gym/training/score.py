@@ -32,10 +32,18 @@ MARKS = (0.90, 0.95, 0.98, 0.99)
 Point = dict[str, float]
 
 
-def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = None) -> list[Point]:
+def score_run(
+    run: Run, *, levels: int = DEV_LEVELS, console: Console | None = None, picture: bool = True
+) -> list[Point]:
     """Score every checkpoint that has no score yet; write ``curve.csv``, ``curve.json`` and ``curve.png``.
 
     The files are renewed after every checkpoint, so an interrupted scoring continues where it stopped.
+
+    Args:
+        run: The run, finished or not.
+        levels: Levels of ``dev``.
+        console: Where progress is shown; None for standard error.
+        picture: Draw ``curve.png``.
 
     Returns:
         A point per checkpoint, in the order of steps.
@@ -66,7 +74,7 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
                 points[int(point["steps"])] = point
                 _write(run, _sorted(points))
     curve = _sorted(points)
-    if curve:
+    if curve and picture:
         named = with_parameters(settings.scenario, settings.parameters)
         team = "a team by " if settings.hyperparameters.team is not None else ""
         title = f"{named}, {team}{settings.algorithm.upper()}, seed {settings.seed}, scored on {levels:,} dev levels"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -66,6 +66,7 @@ def train(
     overwrite: bool = False,
     device: str | None = None,
     console: Console | None = None,
+    on_checkpoint: Callable[[Run], None] | None = None,
 ) -> Run:
     """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
 
@@ -80,6 +81,8 @@ def train(
         overwrite: Replace the run in the folder.
         device: Where the networks are this time; None for what the settings say.
         console: Where progress is shown; None for standard error.
+        on_checkpoint: Called after each checkpoint but the last, while the clock of the training stands. It changes
+            nothing in what is learned; what it raises ends the run there, unfinished.
 
     Raises:
         IrsimGymError: The folder holds another run, or one that should be resumed, or is a file.
@@ -107,7 +110,7 @@ def train(
         run.begin(settings, now)
     _tidy(run)
     try:
-        _learn(run, settings, model, progress, curriculum, screen)
+        _learn(run, settings, model, progress, curriculum, screen, on_checkpoint)
     finally:
         _write_log(run, progress)
         env = model.get_env()
@@ -164,6 +167,7 @@ def _learn(
     progress: files.RunProgress,
     curriculum: LearnabilityCallback | None,
     console: Console,
+    on_checkpoint: Callable[[Run], None] | None,
 ) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint."""
     wanted, stop = settings.hyperparameters, StopRequest()
@@ -175,7 +179,13 @@ def _learn(
         levels = None if curriculum is None else curriculum.levels
         return files.save_checkpoint(run.checkpoints, model, progress, levels)
 
-    watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save, stop, console)
+    def save_and_show() -> None:
+        written = save()
+        if on_checkpoint is not None and stop.signal is None:
+            on_checkpoint(run)
+            files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
+
+    watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
     callbacks: list[BaseCallback] = [watch] if curriculum is None else [watch, curriculum]
     with stop.listening():
         try:

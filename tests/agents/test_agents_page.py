@@ -9,6 +9,10 @@ from pathlib import Path
 import pytest
 from command_line import run
 
+from irsim_gym.training.asked import Asked
+from irsim_gym.training.search_space import read_space
+from irsim_gym.training.trial_settings import check_space
+
 PAGE = Path(__file__).parents[2] / "agents" / "README.md"
 GROUPS = {"policies", "suite", "levels"}
 """Commands that have commands of their own."""
@@ -28,6 +32,13 @@ def commands() -> list[list[str]]:
 @pytest.mark.parametrize("block", blocks("python"))
 def test_blocks_in_python_run(block: str) -> None:
     exec(compile(block, "agents/README.md", "exec"), {})
+
+
+@pytest.mark.parametrize("block", blocks("yaml"))
+def test_search_spaces_can_be_read(block: str, tmp_path: Path) -> None:
+    (tmp_path / "space.yaml").write_text(block, encoding="utf-8")
+    asked = Asked("cluttered_room")
+    check_space(asked, asked.settings(), read_space(tmp_path / "space.yaml"))
 
 
 @pytest.mark.parametrize("words", commands(), ids=" ".join)

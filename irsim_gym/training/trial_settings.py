@@ -1,0 +1,89 @@
+"""What a trial of a tuning trains: files of hyper-parameters and of the task, made from drawn values."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from irsim_gym.errors import IrsimGymError, ScenarioError
+from irsim_gym.evaluation.tables import plain, write_text
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.source import read_file
+from irsim_gym.scenario.validation import Report
+from irsim_gym.tasks.task import merged_task
+from irsim_gym.training.asked import Asked
+from irsim_gym.training.run import Settings
+from irsim_gym.training.search_space import DIGITS, SearchSpace, Values, with_value
+
+HYPERPARAMETERS, TASK = "hyperparameters.yaml", "task.yaml"
+
+
+def write_settings(place: Path, asked: Asked, settings: Settings, hyperparameters: Values, factors: Values) -> Asked:
+    """Write the files of a trial, and return what it trains.
+
+    Args:
+        place: Folder of the trial.
+        asked: What is tuned.
+        settings: Its present settings.
+        hyperparameters: Drawn values by key.
+        factors: Factors of the weights of rewards.
+
+    Raises:
+        IrsimGymError: The task has no such rewards.
+    """
+    chosen = {key: value for key, value in settings.hyperparameters.to_plain().items() if value is not None}
+    for key, value in hyperparameters.items():
+        chosen = with_value(chosen, key, value)
+    write_text(place / HYPERPARAMETERS, yaml.safe_dump({"default": plain(chosen)}, sort_keys=False))
+    own: dict[str, Any] = {"hyperparameters": place / HYPERPARAMETERS}
+    if factors:
+        write_text(place / TASK, yaml.safe_dump(weighted_task(settings, factors), sort_keys=False))
+        own["task"] = str(place / TASK)
+    return replace(asked, steps=None, team=None, curriculum=None, **own)
+
+
+def weighted_task(settings: Settings, factors: Values) -> Values:
+    """Return the task with other weights of its rewards, complete: it builds on no other file.
+
+    Raises:
+        IrsimGymError: The task gives no weights for these rewards.
+    """
+    scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
+    _, merged = merged_task(scenario, settings.task)
+    rewards = [dict(one) if isinstance(one, Mapping) else {"name": one} for one in merged.get("rewards", [])]
+    named = {one["name"]: one for one in rewards}
+    missing = [name for name in factors if not isinstance(named.get(name, {}).get("weight"), int | float)]
+    if missing:
+        raise IrsimGymError(f"the task gives no weight for {', '.join(missing)}; its rewards are {', '.join(named)}")
+    for name, factor in factors.items():
+        named[name]["weight"] = float(f"{named[name]['weight'] * factor:.{DIGITS}g}")
+    return {**merged, "name": "blank", "rewards": rewards}
+
+
+def check_space(asked: Asked, settings: Settings, space: SearchSpace) -> None:
+    """Make sure that the settings have what the space changes, and take its least and greatest hyper-parameters.
+
+    Raises:
+        IrsimGymError: They do not.
+    """
+    report = Report(read_file(space.file))
+    for name in space.rewards:
+        try:
+            weighted_task(settings, {name: 1.0})
+        except IrsimGymError as error:
+            report.add(("rewards", name), str(error))
+    for key, one in space.hyperparameters.items():
+        for value in one.ends():
+            with tempfile.TemporaryDirectory() as folder:
+                try:
+                    write_settings(Path(folder), asked, settings, {key: value}, {}).settings()
+                except ScenarioError as error:
+                    for problem in error.problems:
+                        report.add(("hyperparameters", key), problem.message)
+    if report.problems:
+        raise ScenarioError(report.source.title, list(report.problems))

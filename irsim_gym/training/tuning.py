@@ -1,0 +1,268 @@
+"""Tuning: trials of hyper-parameters and weights of rewards, chosen by Optuna, each an ordinary training run."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.tables import plain, write_json
+from irsim_gym.scenario.messages import show
+from irsim_gym.training.asked import Asked
+from irsim_gym.training.checkpoint import forget_state, list_checkpoints
+from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.score import Point, score_run
+from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
+from irsim_gym.training.snapshot import listed
+from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
+from irsim_gym.training.trial_settings import check_space, write_settings
+from irsim_gym.training.tuning_results import (
+    BEST,
+    BEST_TASK,
+    RESULTS,
+    TuningTrial,
+    best_of,
+    keep_best,
+    show_trials,
+    value_text,
+    write_trials,
+)
+
+JOURNAL, CONFIG, TRIALS = "study.log", "tune.json", "trials"
+REFUSED = "refused"
+"""Attribute of a trial whose settings cannot be trained: why."""
+FINISHED_FIRST, FIRST_PRUNED = 5, 3
+"""Finished trials before any is pruned, and the first checkpoint at which one can be."""
+PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """A study on disk.
+
+    Attributes:
+        asked: What is trained; its settings are those of the first trial.
+        settings: These settings.
+        space: What may change.
+        dev_levels: Levels of ``dev`` that each checkpoint is scored on.
+        folder: Where the study is.
+        optuna: The library.
+        console: Where progress is shown.
+    """
+
+    asked: Asked
+    settings: Settings
+    space: SearchSpace
+    dev_levels: int
+    folder: Path
+    optuna: Any
+    console: Console = field(default_factory=lambda: Console(stderr=True))
+
+    def to_plain(self) -> Values:
+        """Return all that the trials depend on, as plain data."""
+        found = {"settings": self.settings.to_plain(), "scenario": self.settings.snapshot().digest}
+        return dict(plain({**found, "space": self.space.to_plain(), "dev_levels": self.dev_levels}))
+
+    def place(self, number: int) -> Path:
+        """Return the folder of a trial."""
+        return self.folder / TRIALS / f"{number:04d}"
+
+
+def run_tuning(
+    asked: Asked,
+    trials: int,
+    *,
+    space: Path | None = None,
+    out: Path | None = None,
+    overwrite: bool = False,
+    dev_levels: int = 300,
+) -> Path:
+    """Try settings until there are so many trials, and return the folder of the study.
+
+    A folder with a study is gone on with: an interrupted trial continues at its newest checkpoint. What is drawn
+    follows from the seed and from the trials before, so an interrupted study ends as an uninterrupted one.
+
+    Args:
+        asked: What is trained.
+        trials: How many there shall be in the folder.
+        space: File of the search space; None for the algorithm's shipped one.
+        out: Folder of the study; None for one named after what is tuned.
+        overwrite: Replace the study in the folder.
+        dev_levels: Levels of ``dev`` for each checkpoint.
+
+    Raises:
+        IrsimGymError: Something of it is not right, the folder holds another study, or Optuna is not installed.
+        TrainingInterruptedError: Ctrl-C or SIGTERM; the same command goes on.
+    """
+    optuna, settings = _optuna(), asked.settings()
+    chosen = read_space(space or shipped_space(settings.algorithm))
+    check_space(asked, settings, chosen)
+    run = asked.folder(settings)
+    tuning = Tuning(asked, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
+    _begin(tuning, overwrite)
+    try:
+        with ctrl_c_told("stopped at once; finished trials and the newest checkpoint are kept"):
+            found = _go_on(tuning, _study(tuning), trials)
+    except TrainingInterruptedError as stop:
+        raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
+    show_trials(found, asked.scenario)
+    print(f"trials: {tuning.folder / TRIALS}; table and picture: {', '.join(RESULTS[:2])} in {tuning.folder}")
+    if best_of(found) is not None:
+        task = f" --task {tuning.folder / BEST_TASK}" if chosen.rewards else ""
+        print(f"to confirm the best by five seeds: irsim-gym train {asked.scenario} --seeds 5 \\")
+        print(f"  --hyperparameters {tuning.folder / BEST}{task}")
+    return tuning.folder
+
+
+def _optuna() -> Any:
+    """Return the library.
+
+    Raises:
+        IrsimGymError: It is not installed.
+    """
+    try:
+        import optuna
+    except ModuleNotFoundError as error:
+        if error.name != "optuna":
+            raise
+        raise IrsimGymError("tune needs Optuna: pip install irsim_gym[tune]") from error
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    return optuna
+
+
+def _begin(tuning: Tuning, overwrite: bool) -> None:
+    """Make sure that the folder holds no other study, and write down what this one is.
+
+    Raises:
+        IrsimGymError: It holds another study, or something else.
+    """
+    folder, now = tuning.folder, tuning.to_plain()
+    path = folder / CONFIG
+    if overwrite and path.is_file():
+        for name in (JOURNAL, *RESULTS):
+            (folder / name).unlink(missing_ok=True)
+        shutil.rmtree(folder / TRIALS, ignore_errors=True)
+        path.unlink()
+    if path.is_file():
+        changed = _differences(json.loads(path.read_text(encoding="utf-8")), now, ())
+        if changed:
+            raise IrsimGymError(
+                f"{folder} holds a study with other settings ({listed(changed)}); choose another folder with --out, or "
+                "replace the study with --overwrite"
+            )
+    elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise IrsimGymError(f"{folder} holds something else than a study: choose another folder with --out")
+    else:
+        write_json(path, now)
+
+
+def _differences(before: object, now: object, place: tuple[str, ...]) -> list[str]:
+    """Return the values in which two mappings differ, both of each."""
+    if isinstance(before, Mapping) and isinstance(now, Mapping):
+        keys = dict.fromkeys([*before, *now])
+        return [one for key in keys for one in _differences(before.get(key), now.get(key), (*place, key))]
+    return [] if before == now else [f"{'.'.join(place)} {show(before)}, asked for: {show(now)}"]
+
+
+def _study(tuning: Tuning) -> Any:
+    """Return the study on disk; a new one begins with the present settings, where the space has them."""
+    optuna, states = tuning.optuna, tuning.optuna.trial.TrialState
+    journal = optuna.storages.journal.JournalFileBackend(str(tuning.folder / JOURNAL))
+    study = optuna.create_study(
+        study_name="tune",
+        storage=optuna.storages.JournalStorage(journal),
+        direction="maximize",
+        pruner=optuna.pruners.MedianPruner(n_startup_trials=FINISHED_FIRST, n_warmup_steps=FIRST_PRUNED),
+        load_if_exists=True,
+    )
+    for trial in study.get_trials(deepcopy=False, states=(states.RUNNING,)):
+        study.tell(trial.number, state=states.FAIL)
+        study.enqueue_trial(trial.params)
+    if not study.get_trials(deepcopy=False):
+        found, outside = tuning.space.present(tuning.settings.hyperparameters.to_plain())
+        if outside:
+            said = f"{tuning.space.file} has not the present values of {', '.join(outside)}"
+            tuning.console.print(f"{said}: the first trial draws them", **PLAIN)
+        study.enqueue_trial(found)
+    return study
+
+
+def _go_on(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
+    """Run trials until there are enough; the results on disk are renewed after each. Return them."""
+    found = _trials(tuning, study)
+    while len(found) < trials:
+        number = len(found)
+        seed = int(np.random.SeedSequence((tuning.asked.seed, number)).generate_state(1)[0])
+        study.sampler = tuning.optuna.samplers.TPESampler(seed=seed)
+        trial = study.ask()
+        drawn = tuning.space.draw(trial)
+        told = ", ".join(f"{name}={value_text(value)}" for name, value in trial.params.items())
+        tuning.console.print(f"trial {number}, {number + 1} of {trials}: {told}", **PLAIN)
+        try:
+            wanted = write_settings(tuning.place(number), tuning.asked, tuning.settings, *drawn).settings()
+        except IrsimGymError as error:
+            trial.set_user_attr(REFUSED, str(error))
+            study.tell(trial, state=tuning.optuna.trial.TrialState.FAIL)
+            tuning.console.print(f"refused: {error}", **PLAIN)
+        else:
+            value = _run_trial(tuning, trial, wanted, tuning.place(number))
+            state = None if value is not None else tuning.optuna.trial.TrialState.PRUNED
+            study.tell(trial, value, state=state)
+        found = _trials(tuning, study)
+        write_trials(tuning.folder, found, tuning.asked.scenario)
+        best = best_of(found)
+        if best is not None:
+            keep_best(tuning.folder, tuning.place(best.number))
+    return found
+
+
+def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> float | None:
+    """Train, and return the success on ``dev`` levels; None where the trial was pruned."""
+    run, told = Run(place), set[int]()
+
+    def report(run: Run) -> None:
+        """Tell the study what is new, and stop a trial that is not worth going on with."""
+        for point in _score(tuning, run):
+            number = int(point["steps"]) // wanted.hyperparameters.checkpoint_every
+            if number and number not in told:
+                trial.report(point["success"], number)
+                told.add(number)
+        if trial.should_prune():
+            raise tuning.optuna.TrialPruned
+
+    value: float | None = None
+    try:
+        if run.exists():
+            report(run)
+        how: dict[str, Any] = {"resume": run.exists(), "device": tuning.asked.device, "console": tuning.console}
+        train(wanted, place, on_checkpoint=report, **how)
+        value = _score(tuning, run)[-1]["success"]
+    except tuning.optuna.TrialPruned:
+        tuning.console.print(f"pruned: worse than the median of the trials before, at checkpoint {max(told)}", **PLAIN)
+    for checkpoint in list_checkpoints(run.checkpoints):
+        forget_state(checkpoint)
+    return value
+
+
+def _score(tuning: Tuning, run: Run) -> list[Point]:
+    return score_run(run, levels=tuning.dev_levels, console=Console(quiet=True), picture=False)
+
+
+def _trials(tuning: Tuning, study: Any) -> list[TuningTrial]:
+    """Return the trials that count: not those that were interrupted and go on under another number."""
+    states = tuning.optuna.trial.TrialState
+    found: list[TuningTrial] = []
+    for one in study.get_trials(deepcopy=False):
+        refused = one.user_attrs.get(REFUSED, "")
+        if one.state in (states.COMPLETE, states.PRUNED) or refused:
+            value = one.value if one.state == states.COMPLETE else None
+            scores = dict(one.intermediate_values)
+            found.append(TuningTrial(len(found), dict(one.params), value, scores, refused))
+    return found

@@ -1,0 +1,144 @@
+"""What a tuning has found: a table, a picture, and the settings of the best trial."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from irsim_gym.evaluation.tables import print_table, write_bytes, write_csv, write_text
+from irsim_gym.training.trial_settings import HYPERPARAMETERS, TASK
+
+TABLE, PICTURE = "trials.csv", "trials.png"
+BEST, BEST_TASK = "best_hyperparameters.yaml", "best_task.yaml"
+RESULTS = (TABLE, PICTURE, BEST, BEST_TASK)
+SHOWN = 10
+"""Trials in the table on the screen."""
+COLUMNS = 4
+"""Panels beside each other in the picture."""
+ACCENT, PALE = "#2166ac", "#9aa5b1"
+
+
+@dataclass(frozen=True)
+class TuningTrial:
+    """One trial.
+
+    Attributes:
+        number: From 0.
+        drawn: What was drawn, by name.
+        success: Success at the end of the training; None where it was pruned or refused.
+        scores: Success at checkpoints, by their numbers from 1.
+        refused: Why its settings could not be trained; empty where they could.
+    """
+
+    number: int
+    drawn: Mapping[str, Any]
+    success: float | None
+    scores: Mapping[int, float]
+    refused: str = ""
+
+    @property
+    def latest(self) -> float:
+        """Its latest success; NaN without any."""
+        if self.success is not None:
+            return self.success
+        return self.scores[max(self.scores)] if self.scores else math.nan
+
+    @property
+    def ending(self) -> str:
+        """How it ended, in words: of a pruned one, at which checkpoint."""
+        if self.refused:
+            return "refused"
+        return "finished" if self.success is not None else f"pruned at {max(self.scores, default=0)}"
+
+
+def best_of(trials: Sequence[TuningTrial]) -> TuningTrial | None:
+    """Return the finished trial of the greatest success, the first of several; None without any."""
+    done = [trial for trial in trials if trial.success is not None]
+    return max(done, key=lambda trial: trial.latest, default=None)
+
+
+def write_trials(folder: Path, trials: Sequence[TuningTrial], title: str) -> None:
+    """Write ``trials.csv`` and ``trials.png``."""
+    names = list(dict.fromkeys(name for trial in trials for name in trial.drawn))
+    rows = [
+        {"trial": trial.number, "success": trial.latest, "ending": trial.ending, "why": trial.refused}
+        | {name: trial.drawn.get(name, "") for name in names}
+        for trial in trials
+    ]
+    write_csv(folder / TABLE, ["trial", "success", "ending", *names, "why"], rows)
+    _draw(folder / PICTURE, trials, names, title)
+
+
+def keep_best(folder: Path, place: Path) -> None:
+    """Copy the settings of a trial to where the best ones are."""
+    write_text(folder / BEST, (place / HYPERPARAMETERS).read_text(encoding="utf-8"))
+    if (place / TASK).is_file():
+        write_text(folder / BEST_TASK, (place / TASK).read_text(encoding="utf-8"))
+
+
+def show_trials(trials: Sequence[TuningTrial], title: str) -> None:
+    """Print the best trials, and the first, whose settings are the present ones where the space has them."""
+    order = sorted(trials, key=lambda trial: (trial.success is None, -trial.latest if trial.scores else 1.0))
+    shown = order[:SHOWN] + [trial for trial in order[SHOWN:] if trial.number == 0]
+    names = list(dict.fromkeys(name for trial in shown for name in trial.drawn))
+    ended = sum(trial.success is None and not trial.refused for trial in trials)
+    table = Table(title=f"{title}: {len(trials)} trials, {ended} of them pruned; the best", title_justify="left")
+    for head in ("trial", "success [%]", "ending", *names):
+        table.add_column(Text(head.replace("_", "_\n").replace(".", ".\n")), justify="right")
+    for trial in shown:
+        success = "-" if math.isnan(trial.latest) else f"{100.0 * trial.latest:.1f}"
+        values = (value_text(trial.drawn.get(name, "-")) for name in names)
+        table.add_row(*map(Text, (str(trial.number), success, trial.ending, *values)))
+    print_table(table)
+
+
+def value_text(value: object) -> str:
+    """Return a drawn value, a number with four digits."""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _draw(path: Path, trials: Sequence[TuningTrial], names: Sequence[str], title: str) -> None:
+    """Draw success by trial, with the best so far, and by each drawn value; pruned trials are hollow."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    rows = math.ceil(len(names) / COLUMNS)
+    figure = Figure(figsize=(9.6, 2.8 + 2.1 * rows), dpi=120, layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[1.3] + [1.0] * rows)
+    axes = figure.add_subplot(grid[0, :])
+    _scatter(axes, [trial.number for trial in trials], trials)
+    done = [trial for trial in trials if trial.success is not None]
+    best = [max(one.latest for one in done[: i + 1]) for i in range(len(done))]
+    axes.step([one.number for one in done], [100.0 * one for one in best], where="post", color=ACCENT, lw=1.0)
+    axes.set(xlabel="trial", ylabel="success on dev levels [%]")
+    axes.set_title(f"{title}: hollow trials were pruned, the line is the best so far", loc="left", fontsize=10)
+    for i, name in enumerate(names):
+        panel = figure.add_subplot(grid[1 + i // COLUMNS, i % COLUMNS], sharey=axes)
+        _scatter(panel, [trial.drawn.get(name) for trial in trials], trials)
+        panel.set_xlabel(name, fontsize=8)
+        panel.tick_params(labelsize=7)
+    for panel in figure.axes:
+        panel.spines[["top", "right"]].set_visible(False)
+    content = io.BytesIO()
+    figure.savefig(content, format="png")
+    write_bytes(path, content.getvalue())
+
+
+def _scatter(axes: Any, values: Sequence[Any], trials: Sequence[TuningTrial]) -> None:
+    """Draw success over drawn values; values that are no numbers stand in the order in which they were drawn."""
+    known = [(value, trial) for value, trial in zip(values, trials, strict=True) if not math.isnan(trial.latest)]
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value, _ in known):
+        known = [(str(value), trial) for value, trial in known]
+    for is_done in (False, True):
+        part = [(value, 100.0 * trial.latest) for value, trial in known if (trial.success is not None) == is_done]
+        if part:
+            face, edge = (ACCENT, ACCENT) if is_done else ("none", PALE)
+            axes.scatter(*zip(*part, strict=True), s=14, facecolors=face, edgecolors=edge)

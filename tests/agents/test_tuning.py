@@ -1,0 +1,182 @@
+"""Tuning: each trial is a run, studies go on as if they had never stopped, and what came out is on disk."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from command_line import run as command
+
+from irsim_gym.training import tuning
+from irsim_gym.training.asked import Asked
+from irsim_gym.training.policies import SavedPolicy, load_policy
+from irsim_gym.training.run import Run
+from irsim_gym.training.score import score_run
+from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.tuning import run_tuning
+
+TINY = "n_timesteps: 256, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, checkpoint_every: 64, gamma: 0.95"
+FILE = """\
+robot:
+  kinematics: {name: diff}
+  goal: [9, 9]
+  sensors: [{name: lidar2d, range_max: 4}]
+task: {max_steps: 20}
+"""
+SPACE = """\
+hyperparameters: {gamma: {low: 0.9, high: 0.99}, ent_coef: [0.0, 0.01]}
+rewards: {arrival: {low: 0.5, high: 2.0}}
+"""
+WORDS = ("tune", "yard.yaml", "--hyperparameters", "ppo.yaml", "--space", "space.yaml", "--dev-levels", 3)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new working directory with a scenario, hyper-parameters and a space for short studies."""
+    monkeypatch.chdir(tmp_path)
+    Path("yard.yaml").write_text(FILE)
+    Path("ppo.yaml").write_text(f"default: {{{TINY}}}")
+    Path("space.yaml").write_text(SPACE)
+    return tmp_path
+
+
+def asked(**own: Any) -> Asked:
+    return Asked("yard.yaml", hyperparameters=Path("ppo.yaml"), **own)
+
+
+def study(out: str, trials: int, **own: Any) -> Path:
+    return run_tuning(asked(), trials, space=Path("space.yaml"), out=Path(out), dev_levels=3, **own)
+
+
+def rows(out: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(Path(out, "trials.csv").read_text().splitlines()))
+
+
+def weights(place: Path) -> list[Any]:
+    policy = load_policy(place)
+    assert isinstance(policy, SavedPolicy)
+    return [one.tolist() for one in policy.model.policy.state_dict().values()]  # type: ignore[union-attr]
+
+
+def test_without_optuna_the_command_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    assert command(monkeypatch, *WORDS) == 1
+    assert capsys.readouterr().err == "tune needs Optuna: pip install irsim_gym[tune]\n"
+    assert not Path("runs").exists()
+
+
+def test_what_looks_at_checkpoints_changes_nothing(folder: Path) -> None:
+    settings, seen = asked().settings(), []
+
+    def score(run: Run) -> None:
+        seen.append(len(score_run(run, levels=3, picture=False)))
+
+    watched = train(settings, folder / "watched", on_checkpoint=score)
+    assert seen == [1, 2, 3]  # of four, the last is that of the end
+    assert weights(watched.folder) == weights(train(settings, folder / "alone").folder)
+
+
+def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("optuna")
+    assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 2) == 0
+    said = capsys.readouterr()
+    assert "yard.yaml: 2 trials, 0 of them pruned" in said.out
+    assert "space.yaml has not the present values of ent_coef: the first trial draws them" in said.err
+    first, second = rows("study")
+    assert (first["trial"], first["gamma"], first["reward.arrival"], first["ending"]) == (
+        "0",
+        "0.95",
+        "1.0",
+        "finished",
+    )
+    assert 0.9 <= float(second["gamma"]) <= 0.99
+    last = json.loads(Path("study/trials/0001/curve.json").read_text())["points"][-1]
+    assert float(second["success"]) == pytest.approx(last["success"], abs=1e-6)
+    written = yaml.safe_load(Path("study/trials/0001/hyperparameters.yaml").read_text())["default"]
+    assert written["gamma"] == float(f"{float(second['gamma']):.4g}")
+    best = max(rows("study"), key=lambda row: float(row["success"]))
+    place = Path("study/trials", f"{int(best['trial']):04d}")
+    for kept, own in (("best_hyperparameters.yaml", "hyperparameters.yaml"), ("best_task.yaml", "task.yaml")):
+        assert Path("study", kept).read_text() == (place / own).read_text()
+    assert Path("study/trials.png").read_bytes().startswith(b"\x89PNG")
+    assert not list(Path("study").rglob("state.pkl"))
+
+    assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 2) == 0
+    assert rows("study") == [first, second]
+    assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 3) == 0
+    assert rows("study")[:2] == [first, second]
+    assert len(rows("study")) == 3
+    capsys.readouterr()
+    assert command(monkeypatch, *WORDS, "--out", "study", "--seed", 1) == 1
+    assert "study with other settings (settings.seed 0, asked for: 1)" in capsys.readouterr().err
+    assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 1, "--overwrite", "--seed", 1) == 0
+    assert len(rows("study")) == 1
+    Path("other").mkdir()
+    Path("other/file").write_text("mine")
+    capsys.readouterr()
+    assert command(monkeypatch, *WORDS, "--out", "other", "--overwrite") == 1
+    assert "other holds something else than a study" in capsys.readouterr().err
+
+
+def test_an_interrupted_study_ends_as_an_uninterrupted_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C comes in the midst of the second trial, after its second checkpoint."""
+    pytest.importorskip("optuna")
+    study("whole", 3)
+    real, calls = tuning._score, []
+
+    def interrupted(one: Any, run: Run) -> Any:
+        calls.append(run.folder.name)
+        if calls.count("0001") == 2:
+            signal.raise_signal(signal.SIGINT)
+        return real(one, run)
+
+    monkeypatch.setattr(tuning, "_score", interrupted)
+    with pytest.raises(TrainingInterruptedError, match="To continue, run the same command"):
+        study("stopped", 3)
+    monkeypatch.setattr(tuning, "_score", real)
+    assert len(rows("stopped")) == 1
+    study("stopped", 3)
+    assert rows("stopped") == rows("whole")
+    for number in range(3):
+        places = (Path(out, "trials", f"{number:04d}") for out in ("whole", "stopped"))
+        first, second = (weights(place) for place in places)
+        assert first == second
+
+
+def test_trials_below_the_median_are_pruned(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("optuna")
+    real = tuning._score
+    monkeypatch.setattr(tuning, "FINISHED_FIRST", 2)
+    monkeypatch.setattr(tuning, "FIRST_PRUNED", 2)
+
+    def scored(one: Any, run: Run) -> Any:
+        success = {"0000": 0.5, "0001": 0.7, "0002": 0.4}[run.folder.name]
+        return [{**point, "success": success} for point in real(one, run)]
+
+    monkeypatch.setattr(tuning, "_score", scored)
+    study("study", 3)
+    assert [(row["success"], row["ending"]) for row in rows("study")] == [
+        ("0.5", "finished"),
+        ("0.7", "finished"),
+        ("0.4", "pruned at 2"),
+    ]
+    assert not Path("study/trials/0002/policy.zip").exists()
+    assert Path("study/best_task.yaml").read_text() == Path("study/trials/0001/task.yaml").read_text()
+
+
+def test_settings_that_cannot_be_trained_are_refused_and_count(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("optuna")
+    Path("space.yaml").write_text("rewards: {collision: {low: 0.1, high: 0.2}}")
+    study("study", 2)
+    assert [row["ending"] for row in rows("study")] == ["refused", "refused"]
+    assert "one that continues can cost 3" in rows("study")[1]["why"]
+    assert not Path("study/best_task.yaml").exists()
+    assert "refused: " in capsys.readouterr().err
