@@ -115,10 +115,19 @@ def run_tuning(
     show_trials(found, asked.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table and picture: {', '.join(RESULTS[:2])} in {tuning.folder}")
     if best_of(found) is not None:
-        task = f" --task {tuning.folder / BEST_TASK}" if chosen.rewards else ""
-        print(f"to confirm the best by five seeds: irsim-gym train {asked.scenario} --seeds 5 \\")
-        print(f"  --hyperparameters {tuning.folder / BEST}{task}")
+        print(f"to confirm the best by five seeds:\n{_confirming(tuning)}")
     return tuning.folder
+
+
+def _confirming(tuning: Tuning) -> str:
+    """Return the command that trains several seeds with the best settings."""
+    asked = tuning.asked
+    words = ["irsim-gym train", asked.scenario, "--seeds 5", f"--hyperparameters {tuning.folder / BEST}"]
+    words += [f"--task {tuning.folder / BEST_TASK}"] if tuning.space.rewards else []
+    words += [f"--task {asked.task}"] if asked.task is not None and not tuning.space.rewards else []
+    words += [] if asked.algorithm is None else [f"--algorithm {asked.algorithm}"]
+    words += [f"--set {name}={value}" for name, value in (asked.parameters or {}).items()]
+    return " ".join([*words, *([] if asked.strict else ["--lenient"])])
 
 
 def _optuna() -> Any:

@@ -89,6 +89,8 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 2) == 0
     said = capsys.readouterr()
     assert "yard.yaml: 2 trials, 0 of them pruned" in said.out
+    best = "--hyperparameters study/best_hyperparameters.yaml --task study/best_task.yaml"
+    assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seeds 5 {best}"
     assert "space.yaml has not the present values of ent_coef: the first trial draws them" in said.err
     first, second = rows("study")
     assert (first["trial"], first["gamma"], first["reward.arrival"], first["ending"]) == (
@@ -102,8 +104,8 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     assert float(second["success"]) == pytest.approx(last["success"], abs=1e-6)
     written = yaml.safe_load(Path("study/trials/0001/hyperparameters.yaml").read_text())["default"]
     assert written["gamma"] == float(f"{float(second['gamma']):.4g}")
-    best = max(rows("study"), key=lambda row: float(row["success"]))
-    place = Path("study/trials", f"{int(best['trial']):04d}")
+    won = max(rows("study"), key=lambda row: float(row["success"]))
+    place = Path("study/trials", f"{int(won['trial']):04d}")
     for kept, own in (("best_hyperparameters.yaml", "hyperparameters.yaml"), ("best_task.yaml", "task.yaml")):
         assert Path("study", kept).read_text() == (place / own).read_text()
     assert Path("study/trials.png").read_bytes().startswith(b"\x89PNG")
