@@ -1,4 +1,7 @@
-"""What scans have shown, in the cells of a grid: beams pass cells, and occupy those where they end."""
+"""What scans have shown, in the cells of a grid: beams pass cells, and occupy a quarter of those where they end.
+
+A cell is a byte: 0 as long as nothing is known of it, the bit ``PASSED``, and a bit for each quarter that is occupied.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
 
-UNKNOWN, PASSED, OCCUPIED, DOUBTED = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
-"""What is known of a cell; ``DOUBTED`` ones were occupied, and a beam of the present scan has passed them."""
+UNKNOWN, PASSED, OCCUPIED = np.uint8(0), np.uint8(16), np.uint8(15)
+"""Nothing is known of a cell, a beam has passed it, a part of it is occupied (any of these bits)."""
+BITS = 32
+"""A doubted quarter is its column among all quarters, in the lowest bits, and its row in those above."""
+ROW, EDGE = 1 << BITS, 1e-6
+"""From a row to the next in these numbers; how far within the grid its upper and right edge are reached [cells]."""
 
 
 class GridEye(NamedTuple):
@@ -23,6 +29,31 @@ class GridEye(NamedTuple):
     y: float
     cosine: float
     sine: float
+
+
+class Line(NamedTuple):
+    """The cells that a beam passes: both beside each line between rows that it meets, and those of its ends.
+
+    From one of these lines to the next it meets at most one line between columns. Where it is not steep, it is the
+    other way around: these are lines between columns.
+
+    Attributes:
+        first: Number of its first cell, without how far aside that is.
+        last: Number of its last cell.
+        lines: How many lines it meets.
+        jump: From a number to the next one along it.
+        aside: From a number to the next one across it.
+        meets: How far aside it meets the first line [cells].
+        each: How much farther aside it meets each other one [cells].
+    """
+
+    first: int
+    last: int
+    lines: int
+    jump: int
+    aside: int
+    meets: float
+    each: float
 
 
 @kernel(inlined=True)
@@ -48,14 +79,19 @@ def beam_end(scan: OwnScan, eye: GridEye, s: int, i: int, length: float) -> tupl
     return eye.x + eye.cosine * x - eye.sine * y, eye.y + eye.sine * x + eye.cosine * y
 
 
+@kernel(inlined=True)
+def quarter(row: int, column: int) -> np.uint8:
+    """Return the bit of a quarter of a cell, by its row and column among all quarters."""
+    return np.uint8(1 << (2 * (row & 1) + (column & 1)))
+
+
 @kernel
-def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, doubted: Labels) -> int:
-    """Mark the cells that the beams of a scan pass, without those where they hit; return how many are doubted.
+def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes) -> None:
+    """Mark the cells that the beams of a scan pass, those where they hit included.
 
     Beams that are not valid, and those of a sensor outside of the grid, pass nothing.
 
-    Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
-    Writes: doubted.
+    Reads: scan (beams_x, beams_y, offset, range_min, ranges, sensors).
 
     Args:
         scan: The scans.
@@ -63,62 +99,125 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
-        cells: What is known, shape ``(rows, columns)``.
-        doubted: Written: numbers of cells that were occupied, room for all cells; with no room these stay as they are.
+        cells: Changed: what is known, shape ``(rows, columns)``.
     """
-    eye, s, count = eye_of(scan, k, pose, grid), scan.sensors[k], 0
+    eye, s, states = eye_of(scan, k, pose, grid), scan.sensors[k], cells.reshape(-1)
+    if not (0.0 <= eye.x < grid.columns and 0.0 <= eye.y < grid.rows):
+        return
+    readings, least = scan.ranges[w, s], np.float32(scan.range_min[s])
+    for i in range(readings.shape[0]):
+        if readings[i] > least:
+            x, y = beam_end(scan, eye, s, i, float(readings[i]))
+            line = line_between(eye.x, eye.y, x, y, grid.columns, grid.rows, grid.columns)
+            states[line.last] |= PASSED
+            number = line.first
+            for n in range(line.lines):
+                here = number + int(line.meets + n * line.each) * line.aside
+                number += line.jump
+                states[here] |= PASSED
+                states[here + line.jump] |= PASSED
+
+
+@kernel(inlined=True)
+def line_between(x: float, y: float, to_x: float, to_y: float, columns: int, rows: int, row: int) -> Line:
+    """Return the cells from a point in a grid to another one [cells], whose numbers grow by ``row`` from row to row.
+
+    What lies beyond the grid is left out.
+    """
+    dx, dy = to_x - x, to_y - y
+    if not (0.0 <= to_x < columns - EDGE and 0.0 <= to_y < rows - EDGE):
+        part = part_within(x, y, dx, dy, columns - EDGE, rows - EDGE)
+        dx, dy = part * dx, part * dy
+    is_steep = abs(dy) > abs(dx)
+    along, aside = (row, 1) if is_steep else (1, row)
+    major, minor = (y, x) if is_steep else (x, y)
+    far, side = (dy, dx) if is_steep else (dx, dy)
+    begin, end, ahead = int(major), int(major + far), (1 if far >= 0.0 else -1)
+    slope = side / far if far != 0.0 else 0.0
+    meets = minor + (begin + (1 if far >= 0.0 else 0) - major) * slope
+    last = end * along + int(minor + side) * aside
+    return Line(begin * along, last, abs(end - begin), ahead * along, aside, meets, ahead * slope)
+
+
+@kernel(inlined=True)
+def part_within(x: float, y: float, dx: float, dy: float, high_x: float, high_y: float) -> float:
+    """Return how much of a beam from a point in the grid [cells] lies within it."""
+    part = 1.0
+    if not 0.0 <= x + dx < high_x:
+        part = ((high_x if dx > 0.0 else 0.0) - x) / dx
+    if not 0.0 <= y + dy < high_y:
+        part = min(part, ((high_y if dy > 0.0 else 0.0) - y) / dy)
+    return max(part, 0.0)
+
+
+@kernel
+def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, doubted: Ints) -> int:
+    """Free the quarters that the beams of a scan pass, without those where they hit; return how many were occupied.
+
+    Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
+    Writes: cells, doubted.
+
+    Args:
+        scan: The scans.
+        w: The world.
+        k: The member.
+        pose: Of its body [m, m, rad].
+        grid: The grid.
+        cells: Changed: what is known, shape ``(rows, columns)``.
+        doubted: Written: the quarters that were occupied, room for all.
+    """
+    eye, s, count, columns, rows = eye_of(scan, k, pose, grid), scan.sensors[k], 0, 2 * grid.columns, 2 * grid.rows
     if not (0.0 <= eye.x < grid.columns and 0.0 <= eye.y < grid.rows):
         return 0
     readings, least, most = scan.ranges[w, s], np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
     for i in range(readings.shape[0]):
         if readings[i] > least:
             x, y = beam_end(scan, eye, s, i, float(readings[i]))
-            count = pass_cells((eye.x, eye.y), (x, y), readings[i] < most, cells, doubted, count)
+            line = line_between(eye.x, eye.y, x, y, grid.columns, grid.rows, grid.columns)
+            # Before the n-th line between cells, from 0 on, come 2 n or 2 n + 1 lines between quarters.
+            skipped = max(2 * count_empty(line, cells) - 2, 0)
+            line = line_between(2.0 * eye.x, 2.0 * eye.y, 2.0 * x, 2.0 * y, columns, rows, ROW)
+            is_hit = readings[i] < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows
+            kept, number = (line.last if is_hit else -1), line.first + skipped * line.jump
+            count = free_quarter(line.last, kept, cells, doubted, count)
+            for n in range(skipped, line.lines):
+                here = number + int(line.meets + n * line.each) * line.aside
+                number += line.jump
+                count = free_quarter(here, kept, cells, doubted, count)
+                count = free_quarter(here + line.jump, kept, cells, doubted, count)
     return count
 
 
 @kernel(inlined=True)
-def pass_cells(start: Point, end: Point, is_hit: bool, cells: Bytes, doubted: Labels, count: int) -> int:
-    """Mark the cells from a point in the grid to another [cells], one after the other (Amanatides and Woo 1987).
+def count_empty(line: Line, cells: Bytes) -> int:
+    """Return how many lines between cells a beam meets before one that has a cell beside it that is occupied."""
+    states, number = cells.reshape(-1), line.first
+    for n in range(line.lines):
+        here = number + int(line.meets + n * line.each) * line.aside
+        number += line.jump
+        if (states[here] | states[here + line.jump]) & OCCUPIED != 0:
+            return n
+    return line.lines
 
-    The last cell does not count if it is hit. What lies beyond the grid is left out.
+
+@kernel(inlined=True)
+def free_quarter(number: int, kept: int, cells: Bytes, doubted: Ints, count: int) -> int:
+    """Free a quarter unless it is the one to keep, and note it if it was occupied; return how many are noted then.
 
     Writes: cells, doubted.
     """
-    rows, columns = cells.shape
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    # How much of the beam lies within the grid.
-    part = min((columns - start[0]) / dx if dx > 0.0 else -start[0] / dx if dx < 0.0 else 1.0, 1.0)
-    part = min((rows - start[1]) / dy if dy > 0.0 else -start[1] / dy if dy < 0.0 else 1.0, part)
-    j, i = int(start[0]), int(start[1])
-    left_x = min(max(int(start[0] + part * dx), 0), columns - 1) - j
-    left_y = min(max(int(start[1] + part * dy), 0), rows - 1) - i
-    jump_x, jump_y = (1 if left_x >= 0 else -1), (columns if left_y >= 0 else -columns)
-    # Parts of the beam up to the next line between cells, and from one to the next.
-    each_x, each_y = (1.0 / abs(dx) if left_x != 0 else 0.0), (1.0 / abs(dy) if left_y != 0 else 0.0)
-    next_x = (j + 1 - start[0] if left_x > 0 else start[0] - j) * each_x
-    next_y = (i + 1 - start[1] if left_y > 0 else start[1] - i) * each_y
-    left_x, left_y = abs(left_x), abs(left_y)
-    states, number = cells.reshape(-1), i * columns + j
-    for _ in range(left_x + left_y + (0 if is_hit and part == 1.0 else 1)):
-        known = states[number]
-        states[number] = PASSED if known == UNKNOWN else known
-        if known == OCCUPIED and doubted.shape[0] > 0:
-            states[number] = DOUBTED
-            doubted[count] = number
-            count += 1
-        is_x = (left_y == 0) | ((left_x > 0) & (next_x <= next_y))
-        number += jump_x if is_x else jump_y
-        next_x += each_x if is_x else 0.0
-        next_y += 0.0 if is_x else each_y
-        left_x -= 1 if is_x else 0
-        left_y -= 0 if is_x else 1
+    row, column = number >> BITS, number & (ROW - 1)
+    i, j, bit = row >> 1, column >> 1, quarter(row, column)
+    if cells[i, j] & bit != 0 and number != kept:
+        cells[i, j] ^= bit
+        doubted[count] = number
+        count += 1
     return count
 
 
 @kernel
 def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, fresh: Labels) -> int:
-    """Mark the cells in which the beams of a scan hit something; return how many were not known to be occupied.
+    """Mark the quarters in which the beams of a scan hit something; return how many were not known to be occupied.
 
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
     Writes: cells, fresh.
@@ -129,8 +228,8 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
-        cells: What is known, shape ``(rows, columns)``.
-        fresh: Written: the numbers of these cells, room for ``n_beams``.
+        cells: Changed: what is known, shape ``(rows, columns)``.
+        fresh: Written: the numbers of these quarters, row by row in twice as many columns, room for ``n_beams``.
     """
     eye, s, count = eye_of(scan, k, pose, grid), scan.sensors[k], 0
     readings, least, most = scan.ranges[w, s], np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
@@ -138,25 +237,20 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
         x, y = beam_end(scan, eye, s, i, float(readings[i]))
         if not (least < readings[i] < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows):
             continue
-        column, row = int(x), int(y)
-        if cells[row, column] != OCCUPIED:
-            if cells[row, column] != DOUBTED:
-                fresh[count] = row * grid.columns + column
-                count += 1
-            cells[row, column] = OCCUPIED
+        column, row = int(2.0 * x), int(2.0 * y)
+        bit = quarter(row, column)
+        if cells[row >> 1, column >> 1] & bit == 0:
+            cells[row >> 1, column >> 1] |= bit
+            fresh[count] = row * 2 * grid.columns + column
+            count += 1
     return count
 
 
 @kernel
-def settle_doubts(cells: Bytes, doubted: Labels, count: int) -> int:
-    """Free the doubted cells that no beam of the scan has hit; return how many.
-
-    Writes: cells.
-    """
-    columns, freed = cells.shape[1], 0
+def count_freed(cells: Bytes, doubted: Ints, count: int) -> int:
+    """Return how many of the quarters that were doubted no beam of the scan has hit."""
+    freed = 0
     for n in range(count):
-        i, j = int(doubted[n]) // columns, int(doubted[n]) % columns
-        if cells[i, j] == DOUBTED:
-            cells[i, j] = PASSED
-            freed += 1
+        row, column = doubted[n] >> BITS, doubted[n] & (ROW - 1)
+        freed += 1 if cells[row >> 1, column >> 1] & quarter(row, column) == 0 else 0
     return freed

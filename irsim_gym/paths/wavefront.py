@@ -1,8 +1,14 @@
-"""Costs of ways to one cell of a grid, in whole numbers: a wave that spreads from that cell, nearest cells first.
+"""Cheapest ways to one cell of a grid, and what ways from every other cell cost at least, in whole numbers.
 
 Steps lead to the eight neighbours. A step costs 5, across a corner 7, and ``TIGHT_FACTOR`` times that from a cell in
-which a body of the given radius does not fit at the centre. Cells in which it fits nowhere are blocked. Four queues,
-one for each cost of a step, hold the wave: what enters one of them is never cheaper than what is in it.
+which a body of the given radius does not fit at the centre. Cells in which it fits nowhere are blocked.
+
+At first a way is taken to cost what it would if all cells were free. It is followed from a cell to a neighbour that
+explains this cost. Where none does, the cost is raised to the least that the neighbours allow, and the way goes on from
+the cell before (learning depth-first search, Bonet and Geffner 2005). As long as levels only rise, costs never become
+too high, wherever the next way begins, so most ways are followed without a raise. Where many would be needed, as in a
+large trap, a wave spreads from the end over all cells instead, nearest cells first. Four queues, one for each cost of a
+step, hold it: what enters one of them is never cheaper than what is in it.
 """
 
 from __future__ import annotations
@@ -18,8 +24,6 @@ TIGHT = np.uint8(2)
 STRAIGHT, ACROSS, TIGHT_FACTOR = 5, 7, 8
 NEVER = np.int32(2**30)
 """Cost of a cell from which there is no way."""
-SLACK = 12 * STRAIGHT
-"""How far the wave goes on beyond its target, so that a body may leave its way a little."""
 HEAD, TAIL, FIRST = 0, 1, 2
 BITS = 21
 """A place in a queue holds the number of a cell in its lowest bits, and the cost in those above."""
@@ -69,25 +73,37 @@ def narrow(levels: Bytes, x: float, y: float, reach: float) -> None:
 
 
 @kernel
-def spread_costs(levels: Bytes, source: int, target: int, queues: Ints, field: Labels) -> int:
-    """Write the costs of the ways to a cell; return up to which cost they are final, ``NEVER`` if all are.
+def begin_costs(source: int, least: Labels) -> None:
+    """Write what ways to a cell cost if all cells are free.
 
-    Writes: queues, field.
+    Writes: least.
+    """
+    rows, columns = least.shape
+    for i in range(rows):
+        up = abs(i - source // columns)
+        for j in range(columns):
+            aside = abs(j - source % columns)
+            least[i, j] = STRAIGHT * max(up, aside) + (ACROSS - STRAIGHT) * min(up, aside)
+
+
+@kernel
+def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> None:
+    """Write what ways to a cell cost, ``NEVER`` where there is none.
+
+    Writes: queues, least.
 
     Args:
         levels: ``FREE``, ``BLOCKED`` or ``TIGHT``, shape ``(rows, columns)``, blocked at the border.
         source: Number of the cell to which the ways lead, whatever its level; not at the border.
-        target: Number of the cell from which a way is wanted: the wave ends ``SLACK`` beyond it.
         queues: Scratch, see ``new_queues``.
-        field: Written: the costs, shape ``(rows, columns)``.
+        least: Written: the costs, shape ``(rows, columns)``.
     """
-    walls, costs, columns = levels.reshape(-1), field.reshape(-1), levels.shape[1]
+    walls, costs, columns = levels.reshape(-1), least.reshape(-1), levels.shape[1]
     costs[:] = NEVER
     for q in range(4):
         queues[q, HEAD], queues[q, TAIL] = FIRST, FIRST
     costs[source] = 0
     queues[0, FIRST], queues[0, TAIL] = source, FIRST + 1
-    limit = int(NEVER)
     while True:
         best, chosen = np.int64(2**62), -1
         for q in range(4):
@@ -95,16 +111,11 @@ def spread_costs(levels: Bytes, source: int, target: int, queues: Ints, field: L
             if head < queues[q, TAIL] and queues[q, head] < best:
                 best, chosen = queues[q, head], q
         if chosen < 0:
-            return int(NEVER)
+            return
         queues[chosen, HEAD] += 1
         cost, here = int(best >> BITS), int(best & (2**BITS - 1))
-        if cost > limit:
-            return limit
-        if cost > costs[here]:
-            continue
-        if here == target:
-            limit = cost + SLACK
-        offer_neighbours(walls, columns, here, cost, queues, costs)
+        if cost == costs[here]:
+            offer_neighbours(walls, columns, here, cost, queues, costs)
 
 
 @kernel(inlined=True)
@@ -131,38 +142,43 @@ def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: I
 
 
 @kernel
-def trace_costs(levels: Bytes, field: Labels, start: int, way: Labels) -> int:
-    """Write the numbers of the cells on the way from one to the source; return how many, 0 if the way is barred.
+def follow_costs(levels: Bytes, least: Labels, start: int, way: Labels) -> int:
+    """Write the numbers of the cells on a cheapest way from a cell; return how many, 0 without a way.
 
-    Each step explains the cost of its cell. Where a cell of the way has become tight or blocked since the costs were
-    written, there is no such step. As long as levels only rise, a way that is found is still a cheapest one.
+    It gives up, and returns 0, after as many raises as a quarter of the cells. Where there is no way ``least`` becomes
+    ``NEVER`` at the start, unless it gives up before.
 
-    Writes: way.
+    Writes: least, way.
 
     Args:
-        levels: As they are now.
-        field: What ``spread_costs`` has written, perhaps earlier.
-        start: Number of a cell, whose cost is final.
+        levels: ``FREE``, ``BLOCKED`` or ``TIGHT``, shape ``(rows, columns)``, blocked at the border.
+        least: What ways cost at least, shaped as ``levels``: 0 where they end, from ``begin_costs`` or
+            ``spread_costs``, and not written since but by this function; levels have only risen since.
+        start: Number of the cell, which is not blocked.
         way: Written, room for all cells.
     """
-    walls, costs, columns = levels.reshape(-1), field.reshape(-1), levels.shape[1]
-    here, count = start, 1
+    walls, costs, columns = levels.reshape(-1), least.reshape(-1), levels.shape[1]
+    here, count, raises = start, 1, costs.shape[0] // 4
     way[0] = start
-    while costs[here] > 0:
-        weight, onward = (TIGHT_FACTOR if walls[here] == TIGHT else 1), -1
+    while 0 < costs[here] < NEVER:
+        weight, onward, best = (TIGHT_FACTOR if walls[here] == TIGHT else 1), -1, int(NEVER)
         for k in range(8):
             aside, along = COLUMNS[k], ROWS[k] * columns
             there = here + aside + along
-            if costs[there] + (ACROSS if k >= 4 else STRAIGHT) * weight != costs[here]:
-                continue
-            if walls[there] == BLOCKED and costs[there] > 0:
+            total = costs[there] + (ACROSS if k >= 4 else STRAIGHT) * weight
+            if total >= best or (walls[there] == BLOCKED and costs[there] > 0):
                 continue
             if k < 4 or not (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
-                onward = there
-                break
-        if onward < 0:
-            return 0
-        here = onward
-        way[count] = here
-        count += 1
-    return count
+                best, onward = total, there
+                if total <= costs[here]:
+                    break
+        if best > costs[here]:
+            costs[here], raises, count = best, raises - 1, max(count - 1, 1)
+            here = int(way[count - 1])
+            if raises < 0:
+                return 0
+        else:
+            here = onward
+            way[count] = here
+            count += 1
+    return count if costs[here] == 0 else 0

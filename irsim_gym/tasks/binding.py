@@ -13,7 +13,7 @@ from irsim_gym.engine import Simulation, field_of_view
 from irsim_gym.registry import Registry
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
-from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Term, Words
+from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Joins, Term, Words
 from irsim_gym.tasks.term_contract import check_bound, checked_bounds
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, WorldContext
@@ -35,13 +35,15 @@ def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task:
     words = tuple(_action_words(simulation, task, int(b)) for b in agents)
     parts = simulation.parts
     context = WorldContext(simulation.scenario.bodies, parts.sensors, field_of_view.detect)
-    terms = []
+    terms: list[Term] = []
     for column, item in enumerate(options):
         term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)
         term.components = words
         term.bodies = Group(type(item), [item] * len(agents), agents, np.zeros(0), names=parts.names, context=context)
         if isinstance(item, HasArrays):
             term.arrays = item.arrays(simulation, agents)
+        if isinstance(item, Joins):
+            item.join(term, terms)
         if is_foreign(type(item)):
             check_bound(family.family, term)
         if isinstance(item, IsImage):

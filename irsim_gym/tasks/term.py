@@ -6,6 +6,7 @@ Every kind is called with the same five things: its ``Term``, the ``WorldModel``
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Protocol, runtime_checkable
@@ -88,6 +89,14 @@ class HasArrays(Protocol):
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]] | Struct:
         """Return what ``Term.arrays`` will hold."""
+
+
+@runtime_checkable
+class Joins(Protocol):
+    """A kind that may share memory with terms of the same family before it."""
+
+    def join(self, term: Term, earlier: Sequence[Term]) -> None:
+        """Let ``term.arrays`` use what earlier terms have."""
 
 
 @runtime_checkable

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,16 @@ from cell_costs import reference_costs
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.paths.grid import BLOCKED, FREE
-from irsim_gym.paths.wavefront import NEVER, TIGHT, block_border, narrow, new_queues, spread_costs, trace_costs
+from irsim_gym.paths.wavefront import (
+    NEVER,
+    TIGHT,
+    begin_costs,
+    block_border,
+    follow_costs,
+    narrow,
+    new_queues,
+    spread_costs,
+)
 
 
 def drawn_levels(seed: int, rows: int = 13, columns: int = 17) -> Bytes:
@@ -20,61 +30,98 @@ def drawn_levels(seed: int, rows: int = 13, columns: int = 17) -> Bytes:
     return levels.astype(np.uint8)
 
 
-def spread(levels: Bytes, source: int, target: int = -1, plain: bool = False) -> tuple[int, Any]:
-    """Return up to which cost the costs are final, and the costs, inf where there is no way."""
-    field = np.zeros(levels.shape, np.int32)
+def spread(levels: Bytes, source: int, plain: bool = False) -> Any:
+    """Return the costs, inf where there is no way."""
+    least = np.zeros(levels.shape, np.int32)
     run = getattr(spread_costs, "py_func", spread_costs) if plain else spread_costs
-    final = run(levels, source, target, new_queues(*levels.shape), field)
-    return final, np.where(field == NEVER, np.inf, field)
+    run(levels, source, new_queues(*levels.shape), least)
+    return np.where(least == NEVER, np.inf, least)
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_costs_are_those_of_dijkstra(seed: int) -> None:
     levels, source = drawn_levels(seed), 6 * 17 + 8 - seed
-    final, field = spread(levels, source)
-    assert final == NEVER
-    np.testing.assert_array_equal(field, reference_costs(levels, source))
-    np.testing.assert_array_equal(field, spread(levels, source, plain=True)[1])
-    assert np.isfinite(field).sum() > 30
+    costs = spread(levels, source)
+    np.testing.assert_array_equal(costs, reference_costs(levels, source))
+    np.testing.assert_array_equal(costs, spread(levels, source, plain=True))
+    assert np.isfinite(costs).sum() > 30
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_a_wave_that_ends_early_is_right_up_to_where_it_says(seed: int) -> None:
-    levels, source = drawn_levels(seed, 40, 50), 20 * 50 + 25
-    levels[20, 25] = FREE
-    expected = reference_costs(levels, source)
-    target = int(np.argmin(np.where(expected > 40, expected, np.inf)))
-    final, field = spread(levels, source, target)
-    assert expected.flat[target] + 60 == final < expected[np.isfinite(expected)].max()
-    near = field <= final
-    np.testing.assert_array_equal(field[near], expected[near])
-    np.testing.assert_array_equal(near, expected <= final)
+def test_costs_begin_with_those_among_free_cells() -> None:
+    free, least = np.zeros((9, 12), np.uint8), np.zeros((9, 12), np.int32)
+    begin_costs(5 * 12 + 3, least)
+    assert (least[5, 3], least[5, 7], least[2, 5], least[8, 0]) == (0, 20, 3 * 5 + 2 * 2, 3 * 7)
+    block_border(free)
+    np.testing.assert_array_equal(least[1:-1, 1:-1], reference_costs(free, 5 * 12 + 3)[1:-1, 1:-1])
+
+
+def cost_of(way: list[int], levels: Bytes) -> int:
+    """Return what a way costs, after a check that each step may be taken."""
+    total, columns = 0, levels.shape[1]
+    for here, there in itertools.pairwise(way):
+        (y, x), (to_y, to_x) = divmod(here, columns), divmod(there, columns)
+        assert (abs(y - to_y), abs(x - to_x)) in [(0, 1), (1, 0), (1, 1)]
+        assert there == way[-1] or levels[to_y, to_x] != BLOCKED
+        across = y != to_y and x != to_x
+        assert not across or BLOCKED not in (levels[y, to_x], levels[to_y, x])
+        total += (7 if across else 5) * (8 if levels[y, x] == TIGHT else 1)
+    return total
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_way_explains_its_cost_until_something_is_seen_in_it(seed: int) -> None:
-    levels, source = drawn_levels(seed), 6 * 17 + 8
-    field, way = np.zeros(levels.shape, np.int32), np.zeros(levels.size, np.int32)
-    spread_costs(levels, source, -1, new_queues(*levels.shape), field)
-    start = int(np.argmax(np.where(field == NEVER, -1, field)))
-    count = trace_costs(levels, field, start, way)
-    assert (way[0], way[count - 1]) == (start, source)
-    for here, there in zip(way[: count - 1].tolist(), way[1:count].tolist(), strict=True):
-        apart = sorted(abs(number) for number in (here // 17 - there // 17, here % 17 - there % 17))
-        step = {(0, 1): 5, (1, 1): 7}[tuple(apart)] * (8 if levels.flat[here] == TIGHT else 1)
-        assert field.flat[here] - field.flat[there] == step
-    barred = 0
-    for number in way[1 : count - 1].tolist():
-        for level in (TIGHT, BLOCKED):
-            changed = levels.copy()
-            if changed.flat[number] != FREE:
-                continue
-            changed.flat[number] = level
-            found = trace_costs(changed, field, start, way)
-            # Another way of the same cost is as good.
-            assert found == 0 or reference_costs(changed, source).flat[start] == field.flat[start]
-            barred += found == 0
-    assert barred
+def test_a_way_is_a_cheapest_one_wherever_it_begins_while_levels_rise(seed: int) -> None:
+    rng, levels = np.random.default_rng(seed), np.zeros((13, 17), np.uint8)
+    block_border(levels)
+    source, way = int(rng.integers(2, 11)) * 17 + int(rng.integers(2, 15)), np.zeros(levels.size, np.int32)
+    least, queues, outcomes = np.zeros(levels.shape, np.int32), new_queues(*levels.shape), set()
+    begin_costs(source, least)
+    for _ in range(60):
+        row, column = rng.integers(1, 12), rng.integers(1, 16)
+        levels[row, column] = rng.choice([TIGHT, BLOCKED]) if levels[row, column] == FREE else BLOCKED
+        expected, start = reference_costs(levels, source), int(rng.choice(np.flatnonzero(levels != BLOCKED)))
+        count = follow_costs(levels, least, start, way)
+        if count == 0 and least.flat[start] < NEVER:
+            spread_costs(levels, source, queues, least)
+            count = follow_costs(levels, least, start, way)
+            outcomes.add("given up")
+        if count > 0:
+            assert (way[0], way[count - 1]) == (start, source)
+            assert cost_of(way[:count].tolist(), levels) == expected.flat[start]
+            left = [cost_of(way[n:count].tolist(), levels) for n in range(count)]
+            assert least.flat[way[:count]].tolist() == left
+        else:
+            assert expected.flat[start] == np.inf
+        outcomes.add("found" if count > 0 else "none")
+        open_cells = levels != BLOCKED
+        assert (np.where(least >= NEVER, np.inf, least) <= expected)[open_cells].all()
+    assert "found" in outcomes
+
+
+def test_a_large_trap_is_left_by_a_wave() -> None:
+    levels, way = np.zeros((40, 40), np.uint8), np.zeros(1600, np.int32)
+    block_border(levels)
+    levels[5:35, 30], levels[5, 3:31], levels[34, 3:31] = BLOCKED, BLOCKED, BLOCKED
+    start, source = 20 * 40 + 28, 20 * 40 + 36
+    least = np.zeros(levels.shape, np.int32)
+    begin_costs(source, least)
+    assert least.flat[start] == 8 * 5
+    assert follow_costs(levels, least, start, way) == 0
+    assert 8 * 5 < least.flat[start] < NEVER
+    spread_costs(levels, source, new_queues(40, 40), least)
+    count = follow_costs(levels, least, start, way)
+    assert cost_of(way[:count].tolist(), levels) == reference_costs(levels, source).flat[start]
+
+
+def test_a_cell_without_a_way_is_known_from_then_on() -> None:
+    levels, way = np.zeros((12, 12), np.uint8), np.zeros(144, np.int32)
+    block_border(levels)
+    levels[3:6, 3:6] = BLOCKED
+    levels[4, 4] = FREE
+    least = np.zeros(levels.shape, np.int32)
+    begin_costs(8 * 12 + 8, least)
+    for start in (4 * 12 + 4, 4 * 12 + 4):
+        assert follow_costs(levels, least, start, way) == 0
+        assert least.flat[start] == NEVER
 
 
 def test_where_a_disc_fits_around_a_point() -> None:

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 from cell_costs import reference_costs
-from task_tools import ROBOT, drive, play
+from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.errors import ScenarioError
-from irsim_gym.paths.grid import BLOCKED, FREE
+from irsim_gym.paths.grid import BLOCKED, FREE, Grid
+from irsim_gym.paths.scan_marks import OCCUPIED, PASSED
 from irsim_gym.paths.wavefront import TIGHT
 from irsim_gym.tasks import Episodes
 
@@ -55,17 +56,35 @@ def wander(episodes: Episodes, steps: int, seed: int = 0) -> None:
         drive(episodes, *action)
 
 
+def states(cells: Any) -> Any:
+    """Return what is known of cells: 0 nothing, 1 passed, 2 occupied."""
+    return np.where(cells & OCCUPIED != 0, 2, (cells & PASSED != 0).astype(np.uint8))
+
+
+def quarters(cells: Any) -> Any:
+    """Return which quarters of cells are occupied, in twice as many rows and columns."""
+    found = np.zeros((2 * cells.shape[0], 2 * cells.shape[1]), np.bool_)
+    for bit, (row, column) in enumerate([(0, 0), (0, 1), (1, 0), (1, 1)]):
+        found[row::2, column::2] = cells & (1 << bit) != 0
+    return found
+
+
+def place(grid: Any, x: float, y: float) -> tuple[int, int]:
+    """Return row and column of the cell at a point."""
+    return int(np.floor((y - grid.origin_y) / grid.cell)), int(np.floor((x - grid.origin_x) / grid.cell))
+
+
 class Reference:
-    """A map made from scans, beam by beam: lists of cells from sorted crossings of the lines between cells."""
+    """A map made from scans, beam by beam: lists of cells from sorted crossings of the lines between cells.
+
+    Its cells are half as wide as those of the map.
+    """
 
     def __init__(self, episodes: Episodes, grid: Any, *, moving: bool = False, agent: int = 0) -> None:
-        self.grid, self.moving, self.agent = grid, moving, agent
-        self.cells = np.zeros((grid.rows, grid.columns), np.uint8)
+        self.grid = Grid(grid.origin_x, grid.origin_y, 0.5 * grid.cell, 2 * grid.columns, 2 * grid.rows)
+        self.moving, self.agent = moving, agent
+        self.cells = np.zeros((self.grid.rows, self.grid.columns), np.uint8)
         self.group, self.member = episodes.simulation.scan(episodes.task.agents[agent])  # type: ignore[misc]
-
-    def place(self, x: float, y: float) -> tuple[int, int]:
-        grid = self.grid
-        return int(np.floor((y - grid.origin_y) / grid.cell)), int(np.floor((x - grid.origin_x) / grid.cell))
 
     def set(self, places: Any, value: int, old: tuple[int, ...]) -> None:
         for row, column in places:
@@ -82,7 +101,7 @@ class Reference:
                 parts.append((origin + line * self.grid.cell - a[axis]) / (b[axis] - a[axis]))
         parts.sort()
         middles = [0.5 * (p + q) for p, q in itertools.pairwise(parts)]
-        return [self.place(*(a + m * (b - a))) for m in middles]
+        return [place(self.grid, *(a + m * (b - a))) for m in middles]
 
     def add(self, episodes: Episodes, w: int = 0) -> None:
         """Take in the present scan: first what beams pass, then what they hit."""
@@ -97,10 +116,17 @@ class Reference:
             end = eye + float(reading) * direction
             cells = self.passed(eye, end)
             if reading < options.range_max:
-                hits.append(self.place(*end))
+                hits.append(place(self.grid, *end))
                 cells = [cell for cell in cells if cell != hits[-1]]
             self.set(cells, 1, (0, 1, 2) if self.moving else (0, 1))
         self.set(hits, 2, (0, 1, 2))
+
+
+def check(cells: Any, reference: Reference) -> None:
+    """Compare a map with the reference: a cell is occupied if one of its quarters is, and passed if one of them is."""
+    np.testing.assert_array_equal(quarters(cells), reference.cells == 2)
+    parts = np.stack([reference.cells[i::2, j::2] for i in (0, 1) for j in (0, 1)])
+    np.testing.assert_array_equal(states(cells), parts.max(axis=0))
 
 
 def test_cells_are_those_of_a_map_made_beam_by_beam() -> None:
@@ -109,9 +135,9 @@ def test_cells_are_those_of_a_map_made_beam_by_beam() -> None:
     reference = Reference(episodes, seen.grid)
     for n in range(60):
         reference.add(episodes)
-        np.testing.assert_array_equal(seen.cells[0, 0], reference.cells)
+        check(seen.cells[0, 0], reference)
         wander(episodes, 1, seed=n // 8)
-    assert [(seen.cells[0, 0] == value).sum() > 50 for value in (0, 1, 2)] == [True] * 3
+    assert [(states(seen.cells[0, 0]) == value).sum() > 50 for value in (0, 1, 2)] == [True] * 3
 
 
 def test_what_moves_away_is_cleared_and_what_stands_stays() -> None:
@@ -120,17 +146,17 @@ def test_what_moves_away_is_cleared_and_what_stands_stays() -> None:
     episodes = watching(SEEN, WAY, obstacle=[mover, *TRAP[1:]])
     seen, ways = arrays(episodes).seen, arrays(episodes, 1)
     reference = Reference(episodes, seen.grid, moving=True)
-    row, column = reference.place(3.74, 5.5)  # its side that faces the robot
+    row, column = place(reference.grid, 3.74, 5.5)  # its side that faces the robot
     ahead = []
     for _ in range(30):
         reference.add(episodes)
-        np.testing.assert_array_equal(seen.cells[0, 0], reference.cells)
-        ahead.append((seen.cells[0, 0, row - 1 : row + 2, column : column + 2] == 2).any())
+        check(seen.cells[0, 0], reference)
+        ahead.append(quarters(seen.cells[0, 0])[row - 2 : row + 4, column : column + 4].any())
         drive(episodes, -1, 0)
     assert ahead[0]
     assert not ahead[-1]
     drive(episodes, -1, 0)
-    expected = levels_of(ways.seen.cells[0, 0], 0.2 / CELL)
+    expected = levels_of(quarters(ways.seen.cells[0, 0]), 0.2 / CELL)
     np.testing.assert_array_equal(ways.levels[0, 0], expected)
 
 
@@ -138,18 +164,19 @@ def test_shares_are_those_of_points_all_over_the_bins() -> None:
     episodes = watching({**SEEN, "sectors": 6, "rings": [1.5, 4.0]})
     wander(episodes, 40)
     seen, (x, y, heading) = arrays(episodes).seen, episodes.simulation.state.pose[0, 0]
+    known = states(seen.cells[0, 0])
     shares = episodes.view.observation[0, 0].reshape(2, 2, 6)
-    rng, reference = np.random.default_rng(1), Reference(episodes, seen.grid)
+    rng = np.random.default_rng(1)
     for ring, (low, high) in enumerate([(0.0, 1.5), (1.5, 4.0)]):
         for sector in range(6):
-            states = []
+            found = []
             # The samples lie as densely at all distances, as those of the observation do.
             for part, away in zip(rng.uniform(0, 1, 4000), rng.uniform(low, high, 4000), strict=True):
                 angle = heading - np.pi + (sector + part) * np.pi / 3
-                row, column = reference.place(x + away * np.cos(angle), y + away * np.sin(angle))
+                row, column = place(seen.grid, x + away * np.cos(angle), y + away * np.sin(angle))
                 is_inside = 0 <= row < seen.grid.rows and 0 <= column < seen.grid.columns
-                states.append(seen.cells[0, 0, row, column] if is_inside else 0)
-            expected = [np.mean(np.array(states) == value) for value in (2, 0)]
+                found.append(known[row, column] if is_inside else 0)
+            expected = [np.mean(np.array(found) == value) for value in (2, 0)]
             assert shares[ring, :, sector] == pytest.approx(expected, abs=0.12)
     assert shares.max() > 0.5
 
@@ -161,15 +188,15 @@ def test_the_picture_shows_the_cell_of_each_pixel(rotated: bool) -> None:
     seen, (x, y, heading) = arrays(episodes).seen, episodes.simulation.state.pose[0, 0]
     picture = episodes.view.images["seen_map_image"][0, 0]
     assert picture.shape == (40, 40, 1)
-    reference, up = Reference(episodes, seen.grid), heading if rotated else 0.5 * np.pi
+    known, up = states(seen.cells[0, 0]), heading if rotated else 0.5 * np.pi
     for i in range(40):
         for j in range(40):
             ahead, left = (19.5 - i) * 9 / 40, (19.5 - j) * 9 / 40
-            row, column = reference.place(
-                x + ahead * np.cos(up) - left * np.sin(up), y + ahead * np.sin(up) + left * np.cos(up)
+            row, column = place(
+                seen.grid, x + ahead * np.cos(up) - left * np.sin(up), y + ahead * np.sin(up) + left * np.cos(up)
             )
             is_inside = 0 <= row < seen.grid.rows and 0 <= column < seen.grid.columns
-            state = seen.cells[0, 0, row, column] if is_inside else 0
+            state = known[row, column] if is_inside else 0
             assert picture[i, j, 0] == {0: 127, 1: 0, 2: 255}[int(state)]
 
 
@@ -181,12 +208,12 @@ def test_the_goal_has_a_channel_of_its_own() -> None:
     assert picture[20:, :, 1].max() == 0  # it lies ahead
 
 
-def levels_of(cells: Any, reach: float) -> Any:
-    """Return where a disc [cells of the ways] fits, from all occupied cells, which are half as wide."""
-    rows, columns = cells.shape[0] // 2, cells.shape[1] // 2
+def levels_of(occupied: Any, reach: float) -> Any:
+    """Return where a disc [cells] fits, from the quarters that are occupied."""
+    rows, columns = occupied.shape[0] // 2, occupied.shape[1] // 2
     levels = np.full((rows, columns), FREE)
     middle_y, middle_x = np.indices((rows, columns)) + 0.5
-    for row, column in np.argwhere(cells == 2).tolist():
+    for row, column in np.argwhere(occupied).tolist():
         dx, dy = np.abs(middle_x - (column + 0.5) / 2), np.abs(middle_y - (row + 0.5) / 2)
         levels[(np.hypot(dx, dy) < reach) & (levels == FREE)] = TIGHT
         levels[np.hypot(dx + 0.5, dy + 0.5) <= reach] = BLOCKED
@@ -208,11 +235,11 @@ def is_straight(levels: Any, place: Any, goal: Any, grid: Any) -> bool:
 
 def test_the_way_is_the_shortest_one_on_the_cells_that_were_seen() -> None:
     episodes = watching(WAY)
-    ways, grid, kinds = arrays(episodes), arrays(episodes).grid, set()
+    ways, grid, kinds = arrays(episodes), arrays(episodes).seen.grid, set()
     goal = np.array([9.1, 5.2])
     for n in range(70):
         (x, y, heading), (cosine, sine, length) = episodes.simulation.state.pose[0, 0], episodes.view.observation[0, 0]
-        levels = levels_of(ways.seen.cells[0, 0], 0.2 / CELL)
+        levels = levels_of(quarters(ways.seen.cells[0, 0]), 0.2 / CELL)
         np.testing.assert_array_equal(ways.levels[0, 0], levels)
         straight, length = np.hypot(*(goal - [x, y])), float(length) * np.hypot(10, 10)
         angle = heading + np.arctan2(sine, cosine)
@@ -225,7 +252,7 @@ def test_the_way_is_the_shortest_one_on_the_cells_that_were_seen() -> None:
             source = int(np.floor((goal[1] - grid.origin_y) / CELL)) * grid.columns
             source += int(np.floor((goal[0] - grid.origin_x) / CELL))
             costs = reference_costs(levels, source)
-            assert ways.field[0, 0, row, column] == costs[row, column]
+            assert ways.least[0, 0, row, column] == costs[row, column]
             # Never shorter than straight; the first piece is straightened, the rest along cells.
             assert straight - 1e-6 <= length <= costs[row, column] * CELL / 5 + CELL
             # Where it points there is a cell whose cost makes up the length.
@@ -285,15 +312,44 @@ def test_single_batch_and_shards_agree_and_other_worlds_are_left_alone() -> None
             wander(episodes, 1, seed=n // 6)
         np.testing.assert_array_equal(batch.view.observation, sharded.view.observation)
         np.testing.assert_array_equal(single.view.observation[0], batch.view.observation[2])
-    before = [arrays(batch).seen.cells.copy(), arrays(batch, 1).field.copy(), arrays(batch, 1).levels.copy()]
+    before = [arrays(batch).seen.cells.copy(), arrays(batch, 1).least.copy(), arrays(batch, 1).levels.copy()]
     batch.begin_next(np.array([1]))
-    after = [arrays(batch).seen.cells, arrays(batch, 1).field, arrays(batch, 1).levels]
+    after = [arrays(batch).seen.cells, arrays(batch, 1).least, arrays(batch, 1).levels]
     for old, new in zip(before, after, strict=True):
         np.testing.assert_array_equal(old[[0, 2, 3]], new[[0, 2, 3]])
     fresh = watching(SEEN, WAY, robots=[drawn])
     fresh.begin(np.array([0]), batch.state.level[1])
     np.testing.assert_array_equal(fresh.view.observation[0], batch.view.observation[1])
     np.testing.assert_array_equal(arrays(fresh).seen.cells[0], arrays(batch).seen.cells[1])
+
+
+@pytest.mark.parametrize(
+    "obstacle", [None, [{**BALL, "kinematics": {"name": "omni"}, "behavior": {"name": "dash"}, "goal": [5, 9]}]]
+)
+def test_observations_of_a_task_share_a_map_and_show_what_they_show_alone(obstacle: Any) -> None:
+    found = [*TRAP, *(obstacle or [])]
+    kinds = {"way_on_seen_map": {**WAY, "every": 1}, "seen_map": SEEN, "seen_map_image": PICTURE}
+    alone = {name: watching(kind, obstacle=found) for name, kind in kinds.items()}
+    for names in itertools.permutations(kinds):
+        together = watching(*(kinds[name] for name in names), obstacle=found)
+        maps = [term.arrays.seen for term in together.terms["observations"]]
+        assert maps[0] is maps[1] is maps[2]
+        for n in range(24):
+            for episodes in alone.values():
+                if n == 0:
+                    episodes.begin(np.array([0]), np.array([0]))
+                drive(episodes, 1.0, 0.4 * np.sin(n))
+            drive(together, 1.0, 0.4 * np.sin(n))
+        rows = [alone[name].view.observation[0, 0] for name in names if name != "seen_map_image"]
+        np.testing.assert_array_equal(together.view.observation[0, 0], np.concatenate(rows))
+        pictures = [episodes.view.images["seen_map_image"] for episodes in (together, alone["seen_map_image"])]
+        np.testing.assert_array_equal(*pictures)
+
+
+def test_maps_of_other_cells_or_other_scans_are_not_shared() -> None:
+    for other in ({**SEEN, "cell": 2 * CELL}, {**SEEN, "every": 2}):
+        first, second = (term.arrays.seen for term in watching(other, PICTURE).terms["observations"])
+        assert first is not second
 
 
 def test_each_agent_of_a_team_has_a_map_of_its_own() -> None:
@@ -303,7 +359,7 @@ def test_each_agent_of_a_team_has_a_map_of_its_own() -> None:
     for _ in range(20):
         for a, reference in enumerate(references):
             reference.add(episodes)
-            np.testing.assert_array_equal(arrays(episodes).seen.cells[0, a], reference.cells)
+            check(arrays(episodes).seen.cells[0, a], reference)
         wander(episodes, 1)
     assert (references[0].cells != references[1].cells).any()
 

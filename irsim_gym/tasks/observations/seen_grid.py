@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -12,12 +13,12 @@ from irsim_gym.engine import Simulation
 from irsim_gym.engine.own_scans import own_scan
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.scan_marks import mark_hits, mark_passed, settle_doubts
+from irsim_gym.paths.scan_marks import UNKNOWN, count_freed, free_passed, mark_hits, mark_passed
 from irsim_gym.scenario.options import option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import shared_sensors
-from irsim_gym.tasks.term import Bound
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.world.own_scan import OwnScan
 from irsim_gym.world.state import WorldState
 
@@ -27,40 +28,77 @@ FINEST = 64
 CELL = option(None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side.")
 EVERY = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
 
+NOTHING = -1
+"""In place of the step of the latest scan that was added."""
+
 
 @dataclass
 class SeenGrid(Struct):
-    """The latest scans, and what they and those before them have shown.
+    """The latest scans, and what they and those before them have shown. Observations of a task share it.
 
     Attributes:
         scan: The scans; member k is learner k.
         grid: The grid: the world, and one cell more on each side for what stands on its edge.
+        every: Steps from one scan that is added to the next.
+        follows: Beams are followed, so that cells that they pass are known.
         cells: What each learner knows of each cell, see ``paths.scan_marks``, shape ``(n_worlds, n_agents, rows,
             columns)``.
-        doubted: Scratch: cells that beams have passed although they were occupied, shape ``(n_slots, n_cells)``; none
-            where nothing but the learner can move, as nothing that is occupied can become free there.
-        fresh: Scratch: cells that are newly occupied, shape ``(n_slots, n_beams)``.
+        noted: Step of the latest scan that was added, ``NOTHING`` before, shape ``(n_worlds, n_agents)``.
+        fresh: Quarters of cells that it has shown to be occupied, shape ``(n_worlds, n_agents, n_beams)``.
+        n_fresh: How many, shaped as ``noted``.
+        n_freed: How many it has shown not to be occupied any more, likewise.
+        doubted: Scratch: quarters that beams have passed although they were occupied, shape ``(n_slots, n_quarters)``;
+            none where nothing but the learner can move, as nothing that is occupied can become free there.
     """
 
     scan: OwnScan
     grid: Grid
+    every: int
+    follows: bool
     cells: Bytes
-    doubted: Labels
+    noted: Labels
     fresh: Labels
+    n_fresh: Labels
+    n_freed: Labels
+    doubted: Ints
 
     @classmethod
-    def over(cls, grid: Grid, simulation: Simulation, agents: Ints, name: str) -> Self:
-        """Return maps without anything, for an observation of some name."""
+    def over(cls, term: Any, simulation: Simulation, agents: Ints, name: str, *, follows: bool) -> Self:
+        """Return maps without anything.
+
+        Args:
+            term: An observation with the options ``cell`` and ``every``.
+            simulation: Whose scans they show.
+            agents: Body of each learner, shape ``(n_agents,)``.
+            name: Name of the observation.
+            follows: Whether it needs to know what beams have passed.
+        """
         group, members = shared_sensors(simulation, agents, name)
-        scan, slots = own_scan(group, members), simulation.shards.n_slots
+        scan, grid = own_scan(group, members), world_grid(simulation, term.cell)
+        shape = simulation.n_worlds, len(agents)
         can_change = len(agents) > 1 or not np.delete(simulation.model.stands, agents).all()
         return cls(
             scan=scan,
             grid=grid,
-            cells=np.zeros((simulation.n_worlds, len(agents), grid.rows, grid.columns), np.uint8),
-            doubted=np.zeros((slots, grid.rows * grid.columns if can_change else 0), np.int32),
-            fresh=np.zeros((slots, scan.ranges.shape[2]), np.int32),
+            every=term.every,
+            follows=follows,
+            cells=np.zeros((*shape, grid.rows, grid.columns), np.uint8),
+            noted=np.full(shape, NOTHING, np.int32),
+            fresh=np.zeros((*shape, scan.ranges.shape[2]), np.int32),
+            n_fresh=np.zeros(shape, np.int32),
+            n_freed=np.zeros(shape, np.int32),
+            doubted=np.zeros((simulation.shards.n_slots, 4 * grid.rows * grid.columns if can_change else 0), np.int64),
         )
+
+
+def shared_map(own: SeenGrid, earlier: Sequence[Term]) -> SeenGrid:
+    """Return the map of an earlier term of the task with the same cells and scans, to use it too; else the own one."""
+    for term in earlier:
+        other = getattr(term.arrays, "seen", None)
+        if isinstance(other, SeenGrid) and (other.grid, other.every) == (own.grid, own.every):
+            other.follows = other.follows or own.follows
+            return other
+    return own
 
 
 def world_grid(simulation: Simulation, cell: float | None) -> Grid:
@@ -72,19 +110,46 @@ def world_grid(simulation: Simulation, cell: float | None) -> Grid:
     return Grid(inner.origin_x - wide, inner.origin_y - wide, wide, inner.columns + 2, inner.rows + 2)
 
 
+@kernel(inlined=True)
+def cell_number(up: float, across: float, grid: Grid) -> np.int32:
+    """Return the number of the cell at a point [cells], -1 outside of the grid; loops over points run on vectors."""
+    row, column = np.int32(np.floor(up)), np.int32(np.floor(across))
+    is_inside = (row >= 0) & (row < np.int32(grid.rows)) & (column >= 0) & (column < np.int32(grid.columns))
+    return np.int32(row * np.int32(grid.columns) + column) if is_inside else np.int32(-1)
+
+
+@kernel
+def forget_seen(worlds: Ints, seen: SeenGrid, episode: EpisodeState) -> None:
+    """Forget what agents have seen whose episodes begin.
+
+    Reads: seen (noted), episode (began).
+    Writes: seen (cells, noted).
+    """
+    for w in worlds:
+        for a in range(episode.began.shape[1]):
+            if episode.began[w, a] and seen.noted[w, a] != NOTHING:
+                seen.cells[w, a, :, :] = UNKNOWN
+                seen.noted[w, a] = NOTHING
+
+
 @kernel
 def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: WorldState, episode: EpisodeState) -> None:
-    """Add the latest scans to the maps of learners, at the start and then every ``every`` steps.
+    """Add the latest scans to the maps of learners, at the start and then every few steps, if nobody has done so yet.
 
-    Reads: term (agents, options), seen (cells, doubted, grid, scan), state (pose), episode (steps).
-    Writes: seen (cells, doubted, fresh).
+    Reads: term (agents), seen (cells, doubted, every, follows, grid, noted, scan), state (pose), episode (steps).
+    Writes: seen (cells, doubted, fresh, n_freed, n_fresh, noted).
     """
-    grid, fresh, doubted = seen.grid, seen.fresh[slot], seen.doubted[slot]
+    doubted = seen.doubted[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            if episode.steps[w, a] % term.options[0].every != 0:
+            steps = episode.steps[w, a]
+            if steps % seen.every != 0 or steps == seen.noted[w, a]:
                 continue
-            pose, cells = state.pose[w, term.agents[a]], seen.cells[w, a]
-            count = mark_passed(seen.scan, w, a, pose, grid, cells, doubted)
-            mark_hits(seen.scan, w, a, pose, grid, cells, fresh)
-            settle_doubts(cells, doubted, count)
+            pose, cells, count = state.pose[w, term.agents[a]], seen.cells[w, a], 0
+            if seen.follows:
+                mark_passed(seen.scan, w, a, pose, seen.grid, cells)
+            if doubted.shape[0] > 0:
+                count = free_passed(seen.scan, w, a, pose, seen.grid, cells, doubted)
+            seen.n_fresh[w, a] = mark_hits(seen.scan, w, a, pose, seen.grid, cells, seen.fresh[w, a])
+            seen.n_freed[w, a] = count_freed(cells, doubted, count)
+            seen.noted[w, a] = steps

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Labels, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
@@ -16,8 +16,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, note_all, world_grid
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, evenly
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -34,11 +34,13 @@ class SeenBins(Struct):
         seen: The maps.
         samples: The samples in the body frame [m], one bin after the other, shape ``(2, n_samples)``.
         ends: One past the last sample of each bin, ring by ring, shape ``(n_rings * sectors,)``.
+        places: Scratch: numbers of their cells, shape ``(n_slots, n_samples)``.
     """
 
     seen: SeenGrid
     samples: Floats
     ends: Ints
+    places: Labels
 
 
 @kind
@@ -47,7 +49,8 @@ class SeenMap:
 
     For each ring, from the inner one on: the share of each sector that is occupied, then the share of each that is
     unknown. Cells are unknown until a beam passes them or hits something in them, and so is all that is beyond the
-    world. What was hit stays; where other bodies can move, beams clear what was seen before.
+    world. What was hit stays; where other bodies can move, beams clear what was seen before. A cell is occupied as long
+    as a quarter of it is. Observations of the map share it where ``cell`` and ``every`` agree.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -68,13 +71,18 @@ class SeenMap:
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenBins:
         """Return the maps, and where they are sampled."""
-        grid = world_grid(simulation, self.cell)
-        bins = bin_samples(self.rings, self.sectors, APART * grid.cell)
+        seen = SeenGrid.over(self, simulation, agents, "seen_map", follows=True)
+        bins = bin_samples(self.rings, self.sectors, APART * seen.grid.cell)
         return SeenBins(
-            seen=SeenGrid.over(grid, simulation, agents, "seen_map"),
+            seen=seen,
             samples=np.ascontiguousarray(np.concatenate(bins).T),
             ends=np.cumsum([len(one) for one in bins]),
+            places=np.zeros((simulation.shards.n_slots, sum(len(one) for one in bins)), np.int32),
         )
+
+    def join(self, term: Term, earlier: Sequence[Term]) -> None:
+        """Use the map of an earlier observation."""
+        term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the shares."""
@@ -94,13 +102,13 @@ class SeenMap:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget what was seen."""
-        forget(term.arrays.seen.cells, UNKNOWN, episode, shard)
+        forget_seen(shard.worlds, term.arrays.seen, episode)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Take in the latest scans, and write the shares."""
         note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
-        write_seen(shard.worlds, term.bound, term.arrays, state, episode)
+        write_seen(shard.worlds, shard.slot, term.bound, term.arrays, state, episode)
 
 
 def bin_samples(rings: Sequence[float], sectors: int, apart: float) -> list[Floats]:
@@ -117,28 +125,29 @@ def bin_samples(rings: Sequence[float], sectors: int, apart: float) -> list[Floa
 
 
 @kernel
-def write_seen(worlds: Ints, term: Bound, bins: SeenBins, state: WorldState, episode: EpisodeState) -> None:
+def write_seen(worlds: Ints, slot: int, term: Bound, bins: SeenBins, state: WorldState, episode: EpisodeState) -> None:
     """Write which share of each bin is occupied, and which is unknown.
 
-    Reads: term (agents, column, options), bins (ends, samples, seen), state (pose).
-    Writes: episode (observation).
+    Reads: term (agents, column, options), bins (ends, places, samples, seen), state (pose).
+    Writes: bins (places), episode (observation).
     """
     grid, sectors, samples, ends = bins.seen.grid, term.options[0].sectors, bins.samples, bins.ends
+    places = bins.places[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            pose, cells = state.pose[w, term.agents[a]], bins.seen.cells[w, a]
+            pose, cells = state.pose[w, term.agents[a]], bins.seen.cells[w, a].reshape(-1)
             ahead, aside = np.cos(pose[2]) / grid.cell, np.sin(pose[2]) / grid.cell
             x, y = (pose[0] - grid.origin_x) / grid.cell, (pose[1] - grid.origin_y) / grid.cell
+            for n in range(places.shape[0]):
+                across = x + ahead * samples[0, n] - aside * samples[1, n]
+                up = y + aside * samples[0, n] + ahead * samples[1, n]
+                places[n] = cell_number(up, across, grid)
             n = 0
             for k in range(ends.shape[0]):
                 first, occupied, unknown = n, 0, 0
                 while n < ends[k]:
-                    across = x + ahead * samples[0, n] - aside * samples[1, n]
-                    up = y + aside * samples[0, n] + ahead * samples[1, n]
-                    known = UNKNOWN
-                    if 0.0 <= up < grid.rows and 0.0 <= across < grid.columns:
-                        known = cells[int(up), int(across)]
-                    occupied += 1 if known == OCCUPIED else 0
+                    known = cells[places[n]] if places[n] >= 0 else UNKNOWN
+                    occupied += 1 if known & OCCUPIED != 0 else 0
                     unknown += 1 if known == UNKNOWN else 0
                     n += 1
                 place = term.column + 2 * sectors * (k // sectors) + k % sectors

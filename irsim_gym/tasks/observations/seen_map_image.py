@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Ints
+from irsim_gym.arraytypes import Bytes, Ints, Labels
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
@@ -19,21 +19,29 @@ from irsim_gym.tasks.observations.occupancy_image import paint_goal, view_of
 from irsim_gym.tasks.observations.painting import Paints, around
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
-from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, note_all, world_grid
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-EMPTY, TAKEN = np.uint8(0), np.uint8(255)
+SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
+"""What is shown of a cell, by what is known of it."""
 
 
 @dataclass
 class SeenPicture(Struct):
-    """The maps, and what goals are painted with."""
+    """The maps, and what goals are painted with.
+
+    Attributes:
+        seen: The maps.
+        paints: For goals.
+        places: Scratch: numbers of the cells in a row of pixels, shape ``(n_slots, pixels)``.
+    """
 
     seen: SeenGrid
     paints: Paints
+    places: Labels
 
 
 @kind
@@ -69,8 +77,13 @@ class SeenMapImage:
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenPicture:
         """Return the maps, and what goals are painted with."""
-        seen = SeenGrid.over(world_grid(simulation, self.cell), simulation, agents, "seen_map_image")
-        return SeenPicture(seen, Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]]))
+        seen = SeenGrid.over(self, simulation, agents, "seen_map_image", follows=True)
+        paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
+        return SeenPicture(seen, paints, np.zeros((simulation.shards.n_slots, self.pixels), np.int32))
+
+    def join(self, term: Term, earlier: Sequence[Term]) -> None:
+        """Use the map of an earlier observation."""
+        term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the channels show."""
@@ -87,40 +100,38 @@ class SeenMapImage:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget what was seen."""
-        forget(term.arrays.seen.cells, UNKNOWN, episode, shard)
+        forget_seen(shard.worlds, term.arrays.seen, episode)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Take in the latest scans, and paint the picture."""
         worlds, slot, tools, image = shard.worlds, shard.slot, term.arrays, term.image
         note_all(worlds, slot, term.bound, tools.seen, state, episode)
-        paint_seen(worlds, term.bound, tools.seen, state, image)
+        paint_seen(worlds, slot, term.bound, tools, state, image)
         if term.options.goal_channel:
             paint_goal(worlds, slot, term.bound, tools.paints, model, state, image)
 
 
 @kernel
-def paint_seen(worlds: Ints, term: Bound, seen: SeenGrid, state: WorldState, image: Bytes) -> None:
+def paint_seen(worlds: Ints, slot: int, term: Bound, tools: SeenPicture, state: WorldState, image: Bytes) -> None:
     """Write what is known of the place at each pixel's centre into the first channel, and clear the others.
 
-    Reads: term (agents, options), seen (cells, grid), state (pose).
-    Writes: image.
+    Reads: term (agents, options), tools (places, seen), state (pose).
+    Writes: tools (places), image.
     """
-    grid = seen.grid
+    grid, places = tools.seen.grid, tools.places[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            picture, cells, view = image[w, a], seen.cells[w, a], view_of(term, state.pose[w, term.agents[a]])
-            size = 1.0 / (view.scale * grid.cell)
+            picture, view = image[w, a], view_of(term, state.pose[w, term.agents[a]])
+            cells, size = tools.seen.cells[w, a].reshape(-1), 1.0 / (view.scale * grid.cell)
             x, y = (view.x - grid.origin_x) / grid.cell, (view.y - grid.origin_y) / grid.cell
             for i in range(picture.shape[0]):
                 up = (view.middle_y - i - 0.5) * size
-                for j in range(picture.shape[1]):
+                for j in range(places.shape[0]):
                     right = (j + 0.5 - view.middle_x) * size
-                    column = int(np.floor(x + right * view.up_y + up * view.up_x))
-                    row = int(np.floor(y - right * view.up_x + up * view.up_y))
-                    value = np.uint8(NOT_SEEN)
-                    if 0 <= row < grid.rows and 0 <= column < grid.columns and cells[row, column] != UNKNOWN:
-                        value = TAKEN if cells[row, column] == OCCUPIED else EMPTY
-                    picture[i, j, 0] = value
-                    for channel in range(1, picture.shape[2]):
-                        picture[i, j, channel] = EMPTY
+                    across = x + right * view.up_y + up * view.up_x
+                    places[j] = cell_number(y - right * view.up_x + up * view.up_y, across, grid)
+                for j in range(places.shape[0]):
+                    picture[i, j, 0] = SHADES[cells[places[j]] if places[j] >= 0 else UNKNOWN]
+                for channel in range(1, picture.shape[2]):
+                    picture[i, :, channel] = 0

@@ -17,17 +17,16 @@ from irsim_gym.paths.wavefront import STRAIGHT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.seen_grid import EVERY, world_grid
+from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen, note_all, shared_map
 from irsim_gym.tasks.observations.seen_ways import (
-    NOT_PLANNED,
     SeenWays,
     clear_levels,
     find_way,
     last_in_sight,
-    note_ways,
+    narrow_ways,
 )
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -59,7 +58,12 @@ class WayOnSeenMap:
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenWays:
         """Return the maps, the ways, and scratch memory."""
-        return SeenWays.over(world_grid(simulation, self.cell), simulation, agents, "way_on_seen_map")
+        seen = SeenGrid.over(self, simulation, agents, "way_on_seen_map", follows=False)
+        return SeenWays.over(seen, simulation.shards.n_slots)
+
+    def join(self, term: Term, earlier: Sequence[Term]) -> None:
+        """Use the map of an earlier observation."""
+        term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
@@ -79,14 +83,14 @@ class WayOnSeenMap:
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget what was seen."""
         ways = term.arrays
-        forget(ways.seen.cells, 0, episode, shard)
-        forget(ways.final, NOT_PLANNED, episode, shard)
+        forget_seen(shard.worlds, ways.seen, episode)
         clear_levels(shard.worlds, ways, episode)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Take in the latest scans, and write the three elements."""
-        note_ways(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
+        note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
+        narrow_ways(shard.worlds, term.bound, term.arrays, model, episode)
         write_ways_seen(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
 
 
@@ -102,11 +106,11 @@ def write_ways_seen(
 ) -> None:
     """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
-    Reads: term (agents, column), ways (field, final, grid, levels, queues, target, way), model (bounds), state
-        (direction, goal, pose).
-    Writes: ways (final, queues, target, way), episode (observation).
+    Reads: term (agents, column), ways (least, levels, queues, seen, target, way), model (bounds), state (direction,
+        goal, pose).
+    Writes: ways (least, queues, target, way), episode (observation).
     """
-    grid, way = ways.grid, ways.way[slot]
+    grid, way = ways.seen.grid, ways.way[slot]
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     full = np.sqrt(width * width + height * height)
     for w in worlds:
@@ -121,7 +125,7 @@ def write_ways_seen(
                     rest = np.inf
                 else:
                     place = last_in_sight(x, y, grid, levels, way, count)
-                    rest = ways.field[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
+                    rest = ways.least[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
                     if rest > 0.0:
                         to_x, to_y = centre(grid, place // grid.columns, place % grid.columns)
             dx, dy = to_x - x, to_y - y
