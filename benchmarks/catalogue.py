@@ -14,6 +14,7 @@ from growth import GROWTH
 from level_maps import level_maps
 from memory import memory
 from phases import PHASES
+from seen_maps import seen_maps
 from startup import startup
 from timing import cost
 
@@ -112,6 +113,7 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     **PHASES,
     **GROWTH,
     "level_maps": level_maps,
+    "seen_maps": seen_maps,
     "simulator/cluttered_room": partial(simulator, "cluttered_room"),
     "simulator/dense_room": partial(simulator, "dense_room"),
     "environment/cluttered_room": partial(environment, "cluttered_room"),

@@ -19,7 +19,7 @@ from rich.table import Table
 
 Verdict = Literal["better", "worse", "same", "gone", "new"]
 
-LESS_IS_BETTER = ("_us", "_ms", "_s", "_kib", "_kernels", "_over_twin")
+LESS_IS_BETTER = ("_us", "_ms", "_s", "_kib", "_kernels", "_over_twin", "_over_plain")
 MORE_IS_BETTER = ("_per_cpu_s", "_times_faster", "_times_slower", "_share_of_noop")
 """Endings of names; ``times_slower`` is said of a peer. What ends otherwise describes the run and is not judged."""
 

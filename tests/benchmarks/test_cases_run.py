@@ -26,7 +26,7 @@ from irsim_gym.envs.worlds import Worlds
 
 UNITS = (
     *("_us", "_ms", "_s", "_kib", "_kernels", "_steps", "_worlds"),
-    *("_share", "_share_of_noop", "_times_faster", "_times_slower", "_over_twin"),
+    *("_share", "_share_of_noop", "_times_faster", "_times_slower", "_over_twin", "_over_plain"),
 )
 ROOT = Path(__file__).parents[2]
 
