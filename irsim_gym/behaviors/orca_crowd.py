@@ -215,19 +215,14 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
         ring: How many squares to each side are looked at.
         crowd: ``found`` and ``gap2`` are written.
     """
-    columns, rows, starts, gap2, found = (
-        crowd.squares.columns,
-        crowd.squares.rows,
-        crowd.starts,
-        crowd.gap2,
-        crowd.found,
-    )
+    columns, rows, starts = crowd.squares.columns, crowd.squares.rows, crowd.starts
+    xs, ys, gap2, found = crowd.x, crowd.y, crowd.gap2, crowd.found
     row, limit2, count = place // columns, within * within, 0
     column = place - row * columns
     left, right = max(column - ring, 0), min(column + ring, columns - 1)
     for other_row in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
         for q in range(starts[other_row * columns + left], starts[other_row * columns + right + 1]):
-            dx, dy = crowd.x[q] - ego.x, crowd.y[q] - ego.y
+            dx, dy = xs[q] - ego.x, ys[q] - ego.y
             distance2 = dx * dx + dy * dy
             gap2[count], found[count] = distance2, q
             count += int(distance2 < limit2) & int(q != m)  # without a branch that nobody can foresee
@@ -258,10 +253,10 @@ def keep_nearest(n_found: int, crowd: Crowd) -> int:
     Reads: crowd (body, found, gap2, nearest, nearest_gap).
     Writes: crowd (nearest, nearest_gap).
     """
-    body, nearest, nearest_gap = crowd.body, crowd.nearest, crowd.nearest_gap
+    body, nearest, nearest_gap, found, gap2 = crowd.body, crowd.nearest, crowd.nearest_gap, crowd.found, crowd.gap2
     count, most = 0, nearest.shape[0]
     for i in range(n_found):
-        m, key, k = crowd.found[i], crowd.gap2[i], count - 1
+        m, key, k = found[i], gap2[i], count - 1
         if count < most:
             count, k = count + 1, count
         elif most == 0 or not comes_first(key, body[m], nearest_gap[k], body[nearest[k]]):
