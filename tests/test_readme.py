@@ -151,6 +151,13 @@ def test_links_lead_somewhere() -> None:
             assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
 
 
+def test_lines_of_pages_have_at_most_120_characters() -> None:
+    """Rows of tables may be longer."""
+    pages = [*ROOT.glob("[!R]*.md"), *(ROOT / "docs").rglob("*.md"), *ROOT.glob("configs/*.md")]
+    lines = [(page, n, line) for page in pages for n, line in enumerate(page.read_text("utf-8").splitlines(), 1)]
+    assert not [f"{page.name}:{n}" for page, n, line in lines if len(line) > 120 and not line.startswith("|")]
+
+
 def test_design_lists_all_decisions() -> None:
     text = (ROOT / "DESIGN.md").read_text(encoding="utf-8")
     linked = dict(re.findall(r"^\[(\d+)\]: docs/decisions/(\S+)$", text, re.MULTILINE))
