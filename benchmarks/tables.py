@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -30,12 +31,17 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def wrapped(text: str, indent: str = "") -> str:
+    """Return text in lines of at most 120 characters, those after the first with ``indent``."""
+    return textwrap.fill(text, 120, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+
+
 def provenance(name: str, result: Mapping[str, Any]) -> str:
     """Return where a result comes from: file, machine, versions, load, commit, date."""
     machine = result["machine"]
     versions = {"Python": machine["python"], **machine["versions"]}
     named = ", ".join(f"{one} {versions[one]}" for one in ("Python", "numpy", "numba", "torch") if versions.get(one))
-    return (
+    return wrapped(
         f"[results/{name}](results/{name}): {machine['processor']}, {machine['cores']} cores, {named}; "
         f"load {machine['load']:.2f} at the start; commit {machine['commit'][:10]}, {machine['date'][:10]}."
     )
@@ -116,7 +122,7 @@ def beside_others(name: str, result: Mapping[str, Any]) -> str:
         lines += [f"- {title}, `{work}`: {'; '.join(notes)}." for work, notes in said["works"].items() if notes]
         lines += [f"- {title} is missing: {said['missing']}." for _ in range("missing" in said)]
         lines += [f"- {title}, `{work}`: {why}." for work, why in said.get("failures", {}).items()]
-    parts.append("\n".join(lines))
+    parts.append("\n".join(wrapped(line, "  ") for line in lines))
     return "\n\n".join(parts)
 
 
@@ -151,7 +157,7 @@ def rounds_text(rounds: Sequence[Mapping[str, float]]) -> str:
     """Return the numbers of rounds, and the range of the processor's pace."""
     played, rejected, kept = (int(sum(one[name] for one in rounds)) for name in ("played", "rejected", "disturbed"))
     loops = [one["calibration_us"] for one in rounds if "calibration_us" in one] or [0.0]
-    return (
+    return wrapped(
         f"{played} rounds were run; {rejected} were rejected as disturbed, {kept} kept although disturbed. "
         f"The median of the calibrating loop was {min(loops):.0f} to {max(loops):.0f} us, depending on the process."
     )

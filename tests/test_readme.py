@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import pytest
 from command_line import run
 
 import irsim_gym
+from irsim_gym import families
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -75,9 +77,26 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.fixture
+def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Be in the reader's folder; modules and kinds that are loaded from it are forgotten again."""
+    modules = set(sys.modules)
+    families.load()
+    for family in families.every():
+        monkeypatch.setattr(family, "_entries", dict(family._entries))
+    monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(str(folder))
+    yield
+    for name in set(sys.modules) - modules:
+        if str(getattr(sys.modules[name], "__file__", None) or "").startswith(str(folder)):
+            del sys.modules[name]
+
+
 @pytest.mark.parametrize("block", [*blocks(README, "python"), *blocks(CONTRIBUTING, "python")], ids=str)
-def test_python_blocks_run(block: Block, folder: Path) -> None:
-    _run([sys.executable, "-W", "error", "-c", block.text], folder)
+@pytest.mark.usefixtures("at_home")
+def test_python_blocks_run(block: Block) -> None:
+    """In this process; that they run in processes of their own is a slow test."""
+    exec(compile(block.text, str(block), "exec", dont_inherit=True), {"__name__": "__main__"})
 
 
 @pytest.mark.parametrize("block", blocks(README, "yaml"), ids=str)
@@ -89,8 +108,9 @@ def test_scenarios_load_and_run(block: Block, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("command", [*commands(README), *commands(CONTRIBUTING)])
+@pytest.mark.usefixtures("at_home", "played_here")
 def test_commands_exist(
-    command: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Short commands are run; of the long ones it is checked that they exist and take these options."""
     words = shlex.split(command)
@@ -104,7 +124,7 @@ def test_commands_exist(
             shown = capsys.readouterr().out
             assert all(word.split("=")[0] in shown for word in words if word.startswith("--"))
         else:
-            _run([*PROGRAM, *words[1:]], folder)
+            assert run(monkeypatch, *words[1:]) == 0
     else:
         assert words[0] in {"pip", "source"}, f"cannot check: {command}"
 
@@ -122,6 +142,12 @@ def test_a_reader_who_follows_the_page_gets_everywhere(tmp_path: Path) -> None:
         for words in map(shlex.split, lines_of(block) if block.language == "bash" else ()):
             if not ELSEWHERE.intersection(words[:2]):
                 _run([*PROGRAM, *words[1:]], tmp_path, 1800)
+
+
+@pytest.mark.slow
+def test_blocks_for_contributors_run_in_processes_of_their_own(folder: Path) -> None:
+    for block in blocks(CONTRIBUTING, "python"):
+        _run([sys.executable, "-W", "error", "-c", block.text], folder)
 
 
 def test_the_picture_is_the_first_blocks(folder: Path) -> None:
@@ -149,6 +175,13 @@ def test_links_lead_somewhere() -> None:
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"(?:\]\(|^\[\w+\]: )([^)#\s]+)", text, re.MULTILINE):
             assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_lines_of_pages_have_at_most_120_characters() -> None:
+    """Rows of tables may be longer."""
+    pages = [*ROOT.glob("[!R]*.md"), *(ROOT / "docs").rglob("*.md"), *ROOT.glob("configs/*.md")]
+    lines = [(page, n, line) for page in pages for n, line in enumerate(page.read_text("utf-8").splitlines(), 1)]
+    assert not [f"{page.name}:{n}" for page, n, line in lines if len(line) > 120 and not line.startswith("|")]
 
 
 def test_design_lists_all_decisions() -> None:
