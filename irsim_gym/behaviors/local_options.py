@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.renewal import RenewsGoals
 from irsim_gym.scenario.options import kind, option
 
 
 @kind
-class LocalPlanner:
+class LocalPlanner(RenewsGoals):
     """What ``dwa`` and ``mppi`` have in common."""
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     path: Literal["straight", "map", "seen"] = option(
         "seen",
         meaning="The path to follow: straight (to the goal), map (the shortest one around the map and all that never "
