@@ -249,8 +249,8 @@ def test_a_full_disk_is_done_without(tmp_path: Path) -> None:
 def test_processes_that_compile_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
     command = [sys.executable, "-W", "error", "-c", USE]
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    processes = [subprocess.Popen(command, env=environment) for _ in range(3)]
-    assert [process.wait(timeout=120) for process in processes] == [0, 0, 0]
+    processes = [subprocess.Popen(command, env=environment) for _ in range(2)]
+    assert [process.wait(timeout=120) for process in processes] == [0, 0]
     assert compilations(tmp_path) == 0
     assert {file.suffix for file in tmp_path.rglob("*") if file.is_file()} == {".nbc"}
 
