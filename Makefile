@@ -19,7 +19,7 @@ VERSIONS_READY := $(VENV)/.versions-ready
 LIBRARIES   := build/libraries
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow test-bounds test-gui test-versions test-libraries mutate bench peers clean
+.PHONY: help demo install lint ruff mypy test fast-tests test-slow test-bounds test-gui test-versions test-libraries mutate bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -40,12 +40,20 @@ demo: $(INSTALLED)
 
 install: $(INSTALLED)
 
-lint: $(TESTS_READY)
+lint: ruff mypy
+
+ruff: $(TESTS_READY)
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m ruff format --check .
+
+mypy: $(TESTS_READY)
 	$(BIN)/python -m mypy
 
-test: lint
+# mypy has one process, and so leaves cores for the tests.
+test: ruff
+	@$(MAKE) --no-print-directory -j2 mypy fast-tests
+
+fast-tests: $(TESTS_READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries" $(ARGS)
 
 test-slow: lint
@@ -78,16 +86,21 @@ clean:
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
+define MAKE_VENV
+@$(PYTHON) -c 'import sys; sys.exit("irsim_gym needs Python 3.11 or newer: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
+@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
+endef
+
 # An interrupted set-up leaves no stamp, and the next run takes it up again.
 $(INSTALLED): pyproject.toml constraints.txt
-	@$(PYTHON) -c 'import sys; sys.exit("irsim_gym needs Python 3.11 or newer: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
-	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
+	$(MAKE_VENV)
 	$(INSTALL) -e .
 	@touch $@
 
-$(TESTS_READY): $(INSTALLED)
+$(TESTS_READY): pyproject.toml constraints.txt
+	$(MAKE_VENV)
 	$(INSTALL) -e ".[test]"
-	@touch $@
+	@touch $(INSTALLED) $@
 
 $(GUI_READY): $(TESTS_READY)
 	$(INSTALL) -e ".[test,test-gui]"

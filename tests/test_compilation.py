@@ -122,9 +122,14 @@ def test_all_faces_share_what_is_compiled() -> None:
     assert len(both) <= 3, both
 
 
+@pytest.mark.slow
 def test_no_kernel_leaves_its_arrays() -> None:
-    """An index beyond an array is an error here, where it is otherwise a wrong number or a crash."""
+    """All kernels are compiled for this; ``tests/bounds`` plays such scenarios in plain Python."""
     assert run(CHECKED, NUMBA_BOUNDSCHECK="1") == ""
+
+
+def test_numbas_checks_find_an_index_beyond_an_array() -> None:
+    """It is an error here, where it is otherwise a wrong number or a crash."""
     with pytest.raises(AssertionError, match="IndexError"):
         run("import numpy, irsim_gym.rng as rng; rng.next_bits(numpy.zeros(1, 'u8'), 1)", NUMBA_BOUNDSCHECK="1")
 

@@ -17,7 +17,7 @@ import pytest
 from numba.core.errors import NumbaError
 
 import irsim_gym
-from irsim_gym import jit
+from irsim_gym import jit, rng
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import UntrustedCodeWarning
 from irsim_gym.jit import folder as folders
@@ -165,20 +165,39 @@ def compilations(folder: Path, use: str = USE, **environment: str) -> int:
     return int(done.stdout)
 
 
-def test_what_is_on_disk_is_not_compiled_again(tmp_path: Path) -> None:
-    assert compilations(tmp_path) == 3
-    assert compilations(tmp_path) == 0
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the three kernels of ``USE``."""
+    folder = tmp_path_factory.mktemp("compiled")
+    assert compilations(folder) == 3
+    return folder
 
 
-def test_kernels_on_disk_run_before_the_compiler_is_ready(tmp_path: Path) -> None:
+@pytest.fixture
+def full(compiled: Path, tmp_path: Path) -> Path:
+    """A copy of that folder."""
+    return Path(shutil.copytree(compiled, tmp_path / "full"))
+
+
+def test_what_is_on_disk_is_not_compiled_again(full: Path) -> None:
+    assert compilations(full) == 0
+
+
+READY = "print('numba.np.arraymath' in sys.modules)"
+
+
+def test_kernels_on_disk_run_before_the_compiler_is_ready(full: Path) -> None:
     """Numba's preparations take longer than all kernels, and import SciPy where it is installed."""
-    ready = "print('numba.np.arraymath' in sys.modules)"
-    own = f"import sys; from irsim_gym import rng; rng.later_level(1, 2); {ready}"
-    elsewhere = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from mine import half; half(3.0); {ready}"
+    use = f"import sys; from irsim_gym import rng; rng.later_level(1, 2); {READY}"
+    assert run(["-c", use], NUMBA_CACHE_DIR=str(full)).stdout.strip() == "False"
+
+
+@pytest.mark.slow
+def test_kernels_elsewhere_wait_for_the_compiler(tmp_path: Path) -> None:
+    use = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from mine import half; half(3.0); {READY}"
     (tmp_path / "mine.py").write_text("from irsim_gym.jit import kernel\n@kernel\ndef half(x):\n    return 0.5 * x\n")
-    for use, later in ((own, "False"), (elsewhere, "True")):
-        seen = [run(["-c", use], NUMBA_CACHE_DIR=str(tmp_path / "cache")).stdout.strip() for _ in range(2)]
-        assert seen == ["True", later]
+    seen = [run(["-c", use], NUMBA_CACHE_DIR=str(tmp_path / "cache")).stdout.strip() for _ in range(2)]
+    assert seen == ["True", "True"]
 
 
 def test_a_kernel_on_disk_may_allocate(tmp_path: Path) -> None:
@@ -203,25 +222,22 @@ def test_a_part_that_is_on_disk_serves_other_kernels(tmp_path: Path) -> None:
     assert compilations(tmp_path, "from irsim_gym import rng; a = rng.later_level(1, 2)") == 2
     other = "from irsim_gym import rng; import numpy as np; print(rng.level_stream(np.uint64(7), 3))"
     done = run(["-c", f"{COUNT}\n{other}\nprint(count.n)"], NUMBA_CACHE_DIR=str(tmp_path)).stdout.split()
-    plain = run(["-c", other], NUMBA_DISABLE_JIT="1").stdout.split()
-    assert done == [*plain, "1"]
+    assert done == [str(rng.level_stream(np.uint64(7), 3)), "1"]
 
 
-def test_processors_and_settings_have_files_of_their_own(tmp_path: Path) -> None:
-    assert compilations(tmp_path) == 3
-    assert compilations(tmp_path, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == 3
-    assert compilations(tmp_path, NUMBA_BOUNDSCHECK="1") == 3
-    assert compilations(tmp_path) == 0
+def test_processors_and_settings_have_files_of_their_own(full: Path) -> None:
+    assert compilations(full, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == 3
+    assert compilations(full, NUMBA_BOUNDSCHECK="1") == 3
+    assert compilations(full) == 0
 
 
-def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
-    assert compilations(tmp_path) == 3
-    files = sorted(tmp_path.rglob("*.nbc"))
+def test_a_damaged_file_is_compiled_anew(full: Path) -> None:
+    files = sorted(full.rglob("*.nbc"))
     files[0].write_bytes(files[0].read_bytes()[:-10])
     files[1].write_bytes(b"")
     files[2].write_bytes(files[2].read_bytes()[:99] + b"x" + files[2].read_bytes()[100:])
-    assert compilations(tmp_path) == 3
-    assert compilations(tmp_path) == 0
+    assert compilations(full) == 3
+    assert compilations(full) == 0
 
 
 def test_a_full_disk_is_done_without(tmp_path: Path) -> None:
@@ -233,8 +249,8 @@ def test_a_full_disk_is_done_without(tmp_path: Path) -> None:
 def test_processes_that_compile_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
     command = [sys.executable, "-W", "error", "-c", USE]
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    processes = [subprocess.Popen(command, env=environment) for _ in range(3)]
-    assert [process.wait(timeout=120) for process in processes] == [0, 0, 0]
+    processes = [subprocess.Popen(command, env=environment) for _ in range(2)]
+    assert [process.wait(timeout=120) for process in processes] == [0, 0]
     assert compilations(tmp_path) == 0
     assert {file.suffix for file in tmp_path.rglob("*") if file.is_file()} == {".nbc"}
 
@@ -253,7 +269,7 @@ def test_a_kernel_elsewhere_follows_what_it_calls_and_reads(tmp_path: Path) -> N
         done = run(["-B", "-c", ask], NUMBA_CACHE_DIR=str(tmp_path / "cache"))
         return float(done.stdout)
 
-    assert answer() == answer() == 21.0
+    assert answer() == 21.0
     (tmp_path / "lib.py").write_text(files["lib"].replace("2.0 *", "3.0 *"))
     assert answer() == 31.0
     (tmp_path / "lib.py").write_text(files["lib"].replace("STEP = 1.0", "STEP = 5.0"))
@@ -312,23 +328,22 @@ def test_a_file_of_somebody_else_is_not_run(tmp_path: Path, monkeypatch: pytest.
         assert Files.read(file) is None
 
 
-def test_what_others_may_have_written_is_compiled_anew(tmp_path: Path) -> None:
-    assert compilations(tmp_path) == 3
-    files = list(tmp_path.rglob("*.nbc"))
+def test_what_others_may_have_written_is_compiled_anew(full: Path) -> None:
+    files = list(full.rglob("*.nbc"))
     for file in files:
         file.chmod(0o666)
     trusting = "import warnings; warnings.simplefilter('ignore');"
-    assert compilations(tmp_path, trusting + USE) == 3
+    assert compilations(full, trusting + USE) == 3
     assert all(stat.S_IMODE(file.stat().st_mode) == 0o600 for file in files)
-    assert compilations(tmp_path) == 0
+    assert compilations(full) == 0
 
 
-def test_a_long_compilation_is_announced_once(tmp_path: Path) -> None:
+def test_a_long_compilation_is_announced_once(tmp_path: Path, full: Path) -> None:
     hasty = "from irsim_gym.jit import watch; watch.PATIENCE_S = 0.0;"
-    first = run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(tmp_path))
+    first = run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(tmp_path / "empty"))
     assert first.stderr.count("compiling kernels") == 1
     assert "`irsim-gym warmup`" in first.stderr
-    assert run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(tmp_path)).stderr == ""
+    assert run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(full)).stderr == ""
 
 
 def test_a_short_compilation_is_not_worth_a_word(tmp_path: Path) -> None:

@@ -118,21 +118,22 @@ print(out.tolist(), made.n)
     assert [run(folder, both) for _ in range(2)] == [f"[0.0, 11.0, 0.0, 11.0] {n}" for n in (2, 0)]
 
 
-def test_a_damaged_file_is_made_anew(folder: Path) -> None:
+@pytest.mark.parametrize("kept", [-1, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 10, 500))])
+def test_a_damaged_file_is_made_anew(kept: int, folder: Path) -> None:
+    """Its last bit is another one, or only some bytes at its beginning are left."""
     run(folder, ADD)
     (file,) = files(folder, "add")
     content = file.read_bytes()
-    for damaged in (b"", content[:10], content[:500], content[:-1] + bytes([content[-1] ^ 1])):
-        file.write_bytes(damaged)
-        assert run(folder, ADD) == f"{SUM} 1"
-        assert len(file.read_bytes()) == len(content)
+    file.write_bytes(content[:kept] + (bytes([content[-1] ^ 1]) if kept < 0 else b""))
+    assert run(folder, ADD) == f"{SUM} 1"
+    assert len(file.read_bytes()) == len(content)
     assert run(folder, ADD) == f"{SUM} 0"
 
 
 def test_processes_that_begin_together_make_one_file(folder: Path) -> None:
-    processes = [begin(folder, ADD) for _ in range(3)]
+    processes = [begin(folder, ADD) for _ in range(2)]
     answers = [process.communicate(timeout=120) for process in processes]
-    assert [answer.split("]")[0] for answer, _ in answers] == [SUM[:-1]] * 3, answers
+    assert [answer.split("]")[0] for answer, _ in answers] == [SUM[:-1]] * 2, answers
     assert len(files(folder, "add")) == 1
     assert run(folder, ADD) == f"{SUM} 0"
 

@@ -109,9 +109,7 @@ def test_scenarios_load_and_run(block: Block, folder: Path) -> None:
 
 @pytest.mark.parametrize("command", [*commands(README), *commands(CONTRIBUTING)])
 @pytest.mark.usefixtures("at_home", "played_here")
-def test_commands_exist(
-    command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_commands_exist(command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Short commands are run; of the long ones it is checked that they exist and take these options."""
     words = shlex.split(command)
     words = [word for word in words if not re.fullmatch(r"[A-Z_]+=.*", word)]

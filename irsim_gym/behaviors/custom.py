@@ -10,7 +10,7 @@ import numpy as np
 
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
-from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.renewal import RenewsGoals, RenewsMembersGoals, renewal_problems
 from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
@@ -25,22 +25,17 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 @kind
-class PythonBehavior:
+class PythonBehavior(RenewsGoals):
     """What all behaviours written in Python have in common: their options, and how they are called."""
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
@@ -64,21 +59,15 @@ class PythonBehavior:
 
 
 @kind
-class PythonGroupBehavior:
+class PythonGroupBehavior(RenewsMembersGoals):
     """What all group behaviours written in Python have in common."""
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
-    wander: bool = renewal.GROUP_WANDER
-    loop: bool = renewal.GROUP_LOOP
-    range_low: tuple[float, float, float] = renewal.GROUP_LOW
-    range_high: tuple[float, float, float] = renewal.GROUP_HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
-
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

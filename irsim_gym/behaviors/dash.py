@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import braked_rate, clear_command, goal_offset
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
@@ -21,21 +21,16 @@ from irsim_gym.world.state import WorldState
 
 
 @kind
-class Dash:
+class Dash(RenewsGoals):
     """Drive straight at the goal, turning towards it on the way."""
 
     only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which other bodies the behaviour sees; dash looks at none."
     )
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     angle_tolerance: float = option(
         0.1,
         ge=0.0,
@@ -46,7 +41,7 @@ class Dash:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

@@ -7,11 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.behaviors import local_options, renewal
 from irsim_gym.behaviors.dwa_search import Turns, decide_dwa, forget_turns
+from irsim_gym.behaviors.local_options import LocalPlanner
 from irsim_gym.behaviors.local_paths import find_paths
 from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import forget_ways
+from irsim_gym.behaviors.renewal import renewal_problems
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -22,15 +23,15 @@ MOST_SAMPLES = 1000
 
 
 @kind
-class Dwa:
-    """Take the command, of those that can be reached in a step, whose way ahead is free and costs least.
+class Dwa(LocalPlanner):
+    """Take the command with the lowest cost among those that are admissible and that a step can reach.
 
-    The body sees what its first range sensor hits, and takes it to stand still. With a constant command it drives on a
-    circle. A command is admissible if the body can stop before the way touches anything. The cost is
-    ``obstacle_weight * c + path_weight * p + goal_weight * g``: c is 253 exp(-cost_scaling d) for the least distance d
-    [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), else 0, and 253 to 506 for a way
-    that ends at something, the more the sooner; p is the distance of the way's end from the path [m], and g what is
-    left of the path from there on [m]; a way that arrives has driven on for the time that it saves.
+    The body sees what its first range sensor hits, and assumes that it stands still. A constant command moves it along
+    a circle. A command is admissible if the body can stop before this way touches anything. The cost is
+    ``obstacle_weight * c + path_weight * p + goal_weight * g``. c is 253 exp(-cost_scaling d) for the smallest distance
+    d [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), and 0 beyond; for a way that ends
+    at an obstacle it is 253 to 506, the more the sooner. p is the distance of the end of the way from the path [m], and
+    g is the rest of the path from there [m]. A way that arrives early counts as if it went on for the time saved.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -38,18 +39,13 @@ class Dwa:
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     samples: tuple[int, int] = option(
         (7, 21),
-        meaning="Values of each of the command's two numbers: speed ahead and turn rate or steering angle, or the "
+        meaning="Number of values of each of the command's two numbers: speed and turn rate or steering angle, or the "
         "velocities along two axes.",
-        consequence="Few: it swerves, or finds no way. Their product is what a decision costs.",
+        consequence="Few: it swerves, or finds no way. Computing time grows with the product.",
     )
-    sim_time: float = option(1.5, gt=0.0, le=60.0, unit="s", meaning="How far ahead ways are looked at.")
+    sim_time: float = option(1.5, gt=0.0, le=60.0, unit="s", meaning="Duration of the ways that are compared.")
     sim_granularity: float = option(
         0.1, gt=0.0, unit="s", meaning="Time between the poses at which a way is compared with the scan."
     )
@@ -57,43 +53,36 @@ class Dwa:
         None,
         ge=0.0,
         unit="s",
-        meaning="How long a way has to be free; default: a step, and half of what stopping takes.",
+        meaning="How long a way has to be free (default: a step and half of the time to stop).",
     )
     min_speed: float = option(
         0.0,
         unit="m/s",
-        meaning="Least speed ahead of diff and acker, beside turning on the spot; negative to drive backwards.",
+        meaning="Minimum speed of diff and acker, apart from turns on the spot; negative to drive backwards.",
     )
     escape_speed: float = option(
-        0.0, le=0.0, unit="m/s", meaning="Speed, straight back, where no way ahead is admissible; 0: it stands."
+        0.0, le=0.0, unit="m/s", meaning="Speed straight back when no way ahead is admissible; 0: it stands."
     )
     min_turn_rate: float = option(
-        0.5, ge=0.0, unit="rad/s", meaning="Least turn rate of diff on the spot, or the fastest that a step reaches."
+        0.5,
+        ge=0.0,
+        unit="rad/s",
+        meaning="Minimum turn rate of diff on the spot, or the highest that a step can reach.",
     )
     oscillation_distance: float = option(
         0.25,
         ge=0.0,
         unit="m",
-        meaning="Who has turned on the spot to both sides does so again only after moving so far.",
+        meaning="After turns on the spot to both sides, it makes no further one before it has moved this far.",
         consequence="0: it may turn to and fro for ever.",
     )
     obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
     path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
-    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of what is left of the path.")
-    path: local_options.Path = local_options.PATH
-    path_clearance: float = local_options.PATH_CLEARANCE
-    memory: float = local_options.MEMORY
-    lookahead: float = local_options.LOOKAHEAD
-    forward_point: float = local_options.FORWARD_POINT
-    footprint_padding: float = local_options.PADDING
-    obstacle_range: float = local_options.OBSTACLE_RANGE
-    spacing: float = local_options.SPACING
-    inflation_radius: float = local_options.INFLATION_RADIUS
-    cost_scaling: float = local_options.COST_SCALING
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
         if min(self.samples) < 1 or max(self.samples) > MOST_SAMPLES:
             yield "samples", f"must be two numbers from 1 to {MOST_SAMPLES}, got {list(self.samples)}"
         if self.sim_granularity > self.sim_time:

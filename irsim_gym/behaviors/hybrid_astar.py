@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from irsim_gym.arraytypes import CellMaps, Ints
-from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.pose_drive import drive_poses
 from irsim_gym.behaviors.pose_tables import PoseTables, forget_poses
 from irsim_gym.behaviors.pursuit_drive import is_under_way, mark_moving
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kind
-class HybridAstar:
+class HybridAstar(RenewsGoals):
     """Find a way over poses to the goal past all that stands, and follow it, forwards and backwards.
 
     The way consists of arcs within the turning limits of the body, of turns on the spot and of straight lines to any
@@ -33,14 +33,9 @@ class HybridAstar:
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
     )
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     clearance: float = option(
         0.1, gt=0.0, unit="m", meaning="Nearer to an obstacle than this time counts more, up to three times."
     )
@@ -58,7 +53,7 @@ class HybridAstar:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

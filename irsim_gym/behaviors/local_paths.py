@@ -21,7 +21,7 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 MAP, SEEN = 1, 2
-"""Kinds of paths, as ``local_options.Path`` lists them."""
+"""Kinds of paths, in the order of the option ``path``."""
 PATIENCE = 0.5
 """A path around what was seen is found anew after this time [s] at the earliest."""
 SHARES = (1.0, 0.5, 0.0)

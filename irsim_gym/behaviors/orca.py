@@ -7,12 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
 from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares
 from irsim_gym.behaviors.orca_map import SIGHT
 from irsim_gym.behaviors.orca_neighbors import OrcaObstacles
 from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
+from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.geometry.linear_program import HALF_PLANE
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
@@ -21,7 +21,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kind
-class OrcaGroup:
+class OrcaGroup(RenewsMembersGoals):
     """All bodies of a group avoid each other, each taking half of the effort, and what never moves."""
 
     only_kernels: ClassVar[bool] = True
@@ -39,15 +39,10 @@ class OrcaGroup:
     sidestep: bool = option(
         False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
     )
-    wander: bool = renewal.GROUP_WANDER
-    loop: bool = renewal.GROUP_LOOP
-    range_low: tuple[float, float, float] = renewal.GROUP_LOW
-    range_high: tuple[float, float, float] = renewal.GROUP_HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Ints
-from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.pursuit_drive import is_under_way, mark_moving, pursue
 from irsim_gym.behaviors.pursuit_seen import pursue_seen
 from irsim_gym.behaviors.pursuit_tables import PursuitTables, forget_ways
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
@@ -22,7 +22,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kind
-class Pursuit:
+class Pursuit(RenewsGoals):
     """Find the shortest way to the goal past all that stands, and follow it by regulated pure pursuit.
 
     A body counts as the disc about its origin that holds it. What moves is not on the map: the body waits for what is
@@ -35,14 +35,9 @@ class Pursuit:
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
     )
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     known: Literal["all", "seen"] = option(
         "all",
         meaning="What it knows: all that stands, or what its own scans have shown, with unknown space taken as free.",
@@ -90,7 +85,7 @@ class Pursuit:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
         if self.lookahead_max is not None and self.lookahead_max < self.lookahead_min:
             yield "lookahead_max", f"must be >= lookahead_min, {self.lookahead_min:g}, got {self.lookahead_max:g}"
 

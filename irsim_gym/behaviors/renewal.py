@@ -6,28 +6,44 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from irsim_gym.scenario.options import crossed_bounds, defaults, option
+from irsim_gym.scenario.options import crossed_bounds, defaults, kind, option
 from irsim_gym.scenario.wander_goals import WanderGoals
-
-__all__ = [
-    "GOALS", "GROUP_HIGH", "GROUP_LOOP", "GROUP_LOW", "GROUP_WANDER", "HIGH", "LOOP", "LOW", "WANDER",
-    "WanderGoals", "renewal_problems",
-]  # fmt: skip
 
 _MEMBERS = "a member without a behavior of its own"
 _LOW, _HIGH = (0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)
-
-WANDER = option(False, meaning="Draw a new random goal after each arrival.")
-LOOP = option(False, meaning="Begin again with the first goal after the last.")
-LOW = option(_LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals.")
-HIGH = option(_HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals.")
-GROUP_WANDER = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
-GROUP_LOOP = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
-GROUP_LOW = option(_LOW, unit="m, m, rad", meaning="Lower bounds of a wandering member's goals.")
-GROUP_HIGH = option(_HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering member's goals.")
-GOALS = option(
+_GOALS = option(
     defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
 )
+
+
+@kind
+class RenewsGoals:
+    """Options of behaviours."""
+
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    range_low: tuple[float, float, float] = option(
+        _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
+    wander_goals: WanderGoals = _GOALS
+
+
+@kind
+class RenewsMembersGoals:
+    """Options of group behaviours."""
+
+    wander: bool = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
+    loop: bool = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
+    range_low: tuple[float, float, float] = option(
+        _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering member's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering member's goals."
+    )
+    wander_goals: WanderGoals = _GOALS
 
 
 def renewal_problems(options: Any) -> Iterator[tuple[str, str]]:

@@ -8,9 +8,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Records
-from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.rvo_penalty import least_penalty
 from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around
@@ -27,19 +27,14 @@ TURNING = Turning(0.2, 0.1, 0.02, 1.5)
 
 
 @kind
-class Rvo:
+class Rvo(RenewsGoals):
     """Pick the sampled velocity nearest to the preferred one that leads to no collision."""
 
     only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in x.")
     vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in y.")
     acce: float = option(
@@ -61,7 +56,7 @@ class Rvo:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

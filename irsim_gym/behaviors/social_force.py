@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
@@ -40,19 +40,14 @@ NO_FORCE = 0.0, 0.0
 
 
 @kind
-class SocialForce:
+class SocialForce(RenewsGoals):
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
 
     only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
     vmax: float = SPEED
     neighbor_threshold: float = NEIGHBORS
     relaxation_time: float = RELAXATION
@@ -70,7 +65,7 @@ class SocialForce:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

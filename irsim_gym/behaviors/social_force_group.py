@@ -12,7 +12,8 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.behaviors import renewal, social_force
+from irsim_gym.behaviors import social_force
+from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
@@ -28,7 +29,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kind
-class SocialForceGroup:
+class SocialForceGroup(RenewsMembersGoals):
     """The same for all bodies of a group, which may walk together in smaller ones.
 
     All members decide from the same moment. ``social_groups`` counts members in the order of the file, from 0.
@@ -65,11 +66,6 @@ class SocialForceGroup:
     gaze_vision_angle: float = option(
         90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
     )
-    wander: bool = renewal.GROUP_WANDER
-    loop: bool = renewal.GROUP_LOOP
-    range_low: tuple[float, float, float] = renewal.GROUP_LOW
-    range_high: tuple[float, float, float] = renewal.GROUP_HIGH
-    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
@@ -78,7 +74,7 @@ class SocialForceGroup:
             yield "social_groups", f"member {member} is listed twice"
         if any(member < 0 for member in listed):
             yield "social_groups", f"members are counted from 0, got {min(listed)}"
-        yield from renewal.renewal_problems(self)
+        yield from renewal_problems(self)
 
     def without_member(self, member: int) -> Self:
         """Return the same for a group that has lost a member; those after it move up by one."""

@@ -1,4 +1,4 @@
-"""One robot or obstacle of a world that is run by hand."""
+"""One robot or obstacle of a world that a script steps."""
 
 from __future__ import annotations
 
@@ -30,12 +30,11 @@ LOW, HIGH = (0.0, 0.0, -np.pi), (10.0, 10.0, np.pi)
 
 
 class Body(IrSimReadings):
-    """A view of one body. It stores no reading, so it always shows the present state.
+    """A view of one body, which always shows the present state.
 
-    Arrays are copies in metres, radians and seconds, flat unless the world has ``columns``. They are read-only:
-    writing into one would change nothing, so it is an error; ``set_state``, ``set_velocity`` and ``set_goal`` change a
-    body. A view outlives resets; a body that was removed answers with an UnknownNameError. The error for one of
-    IR-SIM's names that is not here says what to use.
+    Arrays are read-only copies in metres, radians and seconds, flat unless the world has ``columns``. ``set_state``,
+    ``set_velocity`` and ``set_goal`` change the body. A view stays valid after resets; after the body was removed, it
+    raises an UnknownNameError. If one of IR-SIM's names is missing, the error says what to use instead.
     """
 
     __slots__ = ("_name", "_session")
@@ -110,7 +109,7 @@ class Body(IrSimReadings):
 
     @property
     def spec(self) -> BodySpec:
-        """What the file says about it."""
+        """Its entry in the file."""
         return self._session.simulation.scenario.bodies[self._b]
 
     @property
@@ -120,7 +119,7 @@ class Body(IrSimReadings):
 
     @property
     def id(self) -> int:
-        """Its number; robots first, then obstacles, then what was added. Removing a body renumbers no other."""
+        """Its number. Robots come first, then obstacles, then added bodies. Numbers never change."""
         return self._session.roster.number(self._name)
 
     @property
@@ -130,10 +129,10 @@ class Body(IrSimReadings):
 
     @property
     def trajectory(self) -> Floats | list[Floats]:
-        """Its poses since the reset, the start first [m, m, rad], shape ``(n, 3)``.
+        """Its poses since the reset, from the start on [m, m, rad], shape ``(n, 3)``.
 
-        With ``columns`` as IR-SIM has it: a list of its states as columns, one for each step, without the start; empty
-        for a body that never moves.
+        With ``columns``, a list of its states as columns, one for each step, without the start, as in IR-SIM. The list
+        is empty for a body that never moves.
         """
         track = self._session.track
         if not self._columns:
@@ -143,7 +142,7 @@ class Body(IrSimReadings):
 
     @property
     def info(self) -> body_info.RobotInfo:
-        """What it is: shape, drive, limits, half-planes."""
+        """Its properties: shape, drive, limits, half-planes."""
         model = self._model
         fields = (model.velocity_min, model.velocity_max, model.acceleration_limit)
         least, greatest, changes = map(self._limit, fields)
@@ -151,7 +150,7 @@ class Body(IrSimReadings):
 
     @property
     def obstacle_info(self) -> body_info.ObstacleInfo:
-        """Where it is: centre, corners, velocity, half-planes."""
+        """Its place and motion: centre, corners, velocity, half-planes."""
         return body_info.obstacle_info(self, self.get_init_Gh())
 
     def get_info(self) -> body_info.RobotInfo:
@@ -164,7 +163,7 @@ class Body(IrSimReadings):
 
     @property
     def init_state(self) -> Floats:
-        """The state that ``World.reset`` brings back, as ``state``."""
+        """The state after ``World.reset``, in the form of ``state``."""
         model, size = self._model, getattr(self.spec.kinematics, "state_size", 3)
         return self._vector(np.array([*model.start[0, self._b], model.initial_steering[self._b]])[:size])
 
@@ -185,14 +184,14 @@ class Body(IrSimReadings):
     def set_state(self, state: Sequence[float] | Floats, *, init: bool = False) -> None:
         """Move it to a state.
 
-        The outline follows at once; flags and readings follow with the next step or ``World.refresh``.
+        The outline moves at once. The next step, or ``World.refresh``, updates flags and readings.
 
         Args:
             state: x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0.
-            init: Begin there after a reset as well.
+            init: Start there after a reset, too.
 
         Raises:
-            ValueError: There are too few or too many numbers, one is not finite, or it is the obstacle map.
+            ValueError: There are too few or too many numbers, one is not finite, or the body is the obstacle map.
         """
         simulation, b = self._simulation, self._b
         body_info.refuse_map(simulation, b)
@@ -204,14 +203,14 @@ class Body(IrSimReadings):
         simulation.place(np.array([b], np.int64))
 
     def set_velocity(self, velocity: Sequence[float] | Floats, *, init: bool = False) -> None:
-        """Set its present velocity, which acceleration limits and the behaviours of others start from.
+        """Set its present velocity. Acceleration limits apply to it, and the behaviours of others see it.
 
         Args:
-            velocity: In the drive's coordinates [m/s or rad/s].
-            init: Begin with it after a reset as well.
+            velocity: Velocity in the drive's coordinates [m/s or rad/s].
+            init: Start with it after a reset, too.
 
         Raises:
-            ValueError: It has no drive, there are too few or too many numbers, or one is not finite.
+            ValueError: The body has no drive, there are too few or too many numbers, or one is not finite.
         """
         simulation, b = self._simulation, self._b
         if self.spec.kinematics is None:
@@ -224,14 +223,14 @@ class Body(IrSimReadings):
         simulation.place(np.array([b], np.int64))
 
     def set_goal(self, goal: ArrayLike | None, *, init: bool = False) -> None:
-        """Give it other goals.
+        """Replace its goals.
 
         Args:
             goal: ``[x, y]`` or ``[x, y, heading]`` [m, m, rad], several of them in order, or None for no goal.
-            init: Have them after a reset as well.
+            init: Keep them after a reset, too.
 
         Raises:
-            ValueError: It is none of these.
+            ValueError: ``goal`` has another form.
         """
         self._session.goals.write(self._simulation, self._b, read_goals(goal), init=init)
 
@@ -244,21 +243,21 @@ class Body(IrSimReadings):
         range_limits: Sequence[Sequence[float]] | None = None,
         max_attempts: int = 100,
     ) -> None:
-        """Draw a goal in place of each of those that are left, from the world's random stream.
+        """Replace each remaining goal by one that is drawn from the world's random stream.
 
-        Where no place is clear of the obstacles, the last one drawn is taken, with a warning, as in IR-SIM.
+        If no drawn place is clear of the obstacles, the last one is used, with a warning, as in IR-SIM.
 
         Args:
-            obstacle_list: The bodies that a goal must not touch.
-            init: Have them after a reset as well.
-            free: Keep them clear of these bodies.
-            goal_check_radius: Room around a goal that counts for that [m].
-            range_limits: Least and greatest x, y, heading [m, m, rad]; by default ``range_low`` and ``range_high`` of
-                its behavior, else ``[0, 0, -pi]`` and ``[10, 10, pi]``.
-            max_attempts: Draws for each goal.
+            obstacle_list: Bodies that a goal must not touch.
+            init: Keep the goals after a reset, too.
+            free: Whether goals must be clear of these bodies.
+            goal_check_radius: Radius around a goal that must be clear [m].
+            range_limits: Minimum and maximum x, y, heading [m, m, rad]. Default: ``range_low`` and ``range_high`` of
+                its behavior, or else ``[0, 0, -pi]`` and ``[10, 10, pi]``.
+            max_attempts: Maximum number of draws for each goal.
 
         Raises:
-            ValueError: The limits are none, or there is not even one attempt.
+            ValueError: The limits are not valid, or ``max_attempts`` is less than 1.
         """
         behavior = self.spec.behavior
         low, high = range_limits or (getattr(behavior, "range_low", LOW), getattr(behavior, "range_high", HIGH))
@@ -275,27 +274,27 @@ class Body(IrSimReadings):
         self._session.goals.write(self._simulation, self._b, np.array(drawn), init=init)
 
     def set_laser_color(self, laser_indices: Iterable[int], laser_color: str | None = None, alpha: float = 0.3) -> None:
-        """Draw some beams of its first range sensor in another colour, and all others in the sensor's.
+        """Draw some beams of its first range sensor in another colour, and all others in the sensor's own.
 
         Args:
-            laser_indices: Which of them; numbers that no beam has are passed over.
-            laser_color: Their colour; orange by default.
-            alpha: Their opacity; 0 hides them.
+            laser_indices: Numbers of these beams; numbers without a beam are ignored.
+            laser_color: Colour of these beams (default: orange).
+            alpha: Opacity of these beams; 0 hides them.
 
         Raises:
-            UnknownNameError: It has no range sensor.
-            ValueError: There is no such colour, or the opacity is not between 0 and 1.
+            UnknownNameError: The body has no range sensor.
+            ValueError: The colour is unknown, or the opacity is not between 0 and 1.
         """
         count = len(self.scan()["ranges"])
         self._session.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
 
     def append_goal(self, goal: ArrayLike) -> None:
-        """Add goals behind those that are left."""
+        """Append goals to the remaining ones."""
         self._session.goals.write(self._simulation, self._b, np.vstack([self.goals, read_goals(goal)]), init=False)
 
 
 def _numbers(values: Sequence[float] | Floats, least: int, names: Sequence[str], what: str) -> Floats:
-    """Return four numbers, those that are not given as 0."""
+    """Return four numbers, 0 for those that are not given."""
     try:
         given = np.asarray(values, np.float64).reshape(-1)
     except (TypeError, ValueError):

@@ -23,10 +23,10 @@ STAYS, FRESH, OLD = range(3)
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """What one call has drawn.
+    """The marks that one call has drawn.
 
     Attributes:
-        drawing: Where it is.
+        drawing: The drawing that holds them.
         marks: The marks.
     """
 
@@ -34,22 +34,21 @@ class Drawn:
     marks: tuple[Mark, ...]
 
     def remove(self) -> None:
-        """Take it away; nothing happens where it is gone already."""
+        """Remove the marks, if they are still there."""
         self.drawing.remove(self)
 
 
 class Drawing:
-    """Marks over a world: ways, points, areas, arrows, texts. They are seen in pictures and change nothing else.
+    """Marks over a world: lines, points, areas, arrows, texts. They appear in pictures and change nothing else.
 
-    They are in what ``render`` returns and shows, in saved figures, films and replays, with either renderer, but only
-    inside the world's rectangle. A mark stays until it is removed, also after a reset; one that is drawn with
-    ``once=True`` is in the next picture that ``render`` draws, and gone afterwards. Where nobody renders, a film shows
-    it at the moment at which it was drawn. Nothing is drawn for empty lists.
+    ``render``, windows, saved figures, films and replays show them, inside the world's rectangle. A mark stays until it
+    is removed, also after a reset. With ``once=True`` only the next picture that ``render`` draws shows it; if nobody
+    renders, a film shows it at the moment of drawing. Empty lists draw nothing.
 
-    Points are rows ``x, y`` [m]: an array of shape ``(n, 2)`` or a list; what a row holds after that is not used. A
-    point that is not finite, or 1e9 m away, is left out and interrupts a line. Colours are matplotlib's: ``"red"``,
-    ``"C0"``, ``"#d62728"``, ``(0.8, 0.1, 0.1)``. Widths and sizes are points of type, which do not grow with the
-    world. Marks in a higher ``layer`` cover what is in a lower one: obstacles are in layer 1, robots in 3.
+    Points are rows ``x, y`` [m], as a list or an array of shape ``(n, 2)``; more columns are ignored. A point that is
+    not finite, or 1e9 m away, is left out and interrupts a line. Colours are those of matplotlib: ``"red"``, ``"C0"``,
+    ``"#d62728"``, ``(0.8, 0.1, 0.1)``. Widths and sizes are in typographic points, which do not scale with the world.
+    Marks in a higher ``layer`` cover lower ones: obstacles are in layer 1, robots in layer 3.
     """
 
     def __init__(self) -> None:
@@ -76,15 +75,15 @@ class Drawing:
 
         Args:
             points: The points [m].
-            format: Colour, form of the points and line style as matplotlib writes them, such as ``"g--"`` or ``"ro"``.
-            color: The colour; by default that of the format, else blue.
-            width: Its width [point].
-            alpha: Its opacity.
-            layer: Its layer.
-            once: Only for the next picture.
+            format: Colour, marker and line style in matplotlib's notation, such as ``"g--"`` or ``"ro"``.
+            color: Colour (default: that of the format, or else blue).
+            width: Width [point].
+            alpha: Opacity.
+            layer: Layer.
+            once: Whether only the next picture shows it.
 
         Raises:
-            ValueError: These are no points, or there is no such format, colour, width, opacity or layer.
+            ValueError: The points, format, colour, width, opacity or layer are not valid.
         """
         look = looks.parsed(format)
         ink = strokes.StrokeInk.of(color if color is not None else look.color or PATH, alpha, layer)
@@ -105,15 +104,15 @@ class Drawing:
 
         Args:
             points: The points [m].
-            color: Their colour, or a list with a colour for each; pink by default.
-            size: Their diameter [point].
-            marker: Their form, one of ``o . , s ^ v < > D d p h * | _ + x``.
-            alpha: Their opacity.
-            layer: Their layer.
-            once: Only for the next picture.
+            color: Colour, or a list with a colour for each point (default: pink).
+            size: Diameter [point].
+            marker: Marker, one of ``o . , s ^ v < > D d p h * | _ + x``.
+            alpha: Opacity.
+            layer: Layer.
+            once: Whether only the next picture shows it.
 
         Raises:
-            ValueError: These are no points, or there is no such colour, size, form, opacity or layer.
+            ValueError: The points, colour, size, marker, opacity or layer are not valid.
         """
         rows = places.rows(points)
         return self.add(strokes.points(rows, color, marker, size, strokes.MARKER_WIDTH, alpha, layer), once)
@@ -133,17 +132,17 @@ class Drawing:
         """Draw a polygon.
 
         Args:
-            points: Its corners [m], at least three; the last one need not repeat the first.
-            color: Colour of its edge; None for no edge.
-            fill: Colour of its area; None for an edge alone.
-            width: Width of its edge [point].
-            style: Style of its edge: ``-``, ``--``, ``-.`` or ``:``.
+            points: At least three corners [m]; the last one need not repeat the first.
+            color: Colour of the edge, or None for no edge.
+            fill: Colour of the area, or None for no area.
+            width: Width of the edge [point].
+            style: Style of the edge: ``-``, ``--``, ``-.`` or ``:``.
             alpha: Opacity of both.
-            layer: Its layer.
-            once: Only for the next picture.
+            layer: Layer.
+            once: Whether only the next picture shows it.
 
         Raises:
-            ValueError: These are not three points, or there is no such colour, width, style, opacity or layer.
+            ValueError: The points, colour, width, style, opacity or layer are not valid.
         """
         edge = strokes.StrokeInk.of(color, alpha, layer)
         return self.add(strokes.area(places.rows(points), edge, fill, looks.line_style(style), width), once)
@@ -163,19 +162,18 @@ class Drawing:
         """Draw arrows.
 
         Args:
-            tails: Where they begin [m].
-            vectors: A row ``u, v`` for each: direction and, where no ``length`` is given, length [m]. A vector of
-                length 0 has no arrow.
-            length: Length of all of them [m].
-            width: Width of their shafts [m]; by default a sixteenth of their mean length. Heads are three times as
-                wide.
-            color: Their colour.
-            alpha: Their opacity.
-            layer: Their layer.
-            once: Only for the next picture.
+            tails: Start of each arrow [m].
+            vectors: A row ``u, v`` for each arrow: its direction, and its length [m] unless ``length`` is given. A
+                vector of length 0 has no arrow.
+            length: Length of all arrows [m].
+            width: Width of the shafts [m] (default: 1/16 of the mean length). Heads are three times as wide.
+            color: Colour.
+            alpha: Opacity.
+            layer: Layer.
+            once: Whether only the next picture shows it.
 
         Raises:
-            ValueError: There are not as many vectors as points, or no such length, width, colour, opacity or layer.
+            ValueError: The numbers of tails and vectors differ, or a length, width, colour, opacity or layer is wrong.
         """
         begins, ways = places.rows(tails)[:, :2], places.rows(vectors)[:, :2]
         if len(begins) != len(ways):
@@ -200,21 +198,21 @@ class Drawing:
         layer: float = ON_TOP,
         once: bool = False,
     ) -> Drawn:
-        """Write a line of text; it is seen while its place is.
+        """Write a line of text. It is visible where its position is inside the picture.
 
         Args:
-            x: Its place [m].
-            y: Its middle [m].
+            x: Horizontal position [m].
+            y: Vertical position of its middle [m].
             words: The text, one line.
-            size: Its size [point], from 1 to 200.
-            color: Its colour.
-            align: Which part of it is at ``x``: ``left``, ``center`` or ``right``.
-            alpha: Its opacity.
-            layer: Its layer; by default it covers everything.
-            once: Only for the next picture.
+            size: Size [point], from 1 to 200.
+            color: Colour.
+            align: The part of the text that is at ``x``: ``left``, ``center`` or ``right``.
+            alpha: Opacity.
+            layer: Layer (default: above everything).
+            once: Whether only the next picture shows it.
 
         Raises:
-            ValueError: A place that is no number, more than one line, or no such size, colour, part, opacity or layer.
+            ValueError: The position, size, colour, ``align``, opacity or layer is wrong, or there are several lines.
         """
         if align not in ("left", "center", "right"):
             raise ValueError(f"align is 'left', 'center' or 'right', got {align!r}")
@@ -224,36 +222,36 @@ class Drawing:
         return self.add([mark] if words.strip() else [], once)
 
     def title(self, words: str | None) -> None:
-        """Write a title above the world, in place of its name, status and time, until the next reset.
+        """Write a title above the world, instead of its name, status and time, until the next reset.
 
-        A world with ``plot: {show_title: false}`` has no room for one.
+        With ``plot: {show_title: false}`` it is not shown.
 
         Args:
-            words: The title, one line; None for what the file says.
+            words: The title, one line, or None for the usual one.
 
         Raises:
-            ValueError: It has more than one line.
+            ValueError: The title has more than one line.
         """
         self._title = None if words is None else _line(words)
         self._changed()
 
     def remove(self, drawn: Drawn) -> None:
-        """Take away what a call has drawn; nothing happens where it is gone already."""
+        """Remove the marks of one call, if they are still there."""
         gone = set(map(id, drawn.marks))
         self._marks = [(mark, age) for mark, age in self._marks if id(mark) not in gone]
         self._changed()
 
     def clear(self) -> None:
-        """Take away all marks, and the title."""
+        """Remove all marks, and the title."""
         self._marks, self._title = [], None
         self._changed()
 
     def add(self, marks: Sequence[Mark], once: bool) -> Drawn:
-        """Draw marks that are made already.
+        """Add marks.
 
         Args:
             marks: The marks.
-            once: Only for the next picture.
+            once: Whether only the next picture shows it.
         """
         if marks:
             self._marks += [(mark, FRESH if once else STAYS) for mark in marks]
@@ -266,19 +264,19 @@ class Drawing:
 
     @property
     def is_changed(self) -> bool:
-        """Somebody drew or removed something since ``keep``."""
+        """Whether marks were drawn or removed since ``keep``."""
         return self._is_changed
 
     def keep(self) -> Overlay:
-        """Return what a film shows of the present moment."""
+        """Return the marks that a film shows at the present moment."""
         self._is_changed = False
         return self.overlay(old=False)
 
     def overlay(self, *, old: bool = True) -> Overlay:
-        """Return what is drawn now, the same object until that changes.
+        """Return the present marks. The object stays the same until they change.
 
         Args:
-            old: With marks of an earlier moment that are still to be rendered.
+            old: Whether to include marks of an earlier moment that are still to be rendered.
         """
         found = self._overlays.get(old)
         if found is None:
@@ -289,25 +287,25 @@ class Drawing:
 
     @property
     def has_old(self) -> bool:
-        """There are marks of an earlier moment that are still to be rendered."""
+        """Whether marks of an earlier moment are still to be rendered."""
         return any(age == OLD for _, age in self._marks)
 
     def shown(self) -> None:
-        """Remove the marks that were drawn for one picture, after it was shown."""
+        """Remove marks for one picture, after it was shown."""
         self._age({STAYS: STAYS})
 
     def grow_old(self) -> None:
-        """Note that a moment has passed without a rendering: marks for one picture wait for one more."""
+        """Note that a moment has passed without rendering: marks for one picture wait for the next one."""
         self._age({STAYS: STAYS, FRESH: OLD})
 
     def _age(self, later: Mapping[int, int]) -> None:
-        """Give marks another age, and forget those that have none."""
+        """Change the age of marks, and remove those whose age is not in ``later``."""
         if any(age != STAYS for _, age in self._marks):
             self._marks = [(mark, later[age]) for mark, age in self._marks if age in later]
             self._overlays.clear()
 
     def begin(self) -> None:
-        """Begin an episode: what was drawn for one picture, and the title, are gone."""
+        """Begin an episode: remove marks for one picture, and the title."""
         self.shown()
         if self._title is not None:
             self._title = None

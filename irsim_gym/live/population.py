@@ -1,4 +1,4 @@
-"""The bodies of a world by hand: who is there, who comes and goes, and where obstacles are moved to."""
+"""The bodies of a world that a script steps: finding, adding, removing and moving them."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ class Population:
     """The bodies of a session.
 
     Args:
-        session: Where they are.
-        status: Updated when bodies are moved.
+        session: The session.
+        status: The status, which is updated when bodies are moved.
     """
 
     def __init__(self, session: Session, status: RunStatus) -> None:
         self._session, self._status = session, status
 
     def __getitem__(self, reference: Reference) -> Body:
-        """Return the body with some number or name.
+        """Return the body with this number or name.
 
         Raises:
-            UnknownNameError: There is none.
+            UnknownNameError: There is no such body.
         """
         return Body(self._session, self._session.roster.name(reference))
 
@@ -47,7 +47,7 @@ class Population:
 
     @property
     def names(self) -> list[str]:
-        """The names of all bodies that this level has, in the order in which they are stepped."""
+        """The names of all bodies of this level, in the order of stepping."""
         return self._session.roster.present()
 
     @property
@@ -70,7 +70,7 @@ class Population:
         """The first robot.
 
         Raises:
-            UnknownNameError: There is none.
+            UnknownNameError: There is no robot.
         """
         if not (robots := self.robots):
             raise UnknownNameError(f"no robot in '{self._session.simulation.scenario.name}'")
@@ -78,12 +78,12 @@ class Population:
 
     @property
     def robot_number(self) -> int:
-        """How many robots there are."""
+        """Number of robots."""
         return len(self.robots)
 
     @property
     def obstacle_number(self) -> int:
-        """How many obstacles there are."""
+        """Number of obstacles."""
         return len(self.obstacles)
 
     @property
@@ -97,15 +97,15 @@ class Population:
         return [body for body in self.objects if not body.static]
 
     def get_object_by_name(self, name: str) -> Body | None:
-        """Return the body of that name, None if there is none; ``world[name]`` raises then."""
+        """Return the body with this name, or None; ``world[name]`` raises an error instead."""
         return next((body for body in self.objects if body.name == name), None)
 
     def get_object_by_id(self, target_id: int) -> Body | None:
-        """Return the body with that number, None if there is none; ``world[number]`` raises then."""
+        """Return the body with this number, or None; ``world[number]`` raises an error instead."""
         return next((body for body in self.objects if body.id == target_id), None)
 
     def get_group_by_name(self, group_name: str) -> list[Body]:
-        """Return the bodies of a group; an entry's bodies are one, named after role and number unless it says else."""
+        """Return the bodies of a group. Each entry is one, named after role and number unless the entry names it."""
         return [body for body in self.objects if body.group_name == group_name]
 
     def get_robot_state(self) -> Floats:
@@ -113,15 +113,15 @@ class Population:
         return self.robot.state
 
     def get_robot_info(self, id: int = 0) -> RobotInfo:
-        """Return what a robot is; it is meant by its number."""
+        """Return the properties of the body with this number."""
         return self[id].info
 
     def get_robot_info_list(self) -> list[RobotInfo]:
-        """Return what each robot is."""
+        """Return the properties of each robot."""
         return [robot.info for robot in self.robots]
 
     def get_obstacle_info_list(self) -> list[ObstacleInfo]:
-        """Return where each obstacle is."""
+        """Return the place and motion of each obstacle."""
         return [obstacle.obstacle_info for obstacle in self.obstacles]
 
     def get_lidar_scan(self, id: int = 0) -> dict[str, Any]:
@@ -133,16 +133,16 @@ class Population:
         return self[id].lidar_offset
 
     def add(self, /, role: Literal["robot", "obstacle"] = "obstacle", **entry: Any) -> Body:
-        """Add a body; everything else stays as it is, and a reset keeps it.
+        """Add a body. Nothing else changes, and a reset keeps the body.
 
         Args:
-            role: Which section the entry would stand in.
+            role: The section of the entry.
             **entry: The keys of an entry, e.g. ``shape={"name": "circle"}, state=[1, 2, 0]``.
 
         Raises:
             ScenarioError: The entry cannot be used; the error names the key, as for a file.
-            PlacementError: A random start found no place among the bodies that are here.
-            ValueError: It would make several bodies.
+            PlacementError: There is no free place for a random start.
+            ValueError: The entry describes several bodies.
         """
         if entry.get("number", 1) != 1 or entry.get("number_range") is not None:
             raise ValueError("one body at a time: leave number and number_range out")
@@ -153,42 +153,42 @@ class Population:
         return Body(session, next(name for name in session.simulation.parts.names if name not in before.parts.names))
 
     def remove(self, reference: Reference) -> None:
-        """Remove the body with some number or name; the others keep their numbers.
+        """Remove the body with this number or name; the others keep their numbers.
 
         Raises:
-            UnknownNameError: There is none.
+            UnknownNameError: There is no such body.
         """
         now = self._session.simulation
         self._session.replace(rebuild(now, remove_body(now.scenario, self._session.roster.index(reference))))
 
     def create_robot(self, /, **entry: Any) -> Body:
-        """Add a robot; it is in the world at once, so IR-SIM's ``add_object`` has nothing left to do."""
+        """Add a robot at once; IR-SIM's ``add_object`` is not needed."""
         return self.add("robot", **entry)
 
     def create_obstacle(self, /, **entry: Any) -> Body:
-        """Add an obstacle; it is in the world at once, so IR-SIM's ``add_object`` has nothing left to do."""
+        """Add an obstacle at once; IR-SIM's ``add_object`` is not needed."""
         return self.add("obstacle", **entry)
 
     def add_object(self, body: Body) -> None:
-        """Do nothing: what ``create_robot`` and ``create_obstacle`` return is in the world already.
+        """Do nothing, because ``create_robot`` and ``create_obstacle`` have added the body already.
 
         Raises:
-            TypeError: It is no body of this world.
+            TypeError: ``body`` is not a body of this world.
         """
         if body not in self.objects:
             raise TypeError(f"only what create_robot() or create_obstacle() of this world returned, got {body!r}")
 
     def add_objects(self, bodies: Iterable[Body]) -> None:
-        """Do nothing, as ``add_object``."""
+        """Do nothing, like ``add_object``."""
         for body in bodies:
             self.add_object(body)
 
     def delete_object(self, target_id: Reference) -> None:
-        """Remove the body with some number or name."""
+        """Remove the body with this number or name."""
         self.remove(target_id)
 
     def delete_objects(self, target_ids: Iterable[Reference]) -> None:
-        """Remove the bodies with some numbers or names; if one of them does not exist, none is removed."""
+        """Remove the bodies with these numbers or names, or none if one of them does not exist."""
         for name in {self._session.roster.name(number) for number in target_ids}:
             self.remove(name)
 
@@ -199,16 +199,16 @@ class Population:
         ids: Sequence[Reference] | None = None,
         non_overlapping: bool = False,
     ) -> None:
-        """Move obstacles to random places, for now and for later resets without ``random``.
+        """Move obstacles to random places. A ``reset`` without ``random`` keeps these places.
 
         Args:
-            range_low: Least x, y, heading [m, m, rad].
-            range_high: Greatest.
-            ids: Numbers or names of bodies; by default all obstacles but the map.
-            non_overlapping: Clear of all other bodies.
+            range_low: Minimum x, y, heading [m, m, rad].
+            range_high: Maximum x, y, heading [m, m, rad].
+            ids: Numbers or names of bodies (default: all obstacles except the map).
+            non_overlapping: Whether the places must be clear of all other bodies.
 
         Raises:
-            PlacementError: One of them found no place clear of the others; then none has moved.
+            PlacementError: There is no clear place for one of them; none has moved.
             ValueError: One of them is the obstacle map.
         """
         roster, simulation = self._session.roster, self._session.simulation

@@ -1,4 +1,4 @@
-"""A world by hand: load a file, step it, look at it, change it."""
+"""A world that a script loads, steps, shows and changes."""
 
 from __future__ import annotations
 
@@ -28,39 +28,41 @@ from irsim_gym.scenario import Scenario
 
 
 class World:
-    """One world of a scenario, run by hand as IR-SIM's users know it.
+    """One world of a scenario, which a script steps, as in IR-SIM.
 
-    It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
-    IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
-    columns, arrays are flat here, or columns too with ``columns=True``. ``draw`` draws over it.
+    It is a batch of one world in the simulator that learners use: steps, collisions and scans are the same. IR-SIM's
+    names work; if one does not, the error says what to use instead. ``help`` lists all names. Arrays are flat, or
+    columns as in IR-SIM with ``columns=True``. ``draw`` draws marks over the world.
 
-    In a window (``render_mode="human"``) keys do: r reset, n next level, l reload, space pause and resume, F5 pause and
-    then one step each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
-    ``control_mode: keyboard`` they drive a robot: w and s ahead and back, a and d turn (an omnidirectional robot:
-    sideways), q and e turn an ``omni_angular`` robot and for others change the greatest speed, as shift+z and shift+c
-    do; z and c change the greatest turn rate; alt and a digit choose the robot. The wheel zooms about the cursor, the
-    middle button shows all.
+    In a window (``render_mode="human"``) keys control the world: r resets, n draws the next level, l reloads the file,
+    space pauses and resumes, F5 pauses and then makes single steps, esc quits, x switches between keyboard and auto,
+    v saves a figure, y stops and resumes drawing. With ``control_mode: keyboard`` they drive a robot: w and s ahead and
+    back, a and d turn (sideways for an omnidirectional robot). q and e turn an ``omni_angular`` robot; for others they
+    change the maximum speed, as shift+z and shift+c do. z and c change the maximum turn rate; alt with a digit selects
+    the robot. The mouse wheel zooms at the cursor, the middle button shows the whole world.
 
     Args:
         scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data.
-            By default the YAML file beside the running script that is named as the script is.
-        seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
-        render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
-        record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
-        save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
-        strict: A key of the file that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
-        columns: Give away states, velocities, goals and their like as IR-SIM does, as columns ``(n, 1)``, and corners
-            as ``(2, n)``. Without it they are flat, and NumPy refuses to combine a flat one with a column.
-        **others: Values for the scenario's parameters, and IR-SIM's other arguments: ``display=True`` is
-            ``render_mode="human"``, ``step_mode`` replaces the file's, ``log_level`` is that of ``logger``,
-            ``ani_kwargs`` are defaults of ``end``, ``world_name`` is the file; the rest may ask for what is so anyway.
+            By default, the YAML file with the name of the running script, in the same folder.
+        seed: Number of the first level: the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
+        render_mode: With None or ``"rgb_array"``, ``render`` returns pictures; with ``"human"``, it also shows them in
+            a window.
+        record: Keep a frame of the start and of each sample, for ``save_animation`` and the other ``save_`` methods.
+        save_ani: IR-SIM's argument: like ``record``, and ``end`` writes the film.
+        strict: Unknown keys in the file are errors. With False they are ignored, with an ``IgnoredKeyWarning``.
+        columns: Return states, velocities, goals and other vectors as columns ``(n, 1)``, as IR-SIM does, and corners
+            as ``(2, n)``. By default they are flat, and combining a flat one with a column is an error.
+        **others: Values of the scenario's parameters, and IR-SIM's other arguments: ``display=True`` means
+            ``render_mode="human"``, ``step_mode`` replaces that of the file, ``log_level`` sets the level of
+            ``logger``, ``ani_kwargs`` are defaults of ``end``, ``world_name`` is the file. Other arguments of IR-SIM
+            are accepted only with the value that describes what happens here.
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: Nothing is shipped under the name, or registered under the id.
+        UnknownNameError: No shipped scenario has this name, or no scenario is registered under this id.
         UnknownKeywordError: The scenario has no such parameter.
-        ValueError: Another render mode, or a negative seed.
-        TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
+        ValueError: The render mode is unknown, or the seed is negative.
+        TypeError: The seed is not an integer, an argument is not supported, or no file was given and there is none for
             the script.
     """
 
@@ -216,17 +218,17 @@ class World:
 
     @property
     def simulation(self) -> Simulation:
-        """The simulator; another one after ``add``, ``remove`` and ``reload``."""
+        """The simulator; ``add``, ``remove`` and ``reload`` replace it."""
         return self._session.simulation
 
     @property
     def track(self) -> Track:
-        """Where bodies have been since the reset; ``Body.trajectory`` reads it."""
+        """The poses of all bodies since the reset; ``Body.trajectory`` returns those of one body."""
         return self._session.track
 
     @property
     def columns(self) -> bool:
-        """Arrays are returned as IR-SIM's columns, shape ``(n, 1)``, and points as ``(2, n)``."""
+        """Whether vectors are returned as columns ``(n, 1)``, and points as ``(2, n)``, as in IR-SIM."""
         return self._session.columns
 
     @property
@@ -236,36 +238,36 @@ class World:
 
     @property
     def scenario(self) -> Scenario:
-        """What the file says, with the bodies that are here now."""
+        """The content of the file, with the present bodies."""
         return self.simulation.scenario
 
     @property
     def control_mode(self) -> ControlMode:
-        """Who drives the chosen robot: its behaviour and ``step``'s actions, or the keys; the key x changes it."""
+        """``auto`` (behaviours and actions drive) or ``keyboard`` (keys drive the chosen robot); the key x switches."""
         return self._status.control_mode
 
     @property
     def status(self) -> str:
         """The status as text.
 
-        ``Arrived`` when all robots have arrived, else ``Collision`` when one collides, else ``Running``, or
-        ``Running (keyboard)`` when keys drive. ``Pause`` lasts until ``resume``, ``Reset`` and ``Reload`` until the
-        next step; at first it is what the file says. ``Pause (Debugging)`` after F5, ``Quit`` after esc.
+        ``Arrived`` if all robots have arrived, else ``Collision`` if one collides, else ``Running``, or
+        ``Running (keyboard)`` while keys drive. ``Pause`` lasts until ``resume``; ``Reset`` and ``Reload`` last until
+        the next step. F5 sets ``Pause (Debugging)``, esc sets ``Quit``. The file may set the first one.
         """
         return self._status.text
 
     @property
     def pause_flag(self) -> bool:
-        """Steps do nothing until ``resume``."""
+        """Whether the world is paused: steps do nothing until ``resume``."""
         return self._status.paused
 
     def done(self, mode: Literal["all", "any"] = "all") -> bool:
-        """Return whether all robots, or any, have arrived or are held in place by a collision.
+        """Return whether all robots, or any of them, have arrived or are stopped by a collision.
 
-        A world without robots is never done. One that a person quit (``quit_flag``) always is.
+        A world without robots is never done. After esc or the closing of its window (``quit_flag``) it always is.
 
         Raises:
-            ValueError: Another mode.
+            ValueError: The mode is unknown.
         """
         if mode not in ("all", "any"):
             raise ValueError(f"mode must be 'all' or 'any', got {mode!r}")
@@ -274,22 +276,22 @@ class World:
         return self.quit_flag or (bool(len(over)) and bool(over.all() if mode == "all" else over.any()))
 
     def step(self, action: Actions | None = None, action_id: Reference | Sequence[Reference] | None = None) -> None:
-        """Advance by one step; nothing happens while the world is paused.
+        """Advance by one step, unless the world is paused.
 
-        An action is a command in the coordinates of the body's drive [m/s, rad/s] and overrides what the body would
-        do by itself, in this step alone; keys that drive (``control_mode``) override both. Limits, stopping at
-        collisions and all else hold as ever; a body that never moves ignores it.
+        An action is a command in the coordinates of the body's drive [m/s, rad/s]. It replaces the command of the
+        body's behaviour in this step; keys that drive (``control_mode``) replace both. Limits and stopping at
+        collisions still apply. Bodies that never move ignore actions.
 
         Args:
-            action: None, one action, a list of actions, or a mapping from names to actions. A None among them leaves
-                the body to itself.
-            action_id: Whom they are for: a number, a name, or a list of them. One action goes to the first body by
-                default; a list of actions goes to the bodies from the given one on, or to the list.
+            action: None, one action, a list of actions, or a mapping from names to actions. If an action is None, the
+                behaviour of the body decides.
+            action_id: The body or bodies that the action is for: a number, a name, or a list of them. By default, one
+                action is for the first body, and a list of actions for the bodies from the first on. With a list of
+                actions and one number or name, they are for the bodies from that one on.
 
         Raises:
-            ValueError: There is no such body, an action has a wrong length, or there are more actions than bodies: an
-                action that reaches nobody is a mistake, and in a loop a warning is easily missed. Or ``step_mode`` is
-                ``external``.
+            ValueError: There is no such body, an action has a wrong length, there are more actions than bodies, or
+                ``step_mode`` is ``external``.
         """
         if not self._status.may_step():
             return
@@ -309,12 +311,12 @@ class World:
         self._media.note_moment()
 
     def reset(self, random: bool = False) -> None:
-        """Begin again.
+        """Begin a new episode.
 
         Args:
-            random: False for the same level with the bodies that are here now: the same actions give the same run,
-                noise included, and what was set without ``init`` is forgotten. True for the next draw of the level,
-                with the file's bodies.
+            random: False repeats the level with the present bodies. The same actions then give the same run, including
+                noise; values set without ``init=True`` are lost. True draws the next level, with the bodies of the
+                file.
         """
         self._camera.leave()
         if random:
@@ -327,10 +329,10 @@ class World:
         """Read the file again, or another one, and begin its first level.
 
         Args:
-            world_name: The other file, which is reloaded from then on.
+            world_name: Another file, which later calls reload, too.
 
         Raises:
-            ScenarioError: The file cannot be used; then the world stays as it is.
+            ScenarioError: The file cannot be used; the world is unchanged.
         """
         self._camera.leave()
         self._levels.reload(world_name)
@@ -338,15 +340,15 @@ class World:
         self._begin("Reload")
 
     def set_random_seed(self, seed: int, reload: bool = False) -> None:
-        """Draw from another stream from now on; the next ``reset(random=True)`` begins with its first level.
+        """Draw levels from another random stream. The next ``reset(random=True)`` draws its first level.
 
         Args:
-            seed: Which one.
+            seed: Seed of the stream.
             reload: Read the file again and begin that level at once.
 
         Raises:
-            TypeError: The seed is no whole number.
-            ValueError: It is negative.
+            TypeError: The seed is not an integer.
+            ValueError: The seed is negative.
         """
         self._levels.set_seed(seed)
         if reload:
@@ -354,4 +356,4 @@ class World:
 
 
 load = World
-"""Load a scenario to run it by hand, without learning."""
+"""Load a scenario, to step it from a script, without learning."""
