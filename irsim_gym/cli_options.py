@@ -14,6 +14,16 @@ LAST_LEVEL = 2**53 - 1  # that an environment takes
 MOST_LEVELS = 10**9
 
 Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
+Scenarios = Annotated[
+    list[str], typer.Argument(metavar="SCENARIO", help="Shipped name, environment id, or path of a YAML file.")
+]
+Mixture = Annotated[
+    bool,
+    typer.Option(
+        "--mixture",
+        help="Train one policy in several scenarios: SCENARIO[:share=WEIGHT][:PARAMETER=VALUE]... for each.",
+    ),
+]
 Task = Annotated[str | None, typer.Option(help="Shipped task or a file, instead of the scenario's own.")]
 Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels.")]
 Split = Annotated[str, typer.Option(help="Split of the levels: train, dev or test.")]

@@ -17,10 +17,12 @@ from irsim_gym.cli_options import (
     Hyperparameters,
     Imports,
     Lenient,
+    Mixture,
     Origin,
     Resume,
     RunFolder,
     Scenario,
+    Scenarios,
     Seed,
     Seeds,
     Steps,
@@ -29,10 +31,11 @@ from irsim_gym.cli_options import (
     TestLevels,
 )
 from irsim_gym.cli_tools import read_parameters
+from irsim_gym.errors import IrsimGymError
 
 
 def train(
-    scenario: Scenario,
+    scenario: Scenarios,
     algorithm: Algorithm = None,
     seed: Seed = 0,
     steps: Steps = None,
@@ -48,6 +51,7 @@ def train(
     curriculum: Curriculum = None,
     seeds: Seeds = None,
     test_levels: TestLevels = 1000,
+    mixture: Mixture = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -55,9 +59,12 @@ def train(
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
+    from irsim_gym.training.mixture import read_part
 
+    if len(scenario) > 1 and not mixture:
+        raise IrsimGymError(f"train takes one scenario, got {', '.join(scenario)}: --mixture trains one policy in all")
     asked = Asked(
-        scenario,
+        read_part(scenario[0]).scenario if mixture else scenario[0],
         algorithm,
         seed,
         steps,
@@ -69,11 +76,14 @@ def train(
         device,
         origin,
         curriculum,
+        tuple(scenario) if mixture else (),
     )
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     if seeds is None:
         run_training(asked, out, **how)
         return
+    if mixture:
+        raise IrsimGymError("--seeds sums up one scenario: train each seed of a mixture by itself, with --seed")
     from irsim_gym.training.seed_runs import run_seeds
 
     run_seeds(asked, seeds, out, test_levels=test_levels, **how)

@@ -1,6 +1,7 @@
 """Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, and a curriculum."""
 
 from irsim_gym.envs.sb3 import WorldVecEnv, make_vec_env
+from irsim_gym.envs.sb3_asymmetric import AsymmetricPolicy
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
@@ -10,10 +11,12 @@ from irsim_gym.envs.sb3_buffers import (
 from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
 from irsim_gym.envs.sb3_learnability import LearnabilityCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
+from irsim_gym.envs.sb3_mixture import MixtureVecEnv
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 
 __all__ = [
+    "AsymmetricPolicy",
     "EndingHerReplayBuffer",
     "LearnabilityCallback",
     "MaskedA2C",
@@ -23,6 +26,7 @@ __all__ = [
     "MaskedReplayBuffer",
     "MaskedRolloutBuffer",
     "MaskedVecNormalize",
+    "MixtureVecEnv",
     "TeamVecEnv",
     "WorldVecEnv",
     "buffers_for",

@@ -30,6 +30,7 @@ def make_vec_env(
     max_steps: int | None = None,
     max_episode_steps: int | None = None,
     num_threads: int = 1,
+    critic: bool = False,
     render_mode: str | None = "rgb_array",
     strict: bool = True,
     env_kwargs: Mapping[str, Any] | None = None,
@@ -50,6 +51,8 @@ def make_vec_env(
         max_steps: Time limit [steps]; None for the task's.
         max_episode_steps: Another time limit, as ``gymnasium.make`` takes it; the smaller one counts.
         num_threads: Threads that share the worlds.
+        critic: Observations are dicts that hold what the task's ``critic_observations`` show too, for
+            ``AsymmetricPolicy``.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
@@ -67,11 +70,11 @@ def make_vec_env(
     shown: dict[str, Any] = {"render_mode": render_mode, "strict": strict}
     if env_kwargs:
         files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
-        given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
+        given = {"num_threads": num_threads, "critic": critic, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
         return make_vec_env(scenario, n_envs, seed, **given)
     checked_mode(render_mode)
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
-    worlds = Worlds(scenario, n_envs, task=task, parameters=parameters, **kwargs, **shown)
+    worlds = Worlds(scenario, n_envs, task=task, critic=critic, parameters=parameters, **kwargs, **shown)
     spec = spec_of(scenario, {**asked, **shown})
     numbers = range(start_index, start_index + n_envs)
     env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))

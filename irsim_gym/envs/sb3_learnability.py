@@ -41,6 +41,8 @@ class LearnabilityCallback(BaseCallback):
         env = self.training_env
         if not env.has_attr("choose_level"):
             raise IrsimGymError(f"LearnabilityCallback: {env.unwrapped} is no environment of irsim_gym")
+        if hasattr(env.unwrapped, "parts"):
+            raise IrsimGymError("LearnabilityCallback: levels are known by their numbers, and a mixture has several 0")
         self._n_agents = getattr(env.unwrapped, "n_agents", 1)
         worlds = np.arange(env.num_envs // self._n_agents)
         if self.levels is None:

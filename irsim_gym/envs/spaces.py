@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.goal_form import ACHIEVED, DESIRED, PARTS, REST
-from irsim_gym.tasks.transition import Percepts, Transition
+from irsim_gym.tasks.term import IsImage
+from irsim_gym.tasks.transition import CRITIC, Percepts, Transition
 
 Observation: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
 VECTOR = "vector"
@@ -31,6 +32,8 @@ class ObservationLayout:
         flat: True for one vector, False for a dict of vectors.
         images: Names of the terms that are pictures. A flat observation is then a dict of them and the vector, or the
             one picture itself where there is nothing else.
+        critic: Names of what the critic alone perceives. An observation is then a dict that holds these too.
+        alone: Key of the actor's observation where it stands beside the critic's and is no dict itself.
         plain: Observations are the flat ones themselves.
     """
 
@@ -38,10 +41,13 @@ class ObservationLayout:
     picked: Ints | None
     flat: bool
     images: tuple[str, ...] = ()
+    critic: tuple[str, ...] = ()
+    alone: str = VECTOR
     plain: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "plain", self.flat and self.picked is None and not self.images)
+        is_plain = self.flat and self.picked is None and not (self.images or self.critic)
+        object.__setattr__(self, "plain", is_plain)
 
     def fresh(self, seen: Percepts | Transition, place: Any = ...) -> Observation:
         """Return a copy of observations in the declared form.
@@ -50,9 +56,17 @@ class ObservationLayout:
             seen: What agents perceive.
             place: An index into the axes of the agents: whose observations; by default all.
         """
-        rows: NDArray[Any] = seen.observation[place]
         if self.plain:
-            return rows.copy()
+            return seen.observation[place].copy()
+        if not self.critic:
+            return self._own(seen, place)
+        own = self._own(seen, place)
+        parts = own if isinstance(own, dict) else {self.alone: own}
+        return {**parts, **{name: np.array(seen.critic[name][place], order="C") for name in self.critic}}
+
+    def _own(self, seen: Percepts | Transition, place: Any) -> Observation:
+        """Return a copy of what the actor observes."""
+        rows: NDArray[Any] = seen.observation[place]
         if not self.flat:
             parts = {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
             return {**parts, **self._pictures(seen, place)} if self.images else parts
@@ -102,11 +116,30 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Observat
     if episodes.task.observation_form == "goal":
         columns = {part: _joined(columns, names) for part, names in _goal_parts(columns).items()}
     is_flat = episodes.task.observation_form == "flat"
-    return ObservationLayout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
+    images, critic = tuple(episodes.view.images), tuple(episodes.view.critic)
+    alone = VECTOR if columns or not images else images[0]
+    return ObservationLayout(columns, None if every else np.concatenate(picked), is_flat, images, critic, alone)
 
 
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
     """Return the space of a task's observations, those of one agent or, with None, of the richest.
+
+    Where the critic has observations of its own, they stand beside those of the actor in a ``Dict``: the ``Box``
+    ``critic`` for all numbers, and each picture as ``critic_NAME``.
+    """
+    actor = actor_space(episodes, agent)
+    if not episodes.view.critic:
+        return actor
+    numbers = [(low, high) for _, low, high in episodes.critic_terms]
+    pictures = {name: part for name, part in episodes.view.critic.items() if name != CRITIC}
+    critic: dict[str, Space[Any]] = {CRITIC: _box(numbers)} if numbers else {}
+    critic |= {name: Box(0, 255, part.shape[2:], np.uint8) for name, part in pictures.items()}
+    alone = observation_layout(episodes, agent).alone
+    return Dict({**(actor.spaces if isinstance(actor, Dict) else {alone: actor}), **critic})
+
+
+def actor_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
+    """Return the space of what an actor observes.
 
     Flat observations are a ``Box``, else there is a ``Dict``: with one ``Box`` for each term, or in the goal form with
     ``observation``, ``achieved_goal`` and ``desired_goal``, as ``gymnasium_robotics.GoalEnv`` has them. A picture is a
@@ -139,9 +172,14 @@ def observation_key(episodes: Episodes, name: str) -> str:
     if form == "dict":
         return name
     images, n_columns = episodes.view.images, len(episodes.observation_terms)
-    if len(images) + bool(n_columns) == 1:
+    if len(images) + bool(n_columns) == 1 and not episodes.view.critic:
         return ""
     return name if name in images else VECTOR
+
+
+def critic_key(name: str, options: Any) -> str:
+    """Return under which key of an observation a term of the critic alone is found."""
+    return f"{CRITIC}_{name}" if isinstance(options, IsImage) else CRITIC
 
 
 def _box(bounds: Sequence[tuple[Rays, Rays]]) -> Box:

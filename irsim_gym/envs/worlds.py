@@ -55,6 +55,7 @@ class Worlds:
         render_mode: One of ``RENDER_MODES`` or None, see ``Pictures``; with it each step notes the poses of bodies
             whose paths are drawn.
         team: All robots learn, unless the task names some; else there has to be one learner.
+        critic: Observations hold what the task's ``critic_observations`` show too; else nobody looks there.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
         strict: A key that nobody reads, in the scenario's file or its section ``task``, is an error; False: it is
             ignored, with an ``IgnoredKeyWarning``.
@@ -76,11 +77,13 @@ class Worlds:
         num_threads: int = 1,
         render_mode: str | None = None,
         team: bool = False,
+        critic: bool = False,
         parameters: Mapping[str, Any] | None = None,
         strict: bool = True,
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
-        self.task = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
+        loaded = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
+        self.task = loaded if critic else replace(loaded, critic_observations=())
         self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)

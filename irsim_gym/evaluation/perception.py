@@ -89,7 +89,8 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
             f"the policy was trained with {', '.join(perception.names)}, which does not fit '{scenario.name}': {told}"
         ) from error
     form: Any = perception.observation_form
-    return replace(task, observations=found.observations, action=found.action, observation_form=form)
+    own: dict[str, Any] = {"observations": found.observations, "action": found.action, "observation_form": form}
+    return replace(task, **own, critic_observations=())
 
 
 class Perceived:

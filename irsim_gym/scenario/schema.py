@@ -28,7 +28,12 @@ _KINDS = {
     "group_behavior": families.GROUP_BEHAVIORS,
     "distribution": families.PLACEMENTS,
 }
-_TERMS = {"observations": families.OBSERVATIONS, "rewards": families.REWARDS, "endings": families.ENDINGS}
+_TERMS = {
+    "observations": families.OBSERVATIONS,
+    "critic_observations": families.OBSERVATIONS,
+    "rewards": families.REWARDS,
+    "endings": families.ENDINGS,
+}
 
 
 def json_schema() -> Schema:

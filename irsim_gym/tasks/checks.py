@@ -72,8 +72,8 @@ def _some(names: Sequence[str], most: int = 10) -> str:
 
 def check_fit(
     scenario: Scenario, agents: Sequence[int], task: str, terms: Terms, merged: Merged
-) -> list[tuple[Place, Any]]:
-    """Tell what the learners lack, and return the observations, with substitutes for sensors that are missing."""
+) -> dict[str, list[tuple[Place, Any]]]:
+    """Tell what the learners lack, and return the lists of observations, with substitutes for missing sensors."""
     bodies = [scenario.bodies[b] for b in agents]
     problems = [
         Problem(body.line, body.name, message)
@@ -89,10 +89,17 @@ def check_fit(
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
         merged.outside.append((scenario.source.title, shown))
-    given = [type(item) for _, item in terms["observations"]]
+    return {key: _fitting(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")}
+
+
+def _fitting(
+    observations: Sequence[tuple[Place, Any]], bodies: Sequence[BodySpec], report: Report
+) -> list[tuple[Place, Any]]:
+    """Return a list of observations, with substitutes for sensors that are missing."""
+    given = [type(item) for _, item in observations]
     fitting = []
-    for place, item in terms["observations"]:
-        for fit in _substitutes(place, item, bodies, merged.report) if item.needs_scan else [item]:
+    for place, item in observations:
+        for fit in _substitutes(place, item, bodies, report) if item.needs_scan else [item]:
             if fit is item or type(fit) not in given:
                 fitting.append((place, fit))
                 given.append(type(fit))

@@ -21,7 +21,7 @@ from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term
 from irsim_gym.tasks.term_watch import TermWatch
-from irsim_gym.tasks.transition import transition_of
+from irsim_gym.tasks.transition import CRITIC, transition_of
 from irsim_gym.world.model import OMNI_WORLD
 
 
@@ -38,6 +38,7 @@ class Episodes:
         view: The latest transition.
         observation_terms: Name, least and greatest values of each part of the observation, in order; pictures, which
             have no columns, are in ``view.percepts`` alone.
+        critic_terms: The same of what the critic alone observes.
         reward_names: Names of the reward terms, in order.
         agent_names: Names of the agents' bodies, in order.
         action_sizes: Components of each agent's actions, shape ``(n_agents,)``; its surplus ones are not looked at.
@@ -65,7 +66,8 @@ class Episodes:
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
-        terms = [*self._observations, *self._rewards]
+        self._critic = bind(OBSERVATIONS, task.critic_observations, simulation, task)
+        terms = [*self._observations, *self._critic, *self._rewards]
         self._minded_clearance = max(
             (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance)), default=0.0
         )
@@ -74,13 +76,16 @@ class Episodes:
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
-        self.view = transition_of(self.state, images)
+        self.critic_terms, _ = place_observations(self._critic, simulation)
+        self._critic_state = self._with_columns(sum(len(low) for _, low, _ in self.critic_terms))
+        self.view = transition_of(self.state, images, self._critic_percepts())
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
-        bounds = {name: (low, high) for name, low, high in self.observation_terms}
+        parts = {"observations": self.observation_terms, "critic_observations": self.critic_terms}
+        bounds = {(family, name): (low, high) for family, those in parts.items() for name, low, high in those}
         recorded = (self._play, self._begin_episodes, self._begin)
         self._watch = TermWatch(self.terms, simulation, bounds, recorded)
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
@@ -88,9 +93,14 @@ class Episodes:
 
     @property
     def terms(self) -> dict[str, list[Term]]:
-        """The bound kinds of the task: ``action`` (one), ``observations``, ``rewards`` and ``endings``, in order."""
-        parts = [self._action], self._observations, self._rewards, self._endings
-        return dict(zip(("action", "observations", "rewards", "endings"), parts, strict=True))
+        """The bound kinds of the task: ``action`` (one) and the lists of its other families, in order."""
+        return {
+            "action": [self._action],
+            "observations": self._observations,
+            "critic_observations": self._critic,
+            "rewards": self._rewards,
+            "endings": self._endings,
+        }
 
     @property
     def n_worlds(self) -> int:
@@ -312,6 +322,17 @@ class Episodes:
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
             term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+        for term in self._critic:
+            term.options.write(term, self.simulation.model, self.simulation.state, self._critic_state, shard)
+
+    def _with_columns(self, width: int) -> EpisodeState:
+        """Return the state, whose arrays are shared, with room of its own for another observation."""
+        return replace(self.state, observation=np.zeros((self.n_worlds, self.n_agents, width), np.float32))
+
+    def _critic_percepts(self) -> dict[str, NDArray[Any]]:
+        numbers = {CRITIC: self._critic_state.observation} if self.critic_terms else {}
+        pictures = [term for term in self._critic if isinstance(term.options, IsImage)]
+        return {**numbers, **{f"{CRITIC}_{term.name}": term.image for term in pictures}}
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

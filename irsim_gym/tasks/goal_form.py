@@ -35,6 +35,8 @@ def goal_terms(scenario: Scenario, agents: Sequence[int], terms: Terms, merged: 
     report = merged.report
     if len(agents) > 1:
         report.add(("observation_form",), f"'goal' is for one learner, and there are {len(agents)}")
+    if terms["critic_observations"]:
+        report.add(("critic_observations",), "observation_form 'goal' has no observations of the critic alone")
     for b in agents:
         body = scenario.bodies[b]
         if body.arrive_mode == "state":

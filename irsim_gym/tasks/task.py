@@ -23,7 +23,12 @@ from irsim_gym.tasks.goal_form import goal_terms
 from irsim_gym.tasks.layers import Layer, merge
 
 DEFAULT = "navigation"
-FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
+FAMILIES = {
+    "observations": OBSERVATIONS,
+    "critic_observations": OBSERVATIONS,
+    "rewards": REWARDS,
+    "endings": ENDINGS,
+}
 LONGEST_CHAIN = 8
 _CHANGES = "; changes the terms of the named task by name."
 
@@ -64,6 +69,9 @@ class TaskOptions:
     )
     action: Any = option("velocity", meaning="What a learner commands.")
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
+    critic_observations: tuple[Any, ...] = option(
+        (), meaning=f"What the critic alone observes besides, in training with Stable-Baselines3{_CHANGES}"
+    )
     rewards: tuple[Any, ...] = option((), meaning=f"Reward terms; the reward is their sum{_CHANGES}")
     endings: tuple[Any, ...] = option((), meaning=f"What ends an episode, besides the time limit{_CHANGES}")
 
@@ -80,6 +88,7 @@ class Task:
         observations: Instances of registered observations, in order.
         rewards: Instances of registered rewards, in order.
         endings: Instances of registered endings.
+        critic_observations: Instances of registered observations that the critic alone has.
         observation_form: ``flat``, ``dict`` or ``goal``.
         ended: What the body of an agent does whose episode has ended: ``stay`` or ``vanish``.
         team_reward: Share of each reward term that is the mean over the agents of a world.
@@ -99,6 +108,7 @@ class Task:
     team_reward: float = 0.0
     deadlock_speed: float = 0.05
     deadlock_time: float = 5.0
+    critic_observations: tuple[Any, ...] = ()
 
 
 def load_task(
@@ -134,7 +144,7 @@ def load_task(
     if options is not None:
         agents = choose_agents(scenario, options.agents, team, merged)
         if agents:
-            terms["observations"] = check_fit(scenario, agents, name, terms, merged)
+            terms |= check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
             if options.observation_form == "goal":
                 terms["observations"] = goal_terms(scenario, agents, terms, merged)

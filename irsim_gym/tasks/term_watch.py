@@ -29,6 +29,7 @@ CALLS = 300
 MAKERS: dict[str, type[Watched]] = {
     "action": WatchedAction,
     "observations": WatchedObservation,
+    "critic_observations": WatchedObservation,
     "rewards": WatchedReward,
     "endings": WatchedEnding,
 }
@@ -40,7 +41,7 @@ class TermWatch:
     Args:
         terms: The terms by family, see ``Episodes.terms``.
         simulation: What they are played in.
-        bounds: Least and greatest values of each observation, by name.
+        bounds: Least and greatest values of each observation, by family and name.
         recorded: What must not be recorded meanwhile.
 
     Attributes:
@@ -51,14 +52,14 @@ class TermWatch:
         self,
         terms: Mapping[str, Sequence[Term]],
         simulation: Simulation,
-        bounds: Mapping[str, tuple[Any, Any]],
+        bounds: Mapping[tuple[str, str], tuple[Any, Any]],
         recorded: Sequence[Fused],
     ) -> None:
         self._watched: list[tuple[Term, Watched]] = []
         for family, members in terms.items():
             for term in members:
                 if is_foreign(type(term.options)):
-                    watched = MAKERS[family](term, simulation, bounds.get(term.name))
+                    watched = MAKERS[family](term, simulation, bounds.get((family, term.name)))
                     term.options = watched
                     self._watched.append((term, watched))
         self.is_on = bool(self._watched)

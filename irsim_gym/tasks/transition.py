@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
 from irsim_gym.tasks.episode_state import EpisodeState
 
+CRITIC = "critic"
+"""Under which name the critic's numbers are found."""
+
 
 @dataclass(frozen=True)
 class Percepts:
@@ -19,20 +22,26 @@ class Percepts:
     Attributes:
         observation: Numbers in [-1, 1], float32, shape ``(..., n_features)``.
         images: Pictures by the name of their observation, uint8, shape ``(..., height, width, n_channels)`` each.
+        critic: What the critic alone perceives: under ``CRITIC`` numbers like ``observation``, under ``critic_NAME``
+            pictures; empty where there is nothing.
     """
 
     observation: Rays
     images: Mapping[str, Bytes]
+    critic: Mapping[str, NDArray[Any]]
 
     def each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Percepts:
         """Return what a function makes of each array."""
-        return Percepts(change(self.observation), {name: change(image) for name, image in self.images.items()})
+        images = {name: change(image) for name, image in self.images.items()}
+        return Percepts(change(self.observation), images, {name: change(part) for name, part in self.critic.items()})
 
     def overwrite(self, chosen: Flags, other: Percepts) -> None:
         """Take the rows that a mask over the first axes chooses from ``other``."""
         self.observation[chosen] = other.observation[chosen]
         for name, image in self.images.items():
             image[chosen] = other.images[name][chosen]
+        for name, part in self.critic.items():
+            part[chosen] = other.critic[name][chosen]
 
 
 @dataclass(frozen=True)
@@ -51,6 +60,7 @@ class Transition:
             goal_distance [m], is_success, steps, stalled [s], deadlocked, level.
         images: The pictures that the agents see, by the name of their observation, uint8, shape
             ``(n_worlds, n_agents, height, width, n_channels)`` each.
+        critic: What the critic alone perceives, see ``Percepts``.
     """
 
     observation: Rays
@@ -61,11 +71,12 @@ class Transition:
     over: Flags
     infos: Mapping[str, NDArray[Any]]
     images: Mapping[str, Bytes]
+    critic: Mapping[str, NDArray[Any]]
 
     @property
     def percepts(self) -> Percepts:
         """All that the agents perceive."""
-        return Percepts(self.observation, self.images)
+        return Percepts(self.observation, self.images, self.critic)
 
     @property
     def live(self) -> Flags:
@@ -73,12 +84,13 @@ class Transition:
         return ~(self.terminated | self.truncated)
 
 
-def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transition:
+def transition_of(state: EpisodeState, images: Mapping[str, Bytes], critic: Mapping[str, NDArray[Any]]) -> Transition:
     """Return the view of a task's arrays that learners get.
 
     Args:
         state: What the task remembers.
         images: Pictures by name, see ``Percepts``.
+        critic: What the critic alone perceives, see ``Percepts``.
     """
     infos = {
         "outcome": state.outcome,
@@ -102,4 +114,5 @@ def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transitio
         state.over,
         infos,
         images,
+        critic,
     )

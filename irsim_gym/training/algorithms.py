@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ class Algorithm:
         actions: Which kinds of actions it takes: ``continuous``, ``discrete``.
         team_module: Module of the class that leaves out waiting robots, where the algorithm needs one of its own.
         policy_suffix: What its policies' names have before ``Policy``.
+        has_critic: Its critic may observe more than its actor.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Algorithm:
     actions: frozenset[str]
     team_module: str = ""
     policy_suffix: str = ""
+    has_critic: bool = False
 
     def load(self, team: bool = False) -> type[BaseAlgorithm]:
         """Return the class.
@@ -57,6 +59,19 @@ class Algorithm:
                 raise
             raise IrsimGymError(f"{self.name} needs sb3-contrib: pip install irsim_gym[contrib]") from error
         return found
+
+    def check_critic(self, critic_observations: Collection[Any]) -> None:
+        """Make sure that it can use what a task shows the critic alone.
+
+        Raises:
+            IrsimGymError: It cannot; the message names algorithms that can.
+        """
+        if critic_observations and not self.has_critic:
+            others = ", ".join(one.name for one in ALGORITHMS.values() if one.has_critic)
+            raise IrsimGymError(
+                f"{self.name} has no critic that may see more than the actor, but the task has critic_observations: "
+                f"take another algorithm ({others}), or leave them out"
+            )
 
     def check_action(self, action: Any, named: str) -> None:
         """Make sure that it can learn with a task's action.
@@ -88,12 +103,12 @@ _ONLY_NUMBERS = frozenset({CONTINUOUS})
 
 def _listed() -> Iterator[Algorithm]:
     masked = "irsim_gym.envs.sb3_masked"
-    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH, masked)
+    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH, masked, has_critic=True)
     yield Algorithm("sac", "stable_baselines3", "SAC", _ONLY_NUMBERS)
     yield Algorithm("td3", "stable_baselines3", "TD3", _ONLY_NUMBERS)
     yield Algorithm("tqc", "sb3_contrib", "TQC", _ONLY_NUMBERS)
     yield Algorithm("dqn", "stable_baselines3", "DQN", frozenset({DISCRETE}))
-    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked)
+    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked, has_critic=True)
     recurrent = "irsim_gym.envs.sb3_recurrent"
     yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, recurrent, "Lstm")
 

@@ -15,6 +15,7 @@ from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.folders import as_name, begun_folders, default_folder, free_folder, setting_differences
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
+from irsim_gym.training.mixture import MixturePart, read_part
 from irsim_gym.training.policies import policy_names
 from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
 from irsim_gym.training.snapshot import listed
@@ -40,6 +41,7 @@ class Asked:
         device: Where the networks are, in place of the file's.
         origin: A run's folder or a ``policy.zip`` to start from.
         curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
+        mixture: All scenarios that are learnt together, as ``read_part`` takes them; ``scenario`` is the first one's.
     """
 
     scenario: str
@@ -54,6 +56,7 @@ class Asked:
     device: str | None = None
     origin: str | None = None
     curriculum: str | None = None
+    mixture: tuple[str, ...] = ()
 
     @property
     def overrides(self) -> dict[str, Any]:
@@ -75,11 +78,29 @@ class Asked:
         return inheriting(self._settings(self.algorithm or algorithm_of(policy)), file, policy)
 
     def _settings(self, algorithm: str) -> Settings:
+        """Return the settings without a policy to start from."""
+        if not self.mixture:
+            return self._of_one(algorithm)
+        if self.parameters:
+            raise IrsimGymError("--set is for one scenario: with --mixture write SCENARIO:NAME=VALUE")
+        parts = [read_part(text) for text in self.mixture]
+        found = [
+            replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._of_one(algorithm)
+            for part in parts
+        ]
+        if found[0].hyperparameters.curriculum is not None:
+            raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
+        pairs = zip(parts, found, strict=True)
+        mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
+        return replace(found[0], mixture=mixed)
+
+    def _of_one(self, algorithm: str) -> Settings:
         named = lasting(scenario_name(self.scenario))
         chosen = find_algorithm(algorithm)
         loaded = load_scenario(named, self.parameters, strict=self.strict, warn=False)
         learned = load_task(loaded, self.task, team=True)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
+        chosen.check_critic(learned.critic_observations)
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
             "task": self._task_name(),
@@ -98,6 +119,10 @@ class Asked:
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
+        if self.mixture:
+            texts = [text.split(":") for text in self.mixture]
+            named = "+".join("-".join([Path(scenario_name(first)).stem, *rest]) for first, *rest in texts)
+            return default_folder(named, settings.algorithm, self.seed, None, mode, marks=marks)
         return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
 
     def _task_name(self) -> str | None:

@@ -17,6 +17,7 @@ from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.envs.sb3_asymmetric import actor_observation_space
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent, percepts
@@ -89,7 +90,8 @@ def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -
     begun = time.perf_counter(), time.process_time()
     _refuse(model, settings)
     assert settings.hyperparameters.clone is not None
-    seen, done = demonstrations(settings, settings.hyperparameters.clone, console)
+    played = [demonstrations(part, settings.hyperparameters.clone, console) for part in settings.parts()]
+    seen, done = (np.concatenate(rows) for rows in zip(*played, strict=True))
     imitate(model, seen, done, settings.hyperparameters.clone_epochs, console)
     return time.perf_counter() - begun[0], time.process_time() - begun[1]
 
@@ -99,7 +101,7 @@ def _refuse(model: BaseAlgorithm, settings: Settings) -> None:
     policy, problems = model.policy, []
     if not isinstance(policy, ActorCriticPolicy) or hasattr(policy, "lstm_actor"):
         problems.append(f"{settings.algorithm} has no actor that can: use ppo or a2c")
-    if isinstance(model.observation_space, Dict):
+    if isinstance(actor_observation_space(model.observation_space), Dict):
         problems.append("the task's observation is a dict: use observation_form: flat")
     if settings.hyperparameters.normalize is not None:
         problems.append("statistics of normalize would change under what was learnt: leave it out")

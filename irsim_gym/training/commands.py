@@ -13,17 +13,17 @@ from rich.text import Text
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.load import load_scenario
-from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.asked import Asked
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.folders import evaluation_folder, has_results
+from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, tell_changes
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.score import MARKS, Point, reached, score_run
+from irsim_gym.training.score import MARKS, Point, called, point_in, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 from irsim_gym.training.verdict import look_command, verdict
 
@@ -55,8 +55,7 @@ def run_training(
         console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
     if said:
         console.print(said, **PLAIN)
-    named = with_parameters(settings.scenario, settings.parameters)
-    what = f"{settings.algorithm.upper()} on {named}, seed {settings.seed}"
+    what = f"{settings.algorithm.upper()} on {called(settings)}, seed {settings.seed}"
     after = "" if settings.origin is None else f", from {settings.origin['policy']}"
     console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
     for note in _notes(settings):
@@ -73,7 +72,7 @@ def run_training(
         with ctrl_c_told("the training is finished, but its scoring is not: run the same command to continue."):
             points = score_run(run, levels=dev_levels, console=console)
         print_table(marks_table(points))
-        for line in _verdict_lines(settings, run, points[-1]):
+        for line in _verdict_lines(run, points[-1]):
             console.print(line, **PLAIN)
     print(f"policy: {run.policy}")
     return run
@@ -90,7 +89,7 @@ def _notes(settings: Settings) -> Iterator[str]:
 
 
 def _team_size(settings: Settings) -> int:
-    return len(_task_of(settings, team=True)[1].agents)
+    return max(len(_task_of(part, team=True)[1].agents) for part in settings.parts())
 
 
 def _task_of(settings: Settings, *, team: bool) -> tuple[Scenario, Task]:
@@ -98,12 +97,16 @@ def _task_of(settings: Settings, *, team: bool) -> tuple[Scenario, Task]:
     return scenario, load_task(scenario, settings.task, team=team)
 
 
-def _verdict_lines(settings: Settings, run: Run, last: Point) -> list[str]:
-    """Return what a training that ended near 0 % looks like and what to try; nothing for any other."""
-    team = settings.hyperparameters.team is not None
-    scenario, task = _task_of(run.own_settings(), team=team)
-    look = look_command(settings.scenario, run.folder, team=team, task=settings.task)
-    return verdict(last, scenario, task, look)
+def _verdict_lines(run: Run, last: Point) -> list[str]:
+    """Return what a training that ended near 0 % looks like and what to try; of a mixture in each such scenario."""
+    settings, lines = run.settings(), list[str]()
+    team, is_mixed = settings.hyperparameters.team is not None, bool(settings.mixture)
+    for name, part, own in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
+        scenario, task = _task_of(own, team=team)
+        look = look_command(part.scenario, run.folder, team=team, task=part.task)
+        found = verdict(point_in(last, name) if is_mixed else last, scenario, task, look)
+        lines += [f"{name}:", *found] if is_mixed and found else found
+    return lines
 
 
 def marks_table(points: Sequence[Point]) -> Table:
@@ -118,6 +121,8 @@ def marks_table(points: Sequence[Point]) -> Table:
         row = (f"{point['training_seconds']:.1f}", f"{point['steps']:,}") if point else ("-", "-")
         table.add_row(f"{mark:.0%}", *row)
     table.add_row(f"end: {last['success']:.1%}", f"{last['training_seconds']:.1f}", f"{last['steps']:,}")
+    for name, share in successes(last).items():
+        table.add_row(f"{name}: {share:.1%}", "", "")
     return table
 
 

@@ -11,6 +11,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from irsim_gym import sb3
+from irsim_gym.training.mixture import shared_worlds
 from irsim_gym.training.run import Settings
 
 
@@ -49,7 +50,7 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
     return env
 
 
-def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -> VecEnv:
+def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -> Any:
     """Make the batch without the run's own wrappers.
 
     Args:
@@ -57,11 +58,16 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
         n_envs: Number of worlds.
         max_steps: Another time limit than the task's [steps].
     """
+    if settings.mixture:
+        counts = shared_worlds([one.share for one in settings.mixture], n_envs)
+        parts = zip(settings.names, settings.parts(), counts, strict=True)
+        return sb3.MixtureVecEnv({name: make_worlds(part, count, max_steps) for name, part, count in parts})
     mode = settings.hyperparameters.team
     seed = settings.first_level
     options: dict[str, Any] = {
         "task": settings.task,
         "max_steps": max_steps,
+        "critic": True,
         "render_mode": None,
         "strict": settings.strict,
         **settings.parameters,
@@ -73,7 +79,7 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
 
 def compile_kernels(settings: Settings) -> None:
     """Step a small batch once, to the end of its episodes, so that no compilation falls into the training time."""
-    env = make_worlds(settings, 2, max_steps=1)
+    env = make_worlds(settings, max(2, len(settings.mixture)), max_steps=1)
     env.reset()
     env.step(np.stack([env.action_space.sample() for _ in range(env.num_envs)]))
     env.close()

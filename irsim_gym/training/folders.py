@@ -135,7 +135,7 @@ def run_differences(run: Run, asked: Settings, now: Snapshot) -> list[str]:
     """
     before = run.snapshot()
     found = setting_differences(run.settings(), asked)
-    return [*found, *([] if before is None else differences(before, now))]
+    return [*found, *([] if before is None else [*differences(before, now), *run.changes_in_others(asked)])]
 
 
 def setting_differences(begun: Settings, asked: Settings) -> list[str]:

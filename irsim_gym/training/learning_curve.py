@@ -44,6 +44,9 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     if is_team:
         each = [100.0 * point["individual_success"] for point in points]
         axes.plot(seconds, each, color=ACCENT, lw=1.2, ls=":", label="robots that arrive")
+    for name in successes(points[0]):
+        own = [100.0 * point[f"{name}/success"] for point in points]
+        axes.plot(seconds, own, lw=0.9, marker=".", ms=3.0, zorder=1, label=name)
     label = "robots that collide" if is_team else "collision"
     axes.plot(seconds, collision, color=FAILURE, lw=1.2, ls="--", label=label)
     for mark, side in ((95.0, "top"), (98.0, "bottom")):
@@ -64,6 +67,11 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     content = io.BytesIO()
     figure.savefig(content, format="png")
     write_bytes(path, content.getvalue())
+
+
+def successes(point: dict[str, float]) -> dict[str, float]:
+    """Return the success in each scenario of a mixture, by name; nothing where there is one scenario."""
+    return {key.removesuffix("/success"): value for key, value in point.items() if key.endswith("/success")}
 
 
 def _last(point: dict[str, float]) -> str:

@@ -16,8 +16,9 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
+from irsim_gym.envs.sb3_asymmetric import has_critic_parts
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.sb3 import LearnabilityCallback, buffers_for
+from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment, restore_worlds
@@ -74,8 +75,10 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     device = device_of(settings.hyperparameters.device)
     arguments = settings.hyperparameters.algorithm_arguments()
     env = build_environment(settings)
-    policy = f"{network(env.observation_space)}{find_algorithm(settings.algorithm).policy_suffix}Policy"
-    if policy.startswith("MultiInput"):
+    policy: Any = f"{network(env.observation_space)}{find_algorithm(settings.algorithm).policy_suffix}Policy"
+    if has_critic_parts(env.observation_space):
+        policy = AsymmetricPolicy
+    if network(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
     if settings.hyperparameters.team is not None:
         arguments = {**buffers_for(kind, env), **arguments}

@@ -21,6 +21,7 @@ from stable_baselines3.common.preprocessing import is_image_space, is_image_spac
 from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.envs.sb3_asymmetric import actor_observation_space, for_actor, has_critic_parts, lone_name
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.perception import Perception, perception_from
@@ -78,7 +79,7 @@ class SavedPolicy:
     perception: Perception | None = None
 
     def __init__(self, model: BaseAlgorithm | ShelfPolicy, normalization: VecNormalize | None = None) -> None:
-        self.model, self.normalization = model, normalization
+        self.model, self.normalization = model, for_actor(normalization)
         self._shape: tuple[int, ...] | None = None
         if isinstance(model, ShelfPolicy):
             self.perception = None if model.perception is None else perception_from(model.perception)
@@ -117,7 +118,7 @@ class SavedPolicy:
         model = self.model
         observed, acted = observation_space(episodes), action_space(episodes)
         for what, learnt, here in (
-            ("observations", model.observation_space, observed),
+            ("observations", actor_observation_space(model.observation_space), observed),
             ("actions", model.action_space, acted),
         ):
             if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
@@ -129,7 +130,9 @@ class SavedPolicy:
     def _chunk(self, seen: Any, slots: Ints) -> NDArray[Any]:
         count = len(slots)
         if self.normalization is not None:
-            seen = self.normalization.normalize_obs(seen)
+            space = self.normalization.observation_space
+            is_lone = has_critic_parts(space) and not isinstance(seen, dict)
+            seen = self.normalization.normalize_obs({lone_name(space): seen} if is_lone else seen)
         if self._shape is None:
             return self.model.predict(seen, deterministic=True)[0][:count]
         memory = np.zeros((*self._memory.shape[:2], CHUNK, self._shape[2]), np.float32)

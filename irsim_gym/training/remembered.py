@@ -120,8 +120,9 @@ def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
     run = run_of(source)
     try:
         settings = json.loads(run.config.read_text())["settings"]
-        same = settings["scenario"] == lasting(scenario_name(scenario))
-        return dict(settings.get("parameters", {})) if same else {}
+        parts = settings.get("mixture") or [settings]
+        same = [one for one in parts if one["scenario"] == lasting(scenario_name(scenario))]
+        return dict(same[0].get("parameters", {})) if len(same) == 1 else {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return {}
 

@@ -6,7 +6,7 @@ import json
 import os
 import platform
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -18,7 +18,8 @@ from irsim_gym.evaluation.tables import write_json
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.training.hyperparameters import Hyperparameters
-from irsim_gym.training.snapshot import Snapshot, read_snapshot, take_snapshot
+from irsim_gym.training.mixture import MixturePart
+from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, take_snapshot
 
 SEED_STRIDE = 1_000_000
 FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
@@ -40,6 +41,7 @@ class Settings:
         parameters: Values of the scenario's parameters by name.
         strict: Unused keys of the scenario are errors.
         origin: The policy that it went on from: ``policy``, its file, and ``sha256`` of that; None for fresh weights.
+        mixture: All scenarios that it trains in, the first one of these settings included; empty for one alone.
     """
 
     scenario: str
@@ -50,6 +52,20 @@ class Settings:
     parameters: Mapping[str, object] = field(default_factory=dict)
     strict: bool = True
     origin: Mapping[str, str] | None = None
+    mixture: tuple[MixturePart, ...] = ()
+
+    def parts(self) -> tuple[Settings, ...]:
+        """Return the settings in each scenario of a mixture; of one scenario these settings alone."""
+        alone = replace(self, mixture=())
+        return tuple(replace(alone, scenario=one.scenario, parameters=one.parameters) for one in self.mixture) or (
+            self,
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the scenarios in tables, with the values of their parameters, all different."""
+        named = [f"{Path(one.scenario).stem}{_values(one.parameters)}" for one in self.parts()]
+        return tuple(f"{name}-{k}" if name in named[: k - 1] else name for k, name in enumerate(named, start=1))
 
     def snapshot(self) -> Snapshot:
         """Return the scenario and its task as they are now."""
@@ -71,6 +87,7 @@ class Settings:
             "hyperparameters": self.hyperparameters.to_plain(),
             **({} if self.strict else {"strict": False}),
             **({} if self.origin is None else {"from": dict(self.origin)}),
+            **({"mixture": [one.to_plain() for one in self.mixture]} if self.mixture else {}),
         }
 
     @classmethod
@@ -79,6 +96,7 @@ class Settings:
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
+        others["mixture"] = tuple(MixturePart(**one) for one in data.get("mixture", ()))
         return cls(**values, hyperparameters=wanted, origin=data.get("from"), **others)
 
 
@@ -141,7 +159,11 @@ class Run:
         """
         now = now or settings.snapshot()
         now.write(self.copy)
-        copied = {"file": now.file, "sha256": now.digest}
+        copied: dict[str, Any] = {"file": now.file, "sha256": now.digest}
+        for k, part in enumerate(settings.parts()[1:], start=2):
+            also = part.snapshot()
+            also.write(self.copy / str(k))
+            copied.setdefault("also", []).append({"folder": str(k), "file": also.file, "sha256": also.digest})
         write_json(self.config, {"settings": settings.to_plain(), "copy": copied, "machine": machine()})
 
     def snapshot(self) -> Snapshot | None:
@@ -157,7 +179,26 @@ class Run:
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        return replace(settings, scenario=str((self.copy / copied.file).resolve()), task=None, parameters={})
+        own = {"task": None, "parameters": {}, "mixture": ()}
+        files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
+        if settings.mixture:
+            parts = zip(settings.mixture, files, strict=True)
+            own["mixture"] = tuple(MixturePart(str(file.resolve()), {}, part.share) for part, file in parts)
+        return replace(settings, scenario=str(files[0].resolve()), **own)
+
+    def changes_in_others(self, settings: Settings) -> list[str]:
+        """Return what has changed in the further scenarios of a mixture since the run began."""
+        pairs = zip(self._also(), settings.parts()[1:], settings.names[1:], strict=False)
+        found = [(name, differences(before, part.snapshot())) for (_, before), part, name in pairs]
+        return [f"{name}: {change}" for name, changes in found for change in changes]
+
+    def _also(self) -> Iterator[tuple[Path, Snapshot]]:
+        """Yield the folders with copies of the further scenarios of a mixture, and what is in them."""
+        for one in json.loads(self.config.read_text())["copy"].get("also", ()):
+            found = read_snapshot(self.copy / one["folder"], one["file"])
+            if found is None:
+                raise IrsimGymError(f"{self.copy / one['folder'] / one['file']} cannot be read")
+            yield self.copy / one["folder"], found
 
     def clear(self) -> None:
         """Remove what a run writes; files that are not its own stay.
@@ -172,6 +213,10 @@ class Run:
                 shutil.rmtree(path)
             else:
                 path.unlink(missing_ok=True)
+
+
+def _values(parameters: Mapping[str, object]) -> str:
+    return "".join(f" {name}={value}" for name, value in parameters.items())
 
 
 def run_of(policy: str | Path) -> Run:

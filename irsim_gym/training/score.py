@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
 
-from irsim_gym.evaluation.metrics import summarize
+from irsim_gym.evaluation.metrics import summarize, wilson
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
@@ -23,11 +23,13 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.learning_curve import draw_curve
 from irsim_gym.training.policies import load_policy
-from irsim_gym.training.run import Run
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.verdict import COLUMNS, failures
 
 DEV_LEVELS = 1000
 MARKS = (0.90, 0.95, 0.98, 0.99)
+PROGRESS = ("steps", "training_seconds", "cpu_seconds")
+"""How far a run is at a point of its curve."""
 
 Point = dict[str, float]
 
@@ -49,33 +51,30 @@ def score_run(
         A point per checkpoint, in the order of steps.
     """
     settings = run.settings()
-    whole = [point for point in read_curve(run) if point["levels"] == levels and set(COLUMNS) <= set(point)]
+    asked = levels * len(settings.parts())
+    whole = [point for point in read_curve(run) if point["levels"] == asked and set(COLUMNS) <= set(point)]
     points = {int(point["steps"]): point for point in whole}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
         is_team = settings.hyperparameters.team is not None
-        own = run.own_settings()
-        episodes = make_episodes(
-            own.scenario,
-            task=own.task,
-            n_worlds=max(1, min(WORLDS, levels)),
-            parameters=own.parameters,
-            strict=own.strict,
-            team=is_team,
-        )
-        screen, optima = console or Console(stderr=True), Optima("dev")
+        places = [
+            (name, _worlds(part, levels), Optima("dev"))
+            for name, part in zip(settings.names, run.own_settings().parts(), strict=True)
+        ]
+        screen = console or Console(stderr=True)
         if not screen.is_terminal:
             count = f"{len(waiting)} checkpoint{'' if len(waiting) == 1 else 's'}"
             screen.print(f"scoring {count} on {levels:,} dev levels", highlight=False)
         with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
                 policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures
-                point = _point(load_progress(path), figures(policy, episodes, levels, optima))
+                found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
+                point = _point(load_progress(path), together(found))
                 points[int(point["steps"])] = point
                 _write(run, _sorted(points))
     curve = _sorted(points)
     if curve and picture:
-        named = with_parameters(settings.scenario, settings.parameters)
+        named = called(settings)
         team = "a team by " if settings.hyperparameters.team is not None else ""
         title = f"{named}, {team}{settings.algorithm.upper()}, seed {settings.seed}, scored on {levels:,} dev levels"
         draw_curve(run.folder / "curve.png", curve, title)
@@ -101,17 +100,53 @@ def reached(points: Sequence[Point], mark: float) -> Point | None:
     return held
 
 
+def called(settings: Settings) -> str:
+    """Return what a run trains in, in words."""
+    if settings.mixture:
+        return " and ".join(settings.names)
+    return with_parameters(settings.scenario, settings.parameters)
+
+
+def together(found: Mapping[str, Point]) -> Point:
+    """Return the figures of one scenario, or those of several together and then of each as ``NAME/FIGURE``.
+
+    Together, counts are sums and all others means: each scenario is played on as many levels. The interval is that of
+    all levels.
+    """
+    if len(found) == 1:
+        return next(iter(found.values()))
+    parts = list(found.values())
+    point = {name: sum(part[name] for part in parts) / len(parts) for name in parts[0]}
+    point["levels"] = sum(part["levels"] for part in parts)
+    low, high = wilson(round(point["success"] * point["levels"]), point["levels"])
+    point |= {"success_low": low, "success_high": high}
+    return point | {f"{name}/{key}": value for name, part in found.items() for key, value in part.items()}
+
+
+def point_in(point: Point, name: str) -> Point:
+    """Return what a point of the curve of a mixture says of one scenario."""
+    own = {key.removeprefix(f"{name}/"): value for key, value in point.items() if key.startswith(f"{name}/")}
+    return {**{key: point[key] for key in PROGRESS}, **own}
+
+
+def _worlds(settings: Settings, levels: int) -> Episodes:
+    """Return worlds for the scoring."""
+    return make_episodes(
+        settings.scenario,
+        task=settings.task,
+        n_worlds=max(1, min(WORLDS, levels)),
+        parameters=settings.parameters,
+        strict=settings.strict,
+        team=settings.hyperparameters.team is not None,
+    )
+
+
 def _sorted(points: dict[int, Point]) -> list[Point]:
     return [points[steps] for steps in sorted(points)]
 
 
 def _point(progress: RunProgress, figures: Point) -> Point:
-    return {
-        "steps": progress.steps,
-        "training_seconds": progress.training_seconds,
-        "cpu_seconds": progress.cpu_seconds,
-        **figures,
-    }
+    return {**{name: getattr(progress, name) for name in PROGRESS}, **figures}
 
 
 def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:

@@ -128,7 +128,7 @@ def _tidy(run: Run) -> None:
 def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Console) -> None:
     """Raise unless the run in the folder has the requested settings and can be resumed."""
     before = run.snapshot()
-    changed = [] if before is None else differences(before, now)
+    changed = [] if before is None else [*differences(before, now), *run.changes_in_others(settings)]
     found = [*setting_differences(run.settings(), settings), *([] if resume else changed)]
     ways = "choose another folder with --out, or replace the run with --overwrite"
     if found:

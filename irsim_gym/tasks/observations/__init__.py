@@ -10,6 +10,7 @@ from irsim_gym.tasks.observations.goal_position import GoalPosition
 from irsim_gym.tasks.observations.goal_record import GoalRecord
 from irsim_gym.tasks.observations.heading import Heading
 from irsim_gym.tasks.observations.last_action import LastAction
+from irsim_gym.tasks.observations.local_map import LocalMap
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.neighbors import Neighbors
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
@@ -46,5 +47,6 @@ OBSERVATIONS.register("position", Position)
 OBSERVATIONS.register("heading", Heading)
 OBSERVATIONS.register("goal_position", GoalPosition)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
+OBSERVATIONS.register("local_map", LocalMap)
 OBSERVATIONS.register("seen_map_image", SeenMapImage)
 OBSERVATIONS.register("top_view", TopView)

@@ -1,0 +1,80 @@
+"""Several scenarios that one policy learns together: how they are asked for, and their shares of the worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError
+
+SHARE = "share"
+"""The word for the weight of a scenario among what stands behind its name."""
+
+
+@dataclass(frozen=True)
+class MixturePart:
+    """One scenario of a mixture.
+
+    Attributes:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        parameters: Values of its parameters by name.
+        share: Its weight: it gets this share of the sum of all weights of the worlds.
+    """
+
+    scenario: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    share: float = 1.0
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return {"scenario": self.scenario, "parameters": dict(self.parameters), "share": self.share}
+
+
+def read_part(text: str) -> MixturePart:
+    """Return what ``SCENARIO[:share=WEIGHT][:PARAMETER=VALUE]...`` asks for.
+
+    Raises:
+        IrsimGymError: The text is of another form; the message says what is wrong with which part of it.
+    """
+    scenario, *options = text.split(":")
+    while options and "=" not in options[0]:  # a path with a colon
+        scenario = f"{scenario}:{options.pop(0)}"
+    given: dict[str, str] = {}
+    for option in options:
+        name, equals, value = option.partition("=")
+        if not equals or not name or name in given:
+            raise IrsimGymError(f"'{text}': write SCENARIO:NAME=VALUE:..., each name once, got '{option}'")
+        given[name] = value
+    return MixturePart(scenario, given, _weight(text, given.pop(SHARE, "1")))
+
+
+def _weight(text: str, value: str) -> float:
+    try:
+        weight = float(value)
+    except ValueError:
+        weight = 0.0
+    if not 0.0 < weight < float("inf"):
+        raise IrsimGymError(f"'{text}': share must be a number > 0, the weight of the scenario, got '{value}'")
+    return weight
+
+
+def shared_worlds(shares: Sequence[float], n_worlds: int) -> list[int]:
+    """Return how many worlds each scenario gets: one, and of the rest what is nearest to its share.
+
+    Args:
+        shares: The weights.
+        n_worlds: How many there are.
+
+    Raises:
+        IrsimGymError: There are fewer worlds than scenarios.
+    """
+    if n_worlds < len(shares):
+        raise IrsimGymError(f"a mixture of {len(shares)} scenarios needs at least as many worlds: n_envs is {n_worlds}")
+    wanted = [share / sum(shares) * n_worlds for share in shares]
+    counts = [max(1, int(one)) for one in wanted]
+    while sum(counts) != n_worlds:
+        step = 1 if sum(counts) < n_worlds else -1
+        open_ones = [k for k in range(len(counts)) if step > 0 or counts[k] > 1]
+        counts[max(open_ones, key=lambda k: step * (wanted[k] - counts[k]))] += step
+    return counts
