@@ -8,14 +8,17 @@ from typing import Annotated, Any
 import typer
 
 from irsim_gym.cli_options import (
+    Address,
     Algorithm,
     BeginAnew,
     Curriculum,
     Device,
     DevLevels,
+    EngineName,
     Given,
     Hyperparameters,
     Imports,
+    LearnerGpus,
     Lenient,
     Origin,
     Resume,
@@ -27,6 +30,8 @@ from irsim_gym.cli_options import (
     Task,
     TeamMode,
     TestLevels,
+    Workers,
+    WorldsPerWorker,
 )
 from irsim_gym.cli_tools import read_parameters
 
@@ -51,10 +56,16 @@ def train(
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
+    engine: EngineName = None,
+    workers: Workers = None,
+    worlds_per_worker: WorldsPerWorker = None,
+    learner_gpus: LearnerGpus = None,
+    address: Address = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
+    from irsim_gym.training.engines import engine_of
 
     asked = Asked(
         scenario,
@@ -69,8 +80,9 @@ def train(
         device,
         origin,
         curriculum,
+        engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
     )
-    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
         run_training(asked, out, **how)
         return

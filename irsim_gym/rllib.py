@@ -14,10 +14,11 @@ from ray.tune.registry import register_env
 from irsim_gym.envs.fragments import Fragment
 from irsim_gym.envs.registration import make, make_vec
 from irsim_gym.envs.rllib_learning import ArrayAPPOLearner, ArrayPPOLearner
-from irsim_gym.envs.rllib_runner import SUCCESS, ArrayEnvRunner, make_rows
+from irsim_gym.envs.rllib_runner import CPU_SECONDS, SUCCESS, ArrayEnvRunner, make_rows
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 
 __all__ = [
+    "CPU_SECONDS",
     "SUCCESS",
     "ArrayAPPOLearner",
     "ArrayEnvRunner",
@@ -41,8 +42,9 @@ def configure(
     max_steps: int | None = None,
     team: str | None = None,
     first_level: int | None = None,
+    reward_scale: float = 1.0,
     strict: bool = True,
-    **parameters: Any,
+    parameters: Mapping[str, object] | None = None,
 ) -> Config:
     """Let a configuration of PPO, APPO or IMPALA learn in the worlds of a scenario.
 
@@ -60,14 +62,16 @@ def configure(
         team: ``"episode"`` or ``"respawn"``: all robots learn, and those that have ended wait or begin again at once;
             None where one learns.
         first_level: Level that the first world begins with, the others with those after it; None for any.
+        reward_scale: Factor on the rewards that are learned from.
         strict: False ignores unused keys of the scenario.
-        **parameters: Values for the scenario's parameters.
+        parameters: Values for the scenario's parameters.
 
     Returns:
         The same configuration.
     """
     chosen: dict[str, Any] = {"scenario": scenario, "task": task, "max_steps": max_steps, "team": team}
-    chosen |= {"first_level": first_level, "strict": strict, "parameters": parameters}
+    chosen |= {"first_level": first_level, "reward_scale": reward_scale, "strict": strict}
+    chosen["parameters"] = dict(parameters or {})
     rows = make_rows(1, chosen)
     n_agents = rows.n_rows
     rows.close()

@@ -35,7 +35,7 @@ class Fragment:
         reward: ``(n_rows,)``.
         terminated: The episode ended here, ``(n_rows,)``: nothing follows.
         cut: The piece ends here and the episode does not, ``(n_rows,)``.
-        following: The observation after each row that is cut, ``(n_cuts, ...)``: its value stands for what would follow.
+        following: The observation after each row that is cut, ``(n_cuts, ...)``: its value stands for what follows.
         steps: Rows that were sampled, those in which agents waited included.
     """
 

@@ -23,6 +23,10 @@ from irsim_gym.envs.spaces import Observation
 class ArrayPPOLearner(PPOTorchLearner):  # type: ignore[misc]
     """PPO's learner, which takes fragments."""
 
+    def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
+        """Make Adam with the arguments that ``learner_config_dict`` has for it, as ``optimizer``."""
+        _make_adam(self, module_id)
+
     def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
         """Update the networks with fragments, after their advantages are known."""
         training_data.solve_refs()
@@ -30,11 +34,15 @@ class ArrayPPOLearner(PPOTorchLearner):  # type: ignore[misc]
             module = self.module[DEFAULT_MODULE_ID].unwrapped()
             batch = advantage_batch(module, training_data.episodes, self.config.gamma, self.config.lambda_)
             training_data = TrainingData(batch=batch)
-        return super().update(training_data, **kwargs)
+        return super().update(training_data=training_data, **kwargs)
 
 
 class ArrayAPPOLearner(APPOTorchLearner):  # type: ignore[misc]
     """APPO's learner, which takes fragments."""
+
+    def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
+        """Make Adam with the arguments that ``learner_config_dict`` has for it, as ``optimizer``."""
+        _make_adam(self, module_id)
 
     def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
         """Hand fragments to the thread that updates the networks."""
@@ -42,7 +50,15 @@ class ArrayAPPOLearner(APPOTorchLearner):  # type: ignore[misc]
         if training_data.episodes is not None:
             module = self.module[DEFAULT_MODULE_ID].unwrapped()
             training_data = TrainingData(batch=sequence_batch(module, training_data.episodes))
-        return super().update(training_data, **kwargs)
+        return super().update(training_data=training_data, **kwargs)
+
+
+def _make_adam(learner: Any, module_id: str) -> None:
+    params = learner.get_parameters(learner.module[module_id])
+    optimizer = torch.optim.Adam(params, **learner.config.learner_config_dict.get("optimizer", {}))
+    learner.register_optimizer(
+        module_id=module_id, optimizer=optimizer, params=params, lr_or_lr_schedule=learner.config.lr
+    )
 
 
 def advantage_batch(module: Any, fragments: Sequence[Fragment], gamma: float, lambda_: float) -> MultiAgentBatch:

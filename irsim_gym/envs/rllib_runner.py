@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,12 +19,15 @@ from ray.rllib.env.single_agent_env_runner import SingleAgentEnvRunner
 from ray.rllib.utils import metrics as names
 
 from irsim_gym.arraytypes import Flags, Floats
-from irsim_gym.envs.batch import Batch, make_batch
+from irsim_gym.envs.batch import Batch
 from irsim_gym.envs.fragments import Fragment, FragmentWriter, on_each
 from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.worlds import Worlds
 
 SUCCESS = "success"
 """Name of the share of episodes that succeeded, among the metrics of RLlib's runners."""
+CPU_SECONDS = "cpu_seconds"
+"""Name of the processor time that sampling took [s]."""
 WINDOW = 100
 """Fragments that the metrics of episodes are averaged over."""
 
@@ -67,19 +72,16 @@ class Rows:
 
 def make_rows(n_worlds: int, chosen: Mapping[str, Any]) -> Rows:
     """Make the worlds that ``env_config`` of a runner describes, see ``rllib.configure``."""
-    team = chosen.get("team")
-    task = chosen.get("task")
-    batch = make_batch(
+    worlds = Worlds(
         chosen["scenario"],
         n_worlds,
-        task=task,
+        task=chosen.get("task"),
         max_steps=chosen.get("max_steps"),
-        respawn=team == "respawn",
-        team_state=False,
+        team=chosen.get("team") is not None,
+        parameters=chosen.get("parameters"),
         strict=chosen.get("strict", True),
-        **chosen.get("parameters", {}),
     )
-    return Rows(batch)
+    return Rows(Batch(worlds, respawn=chosen.get("team") == "respawn"))
 
 
 class ArrayEnvRunner(SingleAgentEnvRunner):
@@ -99,6 +101,8 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
         """Make the worlds of ``env_config``."""
         if self.env is not None:
             self.env.close()
+        if self.worker_index:
+            torch.set_num_threads(1)  # the networks are small, and other workers use the other cores
         self.env = make_rows(self.config.num_envs_per_env_runner, self.config.env_config)
         self.num_envs = self.env.num_envs
         self._begun = False
@@ -132,13 +136,14 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
         length = self.config.get_rollout_fragment_length(self.worker_index or 0)
         n_steps = length if num_timesteps is None else -(-num_timesteps // self.env.n_rows)
         parts: list[Fragment] = []
-        ended = 0
+        ended, begun = 0, time.process_time()
         with self.metrics.log_time(names.SAMPLE_TIMER):
             while not parts or (num_episodes is not None and ended < num_episodes):
                 fragment, n_ended = self._sample_steps(n_steps, explore, random_actions)
                 parts.append(fragment)
                 ended += n_ended
         self._log_steps(sum(part.steps for part in parts), ended)
+        self.metrics.log_value(CPU_SECONDS, time.process_time() - begun, reduce="lifetime_sum")
         return parts
 
     def get_metrics(self) -> Any:
@@ -174,7 +179,7 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
                 ends.append(np.stack(figures).astype(np.float64))
             if t == n_steps - 1:
                 cut = acted & ~terminated
-            reward = step.reward.reshape(-1).astype(np.float32)
+            reward = (step.reward.reshape(-1) * self.config.env_config.get("reward_scale", 1.0)).astype(np.float32)
             writer.note(before, {**columns, "reward": reward, "terminated": terminated, "acted": acted})
             writer.note_cuts(np.flatnonzero(cut), env.of(step.final_observation))
             self._seen, self._live = env.of(step.observation), step.live.reshape(-1)
@@ -226,4 +231,8 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
 
 def _started_again() -> bool:
     """Return whether this process took the place of a worker that had died."""
-    return ray.is_initialized() and ray.get_runtime_context().was_current_actor_reconstructed
+    if not ray.is_initialized():
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the property itself calls one that Ray has deprecated
+        return bool(ray.get_runtime_context().was_current_actor_reconstructed)

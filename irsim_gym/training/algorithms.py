@@ -29,6 +29,7 @@ class Algorithm:
         actions: Which kinds of actions it takes: ``continuous``, ``discrete``.
         team_module: Module of the class that leaves out waiting robots, where the algorithm needs one of its own.
         policy_suffix: What its policies' names have before ``Policy``.
+        engine: The engine that alone has it; the class is then one with the same policies.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Algorithm:
     actions: frozenset[str]
     team_module: str = ""
     policy_suffix: str = ""
+    engine: str = ""
 
     def load(self, team: bool = False) -> type[BaseAlgorithm]:
         """Return the class.
@@ -96,6 +98,7 @@ def _listed() -> Iterator[Algorithm]:
     yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked)
     recurrent = "irsim_gym.envs.sb3_recurrent"
     yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, recurrent, "Lstm")
+    yield Algorithm("appo", "stable_baselines3", "PPO", _BOTH, masked, engine="rllib")
 
 
 ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({one.name: one for one in _listed()})

@@ -13,6 +13,8 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.engine_checks import check_engine
+from irsim_gym.training.engines import RLLIB, Engine
 from irsim_gym.training.folders import as_name, begun_folders, default_folder, free_folder, setting_differences
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
 from irsim_gym.training.policies import policy_names
@@ -40,6 +42,7 @@ class Asked:
         device: Where the networks are, in place of the file's.
         origin: A run's folder or a ``policy.zip`` to start from.
         curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
+        engine: How Ray RLlib runs it; None for Stable-Baselines3.
     """
 
     scenario: str
@@ -54,6 +57,7 @@ class Asked:
     device: str | None = None
     origin: str | None = None
     curriculum: str | None = None
+    engine: Engine | None = None
 
     @property
     def overrides(self) -> dict[str, Any]:
@@ -88,13 +92,18 @@ class Asked:
         }
         found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
-        return Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
+        settings = Settings(
+            named, algorithm, self.seed, task, found, loaded.parameters, self.strict, engine=self.engine
+        )
+        check_engine(settings)
+        return settings
 
     def folder(self, settings: Settings) -> Path:
         """Return the default folder of a run, named after its unusual settings."""
         task = self._task_name()
         marks = [] if task is None else [task]
         marks += [] if self.curriculum is None else [self.curriculum]
+        marks += [] if self.engine is None else [RLLIB]
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
@@ -134,6 +143,7 @@ class Asked:
             settings,
             origin=begun.origin if self.origin is None else settings.origin,
             algorithm=begun.algorithm if self.algorithm is None else settings.algorithm,
+            engine=begun.engine if self.engine is None or begun.engine is None else self.engine.or_of(begun.engine),
             hyperparameters=self._hyperparameters_of(begun, settings),
         )
         other = setting_differences(begun, wanted)

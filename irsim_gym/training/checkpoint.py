@@ -12,6 +12,7 @@ import json
 import pickle
 import random
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,18 @@ def save_checkpoint(
     folder: Path, model: BaseAlgorithm, progress: RunProgress, levels: LearnableLevels | None = None
 ) -> Path:
     """Write a checkpoint below ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
+    return write_checkpoint(folder, model, progress, {**_state(model), "levels": levels})
+
+
+def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> Path:
+    """Write a checkpoint below ``folder`` and return its own folder.
+
+    Args:
+        folder: The run's folder of checkpoints.
+        model: Whose policy, normalisation and replay buffer are written.
+        progress: How far the run is.
+        state: What else it takes to go on.
+    """
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
     shutil.rmtree(partial, ignore_errors=True)
@@ -62,7 +75,7 @@ def save_checkpoint(
         normalization.save(str(partial / NORMALIZATION))
     if isinstance(model, OffPolicyAlgorithm):
         model.save_replay_buffer(partial / REPLAY_BUFFER)
-    (partial / STATE).write_bytes(pickle.dumps({**_state(model), "levels": levels}))
+    (partial / STATE).write_bytes(pickle.dumps(dict(state)))
     (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))))
     shutil.rmtree(target, ignore_errors=True)
     partial.rename(target)

@@ -120,7 +120,7 @@ class SavedPolicy:
             ("observations", model.observation_space, observed),
             ("actions", model.action_space, acted),
         ):
-            if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
+            if form_of(learnt) not in (form_of(here), form_of(channels_first(here))):
                 raise UnfitPolicyError(
                     f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
                     f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
@@ -148,10 +148,10 @@ def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:
     return padded
 
 
-def _channels_first(space: Space[Any]) -> Space[Any]:
+def channels_first(space: Space[Any]) -> Space[Any]:
     """Return a space as Stable-Baselines3 shows it to networks for pictures: channels, height, width."""
     if isinstance(space, Dict):
-        return Dict({name: _channels_first(part) for name, part in space.spaces.items()})
+        return Dict({name: channels_first(part) for name, part in space.spaces.items()})
     is_picture = is_image_space(space) and not is_image_space_channels_first(space)  # type: ignore[arg-type]
     return VecTransposeImage.transpose_space(space) if is_picture else space  # type: ignore[arg-type]
 

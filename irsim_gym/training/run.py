@@ -17,6 +17,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
+from irsim_gym.training.engines import Engine
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.snapshot import Snapshot, read_snapshot, take_snapshot
 
@@ -40,6 +41,7 @@ class Settings:
         parameters: Values of the scenario's parameters by name.
         strict: Unused keys of the scenario are errors.
         origin: The policy that it went on from: ``policy``, its file, and ``sha256`` of that; None for fresh weights.
+        engine: How Ray RLlib runs it; None for Stable-Baselines3.
     """
 
     scenario: str
@@ -50,6 +52,7 @@ class Settings:
     parameters: Mapping[str, object] = field(default_factory=dict)
     strict: bool = True
     origin: Mapping[str, str] | None = None
+    engine: Engine | None = None
 
     def snapshot(self) -> Snapshot:
         """Return the scenario and its task as they are now."""
@@ -71,6 +74,7 @@ class Settings:
             "hyperparameters": self.hyperparameters.to_plain(),
             **({} if self.strict else {"strict": False}),
             **({} if self.origin is None else {"from": dict(self.origin)}),
+            **({} if self.engine is None else {"engine": self.engine.to_plain()}),
         }
 
     @classmethod
@@ -79,7 +83,8 @@ class Settings:
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
-        return cls(**values, hyperparameters=wanted, origin=data.get("from"), **others)
+        engine = Engine.from_plain(data.get("engine"))
+        return cls(**values, hyperparameters=wanted, origin=data.get("from"), engine=engine, **others)
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,12 @@ from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.asked import Asked
 from irsim_gym.training.checkpoint import forget_state, list_checkpoints
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
 from irsim_gym.training.snapshot import listed
-from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
+from irsim_gym.training.train import train
 from irsim_gym.training.trial_settings import check_space, write_settings
 from irsim_gym.training.tuning_results import (
     BEST,
