@@ -34,6 +34,7 @@ from irsim_gym.cli_options import (
     WorldsPerWorker,
 )
 from irsim_gym.cli_tools import read_parameters
+from irsim_gym.extras import require
 
 
 def train(
@@ -120,6 +121,7 @@ def tune(
 
     Each trial is a training run with one seed. Trials whose success on dev levels stays below the median are pruned.
     """
+    require("tune", "irsim-gym tune")
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.tuning import run_tuning
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from irsim_gym.extras import require
+
+require("rllib", "irsim_gym.rllib")
+
 from collections.abc import Mapping
 from functools import partial
 from typing import Any, TypeVar

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.extras import require
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
@@ -47,17 +48,13 @@ class Algorithm:
             team: The one for teams, where robots wait for others.
 
         Raises:
-            IrsimGymError: sb3-contrib is not installed.
+            MissingExtraError: It is not installed.
         """
         module, name = self.module, self.class_name
         if team and self.team_module:
             module, name = self.team_module, f"Masked{name}"
-        try:
-            found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
-        except ModuleNotFoundError as error:
-            if error.name != "sb3_contrib":
-                raise
-            raise IrsimGymError(f"{self.name} needs sb3-contrib: pip install irsim_gym[contrib]") from error
+        require("contrib" if self.module == "sb3_contrib" else "train", f"the algorithm {self.name}")
+        found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
         return found
 
     def check_action(self, action: Any, named: str) -> None:

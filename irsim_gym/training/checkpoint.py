@@ -13,7 +13,6 @@ import pickle
 import random
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,29 +23,20 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
 from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
+from irsim_gym.training.checkpoint_files import (
+    NORMALIZATION,
+    PARTIAL,
+    POLICY,
+    PROGRESS,
+    REPLAY_BUFFER,
+    STATE,
+    RunProgress,
+    forget_state,
+    list_checkpoints,
+)
 from irsim_gym.training.environment import worlds_state
 
-POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
-STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
-PARTIAL = ".partial"
 EPISODES_UNDER_WAY = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
-
-
-@dataclass
-class RunProgress:
-    """How far a run has come.
-
-    Attributes:
-        steps: Steps taken, over all worlds.
-        training_seconds: Wall-clock time of training alone [s]: no imports, compilation, checkpoints or scores.
-        cpu_seconds: Processor time of the same [s].
-        history: Rows of the training log.
-    """
-
-    steps: int = 0
-    training_seconds: float = 0.0
-    cpu_seconds: float = 0.0
-    history: list[dict[str, float]] = field(default_factory=list)
 
 
 def save_checkpoint(
@@ -85,12 +75,6 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     return target
 
 
-def forget_state(checkpoint: Path) -> None:
-    """Remove what resuming needs; the policy and its progress stay."""
-    for name in (STATE, REPLAY_BUFFER):
-        (checkpoint / name).unlink(missing_ok=True)
-
-
 def export_policy(path: Path, model: BaseAlgorithm) -> None:
     """Write what is needed to drive, a third of a checkpoint's size; the optimisers of ``model`` are emptied."""
     parts = [model, model.policy, *(getattr(model, name, None) for name in ("actor", "critic"))]
@@ -102,22 +86,6 @@ def export_policy(path: Path, model: BaseAlgorithm) -> None:
     content = io.BytesIO()
     model.save(content, exclude=EPISODES_UNDER_WAY)
     write_bytes(path, content.getvalue())
-
-
-def list_checkpoints(folder: Path) -> list[Path]:
-    """Return the whole checkpoints below ``folder``, oldest first."""
-    return sorted(path for path in folder.glob("[0-9]*") if (path / POLICY).is_file())
-
-
-def newest_checkpoint(folder: Path) -> Path | None:
-    """Return the newest checkpoint that can be resumed; None when there is none."""
-    whole = [path for path in list_checkpoints(folder) if (path / STATE).is_file()]
-    return whole[-1] if whole else None
-
-
-def load_progress(checkpoint: Path) -> RunProgress:
-    """Read how far a checkpoint is."""
-    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text()))
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:

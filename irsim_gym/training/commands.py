@@ -12,6 +12,7 @@ from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
+from irsim_gym.extras import require
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
@@ -25,7 +26,6 @@ from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, tell_changes
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, reached, score_run
-from irsim_gym.training.train import train
 from irsim_gym.training.verdict import look_command, verdict
 
 Parameters = Mapping[str, object] | None
@@ -51,6 +51,9 @@ def run_training(
         dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.
         address: A Ray cluster, for a run with RLlib; None for this machine.
     """
+    require("train" if asked.engine is None else "rllib", "irsim-gym train")
+    from irsim_gym.training.train import train
+
     if resume and overwrite:
         raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
     console = Console(stderr=True)

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from stable_baselines3.common.callbacks import BaseCallback
 
-from irsim_gym.training import checkpoint
+from irsim_gym.training.checkpoint_files import RunProgress
 
 LOG_ROWS = 200
 
@@ -80,7 +80,7 @@ class TrainingBar:
         console: Where the bar goes; where that is no terminal there is none.
     """
 
-    def __init__(self, progress: checkpoint.RunProgress, total: int, console: Console) -> None:
+    def __init__(self, progress: RunProgress, total: int, console: Console) -> None:
         self._total, self._console = total, console
         self._begun = (progress.steps, progress.training_seconds)
         self._bar = Progress(
@@ -103,7 +103,7 @@ class TrainingBar:
         """Take the bar down; safe to call twice."""
         self._bar.stop()
 
-    def show(self, progress: checkpoint.RunProgress, success: float | None) -> None:
+    def show(self, progress: RunProgress, success: float | None) -> None:
         """Bring the bar up to date.
 
         Args:
@@ -120,7 +120,7 @@ class TrainingBar:
             success="-" if success is None else f"{success:.0%}",
         )
 
-    def tell(self, progress: checkpoint.RunProgress, success: float | None) -> None:
+    def tell(self, progress: RunProgress, success: float | None) -> None:
         """Write a line into a log that shows no bar: how far the run is, and how well recent episodes went."""
         if self._console.is_terminal:
             return
@@ -143,7 +143,7 @@ class TrainingMonitor(BaseCallback):
 
     def __init__(
         self,
-        progress: checkpoint.RunProgress,
+        progress: RunProgress,
         total: int,
         checkpoint_every: int,
         save: Callable[[], object],

@@ -15,9 +15,8 @@ from ray.rllib.core.learner.utils import make_target_network
 from ray.rllib.core.rl_module.apis import TARGET_NETWORK_ACTION_DIST_INPUTS, TargetNetworkAPI, ValueFunctionAPI
 from ray.rllib.core.rl_module.torch import TorchRLModule
 from stable_baselines3.common.policies import ActorCriticPolicy
-from stable_baselines3.common.preprocessing import is_image_space, is_image_space_channels_first
 
-from irsim_gym.training.policies import channels_first
+from irsim_gym.training.policies import channels_first, is_picture
 
 PREFIX = "policy."
 """What the names of a policy's weights have before them in the state of the module."""
@@ -86,5 +85,4 @@ def policy_state(policy: ActorCriticPolicy) -> dict[str, NDArray[Any]]:
 
 
 def _first(seen: torch.Tensor, space: Space[Any]) -> torch.Tensor:
-    is_picture = is_image_space(space) and not is_image_space_channels_first(space)  # type: ignore[arg-type]
-    return seen.permute(0, 3, 1, 2) if is_picture else seen
+    return seen.permute(0, 3, 1, 2) if is_picture(space) else seen

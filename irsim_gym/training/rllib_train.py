@@ -18,6 +18,7 @@ from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.rllib import CPU_SECONDS, SUCCESS
 from irsim_gym.training import checkpoint as files
+from irsim_gym.training.checkpoint_files import PARTIAL, RunProgress
 from irsim_gym.training.engines import Engine
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.monitoring import LOG_ROWS, Clock, StopRequest, TrainingBar
@@ -36,7 +37,7 @@ def learn(
     run: Run,
     settings: Settings,
     model: BaseAlgorithm,
-    progress: files.RunProgress,
+    progress: RunProgress,
     newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], None] | None,
@@ -60,7 +61,7 @@ def learn(
     """
     assert settings.engine is not None
     engine = settings.engine.chosen(settings.hyperparameters.n_envs)
-    for partial in run.checkpoints.glob(f"{files.PARTIAL}*"):
+    for partial in run.checkpoints.glob(f"{PARTIAL}*"):
         shutil.rmtree(partial)
     with ray_session(address, 1 + (engine.workers or 0) + (engine.learner_gpus or 0)):
         algorithm = _algorithm(settings, engine, model, progress, newest)
@@ -73,7 +74,7 @@ def learn(
 
 
 def _algorithm(
-    settings: Settings, engine: Engine, model: BaseAlgorithm, progress: files.RunProgress, newest: Path | None
+    settings: Settings, engine: Engine, model: BaseAlgorithm, progress: RunProgress, newest: Path | None
 ) -> Algorithm:
     """Return RLlib's algorithm, as a checkpoint left it if there is one."""
     config = make_config(settings, engine, model, progress.steps)
@@ -101,7 +102,7 @@ class Learning:
     settings: Settings
     algorithm: Algorithm
     model: BaseAlgorithm
-    progress: files.RunProgress
+    progress: RunProgress
     console: Console
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ import platform
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -210,14 +210,22 @@ def lasting(source: str) -> str:
 
 def machine() -> dict[str, Any]:
     """Return what a figure depends on beside the settings: the machine and the versions."""
-    names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
+    names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch", "ray")
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "system": platform.platform(),
         "python": platform.python_version(),
-        "versions": {"irsim_gym": __version__, **{name: version(name) for name in names}},
+        "versions": {"irsim_gym": __version__, **{name: found for name in names if (found := _installed(name))}},
     }
+
+
+def _installed(name: str) -> str:
+    """Return the version of a package, nothing where it is not installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
 
 
 def _processor() -> str:

@@ -15,7 +15,8 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.checkpoint import list_checkpoints, load_progress, load_state, newest_checkpoint
+from irsim_gym.training.checkpoint import load_state
+from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress, newest_checkpoint
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import algorithm_class

@@ -70,7 +70,9 @@ def test_without_optuna_the_command_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "optuna", None)
     assert command(monkeypatch, *WORDS) == 1
-    assert capsys.readouterr().err == "tune needs Optuna: pip install irsim_gym[tune]\n"
+    assert capsys.readouterr().err == (
+        "irsim-gym tune needs the extra 'tune' (optuna not found): pip install \"irsim_gym[tune]\"\n"
+    )
     assert not Path("runs").exists()
 
 
