@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 
@@ -15,6 +16,7 @@ QUIET = {
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # workers without a card leave CUDA_VISIBLE_DEVICES alone
     "RAY_BACKEND_LOG_LEVEL": "fatal",
 }
+SILENT: dict[str, Any] = {"logging_level": logging.ERROR, "log_to_driver": False}
 LOOPBACK = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
 """Where this is 0 before Ray is imported, its servers listen on 127.0.0.1, as they do on Windows and macOS."""
 
@@ -40,9 +42,9 @@ def ray_session(address: str | None, processes: int) -> Iterator[None]:
         return
     try:
         if address is None:
-            ray.init(num_cpus=processes, include_dashboard=False, logging_level=logging.ERROR, log_to_driver=False)
+            ray.init("local", num_cpus=processes, include_dashboard=False, **SILENT)  # not to one that happens to run
         else:
-            ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False)
+            ray.init(address, **SILENT)
     except ConnectionError as error:
         raise IrsimGymError(f"no Ray cluster at {address}: {error}") from error
     try:

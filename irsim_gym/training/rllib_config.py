@@ -18,6 +18,8 @@ from irsim_gym.training.rllib_module import PolicyModule, policy_state
 from irsim_gym.training.run import SEED_STRIDE, Settings
 
 Config = PPOConfig | APPOConfig
+SLOWEST_S = 300.0
+"""A fragment for which a worker needs longer than this [s] is given up."""
 RESTARTS = 1_000_000
 """How often a worker may be started again: always."""
 
@@ -88,6 +90,7 @@ def _place(config: Config, engine: Engine, learning: Mapping[str, Any]) -> None:
         num_gpus_per_learner=1 if cards else 0,
         learner_config_dict=dict(learning),
     )
+    config.env_runners(sample_timeout_s=SLOWEST_S)
     config.fault_tolerance(
         restart_failed_env_runners=True,
         max_num_env_runner_restarts=RESTARTS,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from irsim_gym.training.rllib_config import make_config
 from irsim_gym.training.rllib_module import module_state
 from irsim_gym.training.run import Run, Settings
 
-STALLED_S = 600.0
+STALLED_S = 900.0
 """A training in which no worker has answered for so long [s] is given up."""
 SAMPLED = "env_runners"
 """What RLlib calls the figures of its workers."""
@@ -71,6 +72,8 @@ def learn(
                 learning.go_on(stop, on_checkpoint)
         finally:
             algorithm.stop()
+            with suppress(OSError):
+                Path(algorithm.logdir).rmdir()  # an empty folder that RLlib makes in the user's home
 
 
 def _algorithm(
@@ -78,7 +81,10 @@ def _algorithm(
 ) -> Algorithm:
     """Return RLlib's algorithm, as a checkpoint left it if there is one."""
     config = make_config(settings, engine, model, progress.steps)
-    algorithm = config.build_algo()
+    try:
+        algorithm = config.build_algo()
+    except IndexError as error:  # RLlib asks the first worker for its spaces
+        raise IrsimGymError("no worker of RLlib could start; Ray's logs (/tmp/ray) say why") from error
     if newest is not None:
         algorithm.learner_group.set_state(files.load_state(newest)["learner"])
         algorithm.env_runner_group.sync_weights(from_worker_or_learner_group=algorithm.learner_group)
