@@ -29,7 +29,7 @@ help:
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
-	@echo "make test-libraries  TorchRL, skrl, SuperSuit and AgileRL with our environments, in build/libraries"
+	@echo "make test-libraries  TorchRL, skrl, SuperSuit, AgileRL and Ray RLlib with our environments, in build/libraries"
 	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
 	@echo "make bench       the benchmarks (ARGS=... is passed on)"
 	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
@@ -69,9 +69,10 @@ test-gui: $(GUI_READY)
 test-versions: $(VERSIONS_READY)
 	PIP_ARGS="$(PIP_ARGS)" $(BIN)/python tests/versions/run.py $(ARGS)
 
-test-libraries: $(LIBRARIES)/torchrl/.ready $(LIBRARIES)/agilerl/.ready
+test-libraries: $(LIBRARIES)/torchrl/.ready $(LIBRARIES)/agilerl/.ready $(LIBRARIES)/rllib/.ready
 	$(LIBRARIES)/torchrl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
 	$(LIBRARIES)/agilerl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
+	$(LIBRARIES)/rllib/bin/python -m pytest -m libraries tests/libraries $(ARGS)
 
 mutate: $(MUTATE_READY)
 	$(BIN)/python tests/mutation/run.py $(ARGS)
@@ -94,7 +95,7 @@ endef
 # An interrupted set-up leaves no stamp, and the next run takes it up again.
 $(INSTALLED): pyproject.toml constraints.txt
 	$(MAKE_VENV)
-	$(INSTALL) -e .
+	$(INSTALL) -e ".[train]"
 	@touch $@
 
 $(TESTS_READY): pyproject.toml constraints.txt
@@ -113,11 +114,12 @@ $(VERSIONS_READY): $(TESTS_READY)
 # They want conflicting versions of tensordict; AgileRL's trainers import peft, which its package does not ask for.
 REQUIRED_torchrl := torchrl==0.14.1 skrl==2.1.1 supersuit==3.11.0
 REQUIRED_agilerl := agilerl==2.58.0 peft==0.21.0
+EXTRA_rllib := rllib
 
 $(LIBRARIES)/%/.ready: pyproject.toml constraints.txt Makefile
 	$(PYTHON) -m venv --clear $(@D)
 	$(@D)/bin/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS) \
-		-e . pytest hypothesis $(REQUIRED_$*)
+		-e ".[$(or $(EXTRA_$*),train)]" pytest hypothesis $(REQUIRED_$*)
 	@touch $@
 
 $(MUTATE_READY): $(TESTS_READY)

@@ -32,6 +32,7 @@ from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
 from irsim_gym.cli_train import train, tune
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.extras import require
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -215,6 +216,7 @@ def demo(
     seed: Seed = 0,
 ) -> None:
     """Train PPO on cluttered_room, evaluate and film it. After Ctrl-C, the same command resumes."""
+    require("train", "irsim-gym demo")
     from irsim_gym.training.demo import run_demo
 
     run_demo(out, scenario=scenario, steps=steps, levels=levels, seed=seed)

@@ -65,7 +65,11 @@ Imports = Annotated[
 ]
 
 Algorithm = Annotated[
-    str | None, typer.Option(help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo (default: ppo, or that of --from).")
+    str | None,
+    typer.Option(
+        help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, or that of "
+        "--from)."
+    ),
 ]
 RunFolder = Annotated[
     Path | None,
@@ -98,4 +102,24 @@ TeamMode = Annotated[
 Curriculum = Annotated[
     str | None,
     typer.Option(help="Play levels again that the policy solves sometimes (learnability); see docs/levels.md."),
+]
+
+EngineName = Annotated[
+    str | None,
+    typer.Option("--engine", help="sb3 (Stable-Baselines3, the default) or rllib (Ray, in several processes)."),
+]
+Workers = Annotated[
+    int | None, typer.Option(min=0, max=10_000, help="With --engine rllib: processes that sample (default: 2).")
+]
+WorldsPerWorker = Annotated[
+    int | None,
+    typer.Option(min=1, max=10**6, help="With --engine rllib: worlds of each worker (default: n_envs over all)."),
+]
+LearnerGpus = Annotated[
+    int | None,
+    typer.Option(min=0, max=1000, help="With --engine rllib: graphics cards with a learner each (default: 0)."),
+]
+Address = Annotated[
+    str | None,
+    typer.Option(help="A Ray cluster, e.g. ray://head:10001 or auto; without it Ray runs here, on the loopback alone."),
 ]

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from irsim_gym.cli_options import Imports, Levels
+from irsim_gym.extras import require
 
 policies = typer.Typer(help="The shelf of shipped policies: list it, show cards, add policies.", no_args_is_help=True)
 
@@ -51,6 +52,7 @@ def export_policy(
     modules: Imports = None,
 ) -> None:
     """Write a trained policy as a small file of numbers, with a card. It loads without PyTorch, and runs no code."""
+    require("train", "irsim-gym policies export")
     from irsim_gym.training.exporting import export
 
     chosen = {"results": results or (), "levels": levels, "weaknesses": weakness or (), "overwrite": overwrite}

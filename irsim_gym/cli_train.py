@@ -8,14 +8,17 @@ from typing import Annotated, Any
 import typer
 
 from irsim_gym.cli_options import (
+    Address,
     Algorithm,
     BeginAnew,
     Curriculum,
     Device,
     DevLevels,
+    EngineName,
     Given,
     Hyperparameters,
     Imports,
+    LearnerGpus,
     Lenient,
     Mixture,
     Origin,
@@ -29,9 +32,12 @@ from irsim_gym.cli_options import (
     Task,
     TeamMode,
     TestLevels,
+    Workers,
+    WorldsPerWorker,
 )
 from irsim_gym.cli_tools import read_parameters
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.extras import require
 
 
 def train(
@@ -55,11 +61,17 @@ def train(
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
+    engine: EngineName = None,
+    workers: Workers = None,
+    worlds_per_worker: WorldsPerWorker = None,
+    learner_gpus: LearnerGpus = None,
+    address: Address = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.mixture import read_part
+    from irsim_gym.training.engines import engine_of
 
     if len(scenario) > 1 and not mixture:
         raise IrsimGymError(f"train takes one scenario, got {', '.join(scenario)}: --mixture trains one policy in all")
@@ -77,8 +89,9 @@ def train(
         origin,
         curriculum,
         tuple(scenario) if mixture else (),
+        engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
     )
-    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
         run_training(asked, out, **how)
         return
@@ -118,6 +131,7 @@ def tune(
 
     Each trial is a training run with one seed. Trials whose success on dev levels stays below the median are pruned.
     """
+    require("tune", "irsim-gym tune")
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.tuning import run_tuning
 

@@ -92,6 +92,10 @@ def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
     return "\n".join([head, *rows])
 
 
+class MissingExtraError(IrsimGymError, ModuleNotFoundError):
+    """Something needs packages that an extra of the package installs."""
+
+
 class UnknownNameError(IrsimGymError, KeyError):
     """A name that is not registered; the message offers the nearest known one."""
 

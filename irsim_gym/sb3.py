@@ -1,5 +1,9 @@
 """Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, and a curriculum."""
 
+from irsim_gym.extras import require
+
+require("train", "irsim_gym.sb3")
+
 from irsim_gym.envs.sb3 import WorldVecEnv, make_vec_env
 from irsim_gym.envs.sb3_asymmetric import AsymmetricPolicy
 from irsim_gym.envs.sb3_buffers import (

@@ -9,8 +9,8 @@ from typing import Any
 from irsim_gym.arenas.contest import Arena, arena
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.training.folders import evaluation_folder
+from irsim_gym.training.interruption import ctrl_c_told
 from irsim_gym.training.remembered import remembered_parameters, tell_changes
-from irsim_gym.training.train import ctrl_c_told
 
 
 def run_arena(

@@ -13,6 +13,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.controls.keys import HeldKeys, KeySource, Stroke
 from irsim_gym.controls.keys_window import WindowKeys
 from irsim_gym.errors import NoKeyboardWarning
+from irsim_gym.extras import pip_command
 
 if TYPE_CHECKING:
     from irsim_gym.render.window import Window
@@ -138,7 +139,7 @@ def _source(options: Any, window: Window) -> KeySource:
             reason = (str(error) or repr(error)).splitlines()[0]
             warnings.warn(
                 f"keys count only while the window has the focus: pynput does not work here ({reason}); "
-                "`pip install irsim_gym[play]` installs it",
+                f"`{pip_command('play')}` installs it",
                 NoKeyboardWarning,
                 stacklevel=5,
             )

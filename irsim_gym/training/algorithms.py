@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.extras import require
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
@@ -30,6 +31,7 @@ class Algorithm:
         team_module: Module of the class that leaves out waiting robots, where the algorithm needs one of its own.
         policy_suffix: What its policies' names have before ``Policy``.
         has_critic: Its critic may observe more than its actor.
+        engine: The engine that alone has it; the class is then one with the same policies.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Algorithm:
     team_module: str = ""
     policy_suffix: str = ""
     has_critic: bool = False
+    engine: str = ""
 
     def load(self, team: bool = False) -> type[BaseAlgorithm]:
         """Return the class.
@@ -47,17 +50,13 @@ class Algorithm:
             team: The one for teams, where robots wait for others.
 
         Raises:
-            IrsimGymError: sb3-contrib is not installed.
+            MissingExtraError: It is not installed.
         """
         module, name = self.module, self.class_name
         if team and self.team_module:
             module, name = self.team_module, f"Masked{name}"
-        try:
-            found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
-        except ModuleNotFoundError as error:
-            if error.name != "sb3_contrib":
-                raise
-            raise IrsimGymError(f"{self.name} needs sb3-contrib: pip install irsim_gym[contrib]") from error
+        require("contrib" if self.module == "sb3_contrib" else "train", f"the algorithm {self.name}")
+        found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
         return found
 
     def check_critic(self, critic_observations: Collection[Any]) -> None:
@@ -111,6 +110,7 @@ def _listed() -> Iterator[Algorithm]:
     yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked, has_critic=True)
     recurrent = "irsim_gym.envs.sb3_recurrent"
     yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, recurrent, "Lstm")
+    yield Algorithm("appo", "stable_baselines3", "PPO", _BOTH, masked, engine="rllib")
 
 
 ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({one.name: one for one in _listed()})

@@ -13,6 +13,8 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.engine_checks import check_engine
+from irsim_gym.training.engines import RLLIB, Engine
 from irsim_gym.training.folders import as_name, begun_folders, default_folder, free_folder, setting_differences
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
 from irsim_gym.training.mixture import MixturePart, read_part
@@ -42,6 +44,7 @@ class Asked:
         origin: A run's folder or a ``policy.zip`` to start from.
         curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
         mixture: All scenarios that are learnt together, as ``read_part`` takes them; ``scenario`` is the first one's.
+        engine: How Ray RLlib runs it; None for Stable-Baselines3.
     """
 
     scenario: str
@@ -57,6 +60,7 @@ class Asked:
     origin: str | None = None
     curriculum: str | None = None
     mixture: tuple[str, ...] = ()
+    engine: Engine | None = None
 
     @property
     def overrides(self) -> dict[str, Any]:
@@ -88,6 +92,8 @@ class Asked:
             replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._of_one(algorithm)
             for part in parts
         ]
+        if self.engine is not None:
+            raise IrsimGymError("--engine rllib trains in one scenario, not in a mixture: leave out one of them")
         if found[0].hyperparameters.curriculum is not None:
             raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
         pairs = zip(parts, found, strict=True)
@@ -101,6 +107,8 @@ class Asked:
         learned = load_task(loaded, self.task, team=True)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
         chosen.check_critic(learned.critic_observations)
+        if self.engine is not None and learned.critic_observations:
+            raise IrsimGymError("--engine rllib has no critic_observations: take a task without them, or leave it out")
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
             "task": self._task_name(),
@@ -109,13 +117,18 @@ class Asked:
         }
         found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
-        return Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
+        settings = Settings(
+            named, algorithm, self.seed, task, found, loaded.parameters, self.strict, engine=self.engine
+        )
+        check_engine(settings)
+        return settings
 
     def folder(self, settings: Settings) -> Path:
         """Return the default folder of a run, named after its unusual settings."""
         task = self._task_name()
         marks = [] if task is None else [task]
         marks += [] if self.curriculum is None else [self.curriculum]
+        marks += [] if self.engine is None else [RLLIB]
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
@@ -159,6 +172,7 @@ class Asked:
             settings,
             origin=begun.origin if self.origin is None else settings.origin,
             algorithm=begun.algorithm if self.algorithm is None else settings.algorithm,
+            engine=begun.engine if self.engine is None or begun.engine is None else self.engine.or_of(begun.engine),
             hyperparameters=self._hyperparameters_of(begun, settings),
         )
         other = setting_differences(begun, wanted)

@@ -12,7 +12,7 @@ import json
 import pickle
 import random
 import shutil
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,35 +23,38 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
 from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
+from irsim_gym.training.checkpoint_files import (
+    NORMALIZATION,
+    PARTIAL,
+    POLICY,
+    PROGRESS,
+    REPLAY_BUFFER,
+    STATE,
+    RunProgress,
+    forget_state,
+    list_checkpoints,
+)
 from irsim_gym.training.environment import worlds_state
 
-POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
-STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
-PARTIAL = ".partial"
 EPISODES_UNDER_WAY = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
-
-
-@dataclass
-class RunProgress:
-    """How far a run has come.
-
-    Attributes:
-        steps: Steps taken, over all worlds.
-        training_seconds: Wall-clock time of training alone [s]: no imports, compilation, checkpoints or scores.
-        cpu_seconds: Processor time of the same [s].
-        history: Rows of the training log.
-    """
-
-    steps: int = 0
-    training_seconds: float = 0.0
-    cpu_seconds: float = 0.0
-    history: list[dict[str, float]] = field(default_factory=list)
 
 
 def save_checkpoint(
     folder: Path, model: BaseAlgorithm, progress: RunProgress, levels: LearnableLevels | None = None
 ) -> Path:
     """Write a checkpoint below ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
+    return write_checkpoint(folder, model, progress, {**_state(model), "levels": levels})
+
+
+def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> Path:
+    """Write a checkpoint below ``folder`` and return its own folder.
+
+    Args:
+        folder: The run's folder of checkpoints.
+        model: Whose policy, normalisation and replay buffer are written.
+        progress: How far the run is.
+        state: What else it takes to go on.
+    """
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
     shutil.rmtree(partial, ignore_errors=True)
@@ -62,7 +65,7 @@ def save_checkpoint(
         normalization.save(str(partial / NORMALIZATION))
     if isinstance(model, OffPolicyAlgorithm):
         model.save_replay_buffer(partial / REPLAY_BUFFER)
-    (partial / STATE).write_bytes(pickle.dumps({**_state(model), "levels": levels}))
+    (partial / STATE).write_bytes(pickle.dumps(dict(state)))
     (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))))
     shutil.rmtree(target, ignore_errors=True)
     partial.rename(target)
@@ -70,12 +73,6 @@ def save_checkpoint(
         if older != target:
             forget_state(older)
     return target
-
-
-def forget_state(checkpoint: Path) -> None:
-    """Remove what resuming needs; the policy and its progress stay."""
-    for name in (STATE, REPLAY_BUFFER):
-        (checkpoint / name).unlink(missing_ok=True)
 
 
 def export_policy(path: Path, model: BaseAlgorithm) -> None:
@@ -89,22 +86,6 @@ def export_policy(path: Path, model: BaseAlgorithm) -> None:
     content = io.BytesIO()
     model.save(content, exclude=EPISODES_UNDER_WAY)
     write_bytes(path, content.getvalue())
-
-
-def list_checkpoints(folder: Path) -> list[Path]:
-    """Return the whole checkpoints below ``folder``, oldest first."""
-    return sorted(path for path in folder.glob("[0-9]*") if (path / POLICY).is_file())
-
-
-def newest_checkpoint(folder: Path) -> Path | None:
-    """Return the newest checkpoint that can be resumed; None when there is none."""
-    whole = [path for path in list_checkpoints(folder) if (path / STATE).is_file()]
-    return whole[-1] if whole else None
-
-
-def load_progress(checkpoint: Path) -> RunProgress:
-    """Read how far a checkpoint is."""
-    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text()))
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
+from irsim_gym.extras import require
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
@@ -19,12 +20,12 @@ from irsim_gym.training.asked import Asked
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.folders import evaluation_folder, has_results
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, tell_changes
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, called, point_in, reached, score_run
-from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 from irsim_gym.training.verdict import look_command, verdict
 
 Parameters = Mapping[str, object] | None
@@ -32,7 +33,13 @@ PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
 def run_training(
-    asked: Asked, out: Path | None = None, *, resume: bool = False, overwrite: bool = False, dev_levels: int = 1000
+    asked: Asked,
+    out: Path | None = None,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    dev_levels: int = 1000,
+    address: str | None = None,
 ) -> Run:
     """Train, score the checkpoints and say what came out.
 
@@ -42,7 +49,11 @@ def run_training(
         resume: Go on with the run in the folder.
         overwrite: Replace the run in the folder.
         dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.
+        address: A Ray cluster, for a run with RLlib; None for this machine.
     """
+    require("train" if asked.engine is None else "rllib", "irsim-gym train")
+    from irsim_gym.training.train import train
+
     if resume and overwrite:
         raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
     console = Console(stderr=True)
@@ -61,6 +72,7 @@ def run_training(
     for note in _notes(settings):
         console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
+    how["address"] = address
     try:
         with ctrl_c_told("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)

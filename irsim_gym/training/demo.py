@@ -9,12 +9,13 @@ from rich.console import Console
 
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.training.asked import Asked
-from irsim_gym.training.checkpoint import NORMALIZATION
+from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.evaluate import evaluate_policies
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import reached, score_run
-from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
+from irsim_gym.training.train import train
 
 FILMED = (0, 1, 2, 3)
 FILES = {

@@ -6,26 +6,30 @@ import importlib.util
 import os
 import platform
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, packages_distributions, version
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from irsim_gym import __version__
+from irsim_gym.extras import EXTRAS, missing, pip_command
 
 PACKAGES = (
-    *("numpy", "numba", "llvmlite", "gymnasium", "pettingzoo", "stable-baselines3", "torch", "pydantic"),
+    *("numpy", "numba", "llvmlite", "gymnasium", "pettingzoo", "pydantic"),
     *("shapely", "matplotlib", "Pillow", "imageio", "moviepy"),
 )
 """Packages whose versions a report of a problem should name."""
 OPTIONAL = {
-    "sb3_contrib": ("train --algorithm tqc, recurrent_ppo", "pip install irsim_gym[contrib]"),
-    "optuna": ("tune", "pip install irsim_gym[tune]"),
-    "pynput": ("play: keys without the delay of a window", "pip install irsim_gym[play]"),
+    "train": "train, demo, policies export; evaluate and record with a policy.zip",
+    "contrib": "train --algorithm tqc, recurrent_ppo",
+    "tune": "tune",
+    "rllib": "train --engine rllib, sweep",
+    "play": "play: keys without the delay of a window",
 }
-"""What some commands need beyond the package's own dependencies: module, commands, how to get it."""
+"""Commands that need an extra."""
 
 
 @dataclass(frozen=True)
@@ -125,9 +129,15 @@ def _display() -> Finding:
 
 def _optional() -> list[Finding]:
     found = []
-    for module, (commands, advice) in OPTIONAL.items():
-        if importlib.util.find_spec(module) is None:
-            found.append(Finding(commands, f"{module} is not installed", advice))
-        else:
-            found.append(Finding(commands, f"{module} is installed"))
+    for extra, commands in OPTIONAL.items():
+        absent = missing(extra)
+        told = f"{', '.join(absent)} not found" if absent else _versions(EXTRAS[extra])
+        found.append(Finding(f"{extra}: {commands}", told, pip_command(extra) if absent else ""))
     return found
+
+
+def _versions(modules: Sequence[str]) -> str:
+    """Return modules with the versions of their packages, where they are known."""
+    packages = packages_distributions()
+    names = [packages.get(module, [module])[0] for module in modules]
+    return ", ".join(f"{name} {version(name)}" for name in names)

@@ -31,7 +31,7 @@ from irsim_gym.training.cards import (
     PolicyCard,
     card_file,
 )
-from irsim_gym.training.checkpoint import list_checkpoints, load_progress
+from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.evaluate_teams import evaluate_team_policies

@@ -21,6 +21,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.checkpoint_files import NORMALIZATION, POLICY, REPLAY_BUFFER, RunProgress, load_progress
 from irsim_gym.training.environment import build_environment, restore_worlds
 from irsim_gym.training.run import Settings
 
@@ -108,7 +109,7 @@ def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallba
     return LearnabilityCallback(seed=settings.seed, levels=levels)
 
 
-def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.RunProgress]:
+def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, RunProgress]:
     """Return the model of a checkpoint, with its worlds in the midst of their episodes, and how far it is.
 
     Raises:
@@ -118,15 +119,15 @@ def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, fil
         state = files.load_state(newest)
     except Exception as error:
         raise IrsimGymError(f"cannot resume from {newest}; another version may have written it: {error}") from error
-    normalization = newest / files.NORMALIZATION
+    normalization = newest / NORMALIZATION
     device = device_of(settings.hyperparameters.device)
     env = build_environment(settings, normalization if normalization.is_file() else None)
     env = restore_worlds(env, state["worlds"])
     kind: Any = algorithm_class(settings)
     buffers = {} if settings.hyperparameters.team is None else buffers_for(kind, env)
-    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device=device, force_reset=False, **buffers)
+    model: BaseAlgorithm = kind.load(newest / POLICY, env=env, device=device, force_reset=False, **buffers)
     if isinstance(model, OffPolicyAlgorithm):
-        model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
+        model.load_replay_buffer(newest / REPLAY_BUFFER, truncate_last_traj=False)
     files.restore_memories(model, state)
     files.restore_random(model, state)
-    return model, files.load_progress(newest)
+    return model, load_progress(newest)

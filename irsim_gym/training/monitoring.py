@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from stable_baselines3.common.callbacks import BaseCallback
 
-from irsim_gym.training import checkpoint
+from irsim_gym.training.checkpoint_files import RunProgress
 
 LOG_ROWS = 200
 
@@ -29,15 +29,15 @@ class StopRequest:
         self.signal: int | None = None
 
     @contextmanager
-    def listening(self) -> Iterator[None]:
+    def listening(self) -> Iterator[StopRequest]:
         """Listen to Ctrl-C and SIGTERM; in a thread other than the main one do nothing."""
         if threading.current_thread() is not threading.main_thread():
-            yield
+            yield self
             return
         kinds = (signal.SIGINT, signal.SIGTERM)
         before = {kind: signal.signal(kind, self._take) for kind in kinds}
         try:
-            yield
+            yield self
         finally:
             for kind, handler in before.items():
                 signal.signal(kind, handler)
@@ -71,6 +71,64 @@ class Clock:
         return self._before[0] + wall, self._before[1] + cpu
 
 
+class TrainingBar:
+    """How far a run is, on a terminal.
+
+    Args:
+        progress: How far the run has come.
+        total: Steps of the whole run.
+        console: Where the bar goes; where that is no terminal there is none.
+    """
+
+    def __init__(self, progress: RunProgress, total: int, console: Console) -> None:
+        self._total, self._console = total, console
+        self._begun = (progress.steps, progress.training_seconds)
+        self._bar = Progress(
+            TextColumn("{task.fields[steps]} steps"),
+            BarColumn(),
+            TextColumn("{task.fields[speed]} steps/s  success {task.fields[success]}"),
+            TimeRemainingColumn(),
+            console=console,
+            disable=not console.is_terminal,
+        )
+        self._line = self._bar.add_task(
+            "training", total=total, completed=progress.steps, steps="0", speed="-", success="-"
+        )
+
+    def start(self) -> None:
+        """Show the bar."""
+        self._bar.start()
+
+    def stop(self) -> None:
+        """Take the bar down; safe to call twice."""
+        self._bar.stop()
+
+    def show(self, progress: RunProgress, success: float | None) -> None:
+        """Bring the bar up to date.
+
+        Args:
+            progress: How far the run is now.
+            success: Share of recent episodes that succeeded; None where none ended.
+        """
+        seconds = progress.training_seconds - self._begun[1]
+        speed = (progress.steps - self._begun[0]) / seconds if seconds > 0.0 else 0.0
+        self._bar.update(
+            self._line,
+            completed=progress.steps,
+            steps=f"{progress.steps:,}",
+            speed=f"{speed:,.0f}",
+            success="-" if success is None else f"{success:.0%}",
+        )
+
+    def tell(self, progress: RunProgress, success: float | None) -> None:
+        """Write a line into a log that shows no bar: how far the run is, and how well recent episodes went."""
+        if self._console.is_terminal:
+            return
+        recent = "" if success is None else f", success {success:.0%} of recent training episodes"
+        line = f"{progress.steps:,} of {self._total:,} steps after {progress.training_seconds:,.0f} s{recent}"
+        self._console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
 class TrainingMonitor(BaseCallback):
     """The callback of a run.
 
@@ -85,7 +143,7 @@ class TrainingMonitor(BaseCallback):
 
     def __init__(
         self,
-        progress: checkpoint.RunProgress,
+        progress: RunProgress,
         total: int,
         checkpoint_every: int,
         save: Callable[[], object],
@@ -96,20 +154,8 @@ class TrainingMonitor(BaseCallback):
         self.progress, self.total, self.save_checkpoint, self.stop = progress, total, save, stop
         self.checkpoint_every = checkpoint_every
         self.next_checkpoint = (progress.steps // checkpoint_every + 1) * checkpoint_every
-        self.console = console
         self.clock = Clock(progress.training_seconds, progress.cpu_seconds)
-        self.bar = Progress(
-            TextColumn("{task.fields[steps]} steps"),
-            BarColumn(),
-            TextColumn("{task.fields[speed]} steps/s  success {task.fields[success]}"),
-            TimeRemainingColumn(),
-            console=console,
-            disable=not console.is_terminal,
-        )
-        self.line = self.bar.add_task(
-            "training", total=total, completed=progress.steps, steps="0", speed="-", success="-"
-        )
-        self.begun = (progress.steps, progress.training_seconds)
+        self.bar = TrainingBar(progress, total, console)
 
     def _on_training_start(self) -> None:
         self.bar.start()
@@ -147,24 +193,12 @@ class TrainingMonitor(BaseCallback):
         if share is not None:
             row["idle_share"] = share
         progress.history.append(row)
-        seconds = progress.training_seconds - self.begun[1]
-        speed = (progress.steps - self.begun[0]) / seconds if seconds > 0.0 else 0.0
-        self.bar.update(
-            self.line,
-            completed=progress.steps,
-            steps=f"{progress.steps:,}",
-            speed=f"{speed:,.0f}",
-            success=f"{row['success']:.0%}" if "success" in row else "-",
-        )
+        self.bar.show(progress, row.get("success"))
 
     def tell(self) -> None:
-        """Write a line into a log that shows no bar: how far the run is, and how well recent episodes went."""
-        if self.console.is_terminal:
-            return
-        progress, successes = self.progress, self.model.ep_success_buffer
-        recent = f", success {sum(successes) / len(successes):.0%} of recent training episodes" if successes else ""
-        line = f"{progress.steps:,} of {self.total:,} steps after {progress.training_seconds:,.0f} s{recent}"
-        self.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        """Write a line into a log that shows no bar, see ``TrainingBar.tell``."""
+        successes = self.model.ep_success_buffer
+        self.bar.tell(self.progress, sum(successes) / len(successes) if successes else None)
 
     def finish(self) -> None:
         """Take the clock and the bar down; safe to call twice."""

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
-import pickle
-import zipfile
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 from gymnasium import Space
-from gymnasium.spaces import Dict, Discrete
+from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.preprocessing import is_image_space, is_image_space_channels_first
-from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.sb3_asymmetric import actor_observation_space, for_actor, has_critic_parts, lone_name
@@ -27,15 +22,20 @@ from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.perception import Perception, perception_from
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds, reference_policy
+from irsim_gym.extras import require
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
+from irsim_gym.training.checkpoint_files import POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, read_policy, shelf_files
 from irsim_gym.training.trained_perception import trained_perception
-from irsim_gym.training.trusted import harmless_objects, load_pickle
 
-Source = str | Path | BaseAlgorithm | ShelfPolicy | Policy | Callable[[Any], Any]
+if TYPE_CHECKING:
+    from stable_baselines3.common.base_class import BaseAlgorithm
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    Source = str | Path | BaseAlgorithm | ShelfPolicy | Policy | Callable[[Any], Any]
+else:
+    Source = object
 """What a policy can be given as: see ``load_policy``."""
 
 CHUNK = 64
@@ -57,10 +57,6 @@ class UnknownPolicyError(IrsimGymError):
     def __init__(self, source: str | Path, problem: str) -> None:
         super().__init__(f"{problem}; use a .zip, a run's folder, or one of {', '.join(known_names())}")
         self.source, self.problem = source, problem
-
-
-OFF_POLICY = ("sac", "td3", "tqc", "dqn")
-"""Algorithms that are called like the module in which the classes of their policies are."""
 
 
 class SavedPolicy:
@@ -121,7 +117,7 @@ class SavedPolicy:
             ("observations", actor_observation_space(model.observation_space), observed),
             ("actions", model.action_space, acted),
         ):
-            if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
+            if form_of(learnt) not in (form_of(here), form_of(channels_first(here))):
                 raise UnfitPolicyError(
                     f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
                     f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
@@ -151,12 +147,20 @@ def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:
     return padded
 
 
-def _channels_first(space: Space[Any]) -> Space[Any]:
+def channels_first(space: Space[Any]) -> Space[Any]:
     """Return a space as Stable-Baselines3 shows it to networks for pictures: channels, height, width."""
     if isinstance(space, Dict):
-        return Dict({name: _channels_first(part) for name, part in space.spaces.items()})
-    is_picture = is_image_space(space) and not is_image_space_channels_first(space)  # type: ignore[arg-type]
-    return VecTransposeImage.transpose_space(space) if is_picture else space  # type: ignore[arg-type]
+        return Dict({name: channels_first(part) for name, part in space.spaces.items()})
+    if not is_picture(space):
+        return space
+    assert isinstance(space, Box)
+    return Box(np.transpose(space.low, (2, 0, 1)), np.transpose(space.high, (2, 0, 1)), dtype=np.uint8)
+
+
+def is_picture(space: Space[Any]) -> bool:
+    """Return whether a space holds pictures whose channels are last."""
+    shape = space.shape or ()
+    return isinstance(space, Box) and space.dtype == np.uint8 and len(shape) == 3 and int(np.argmin(shape)) != 0
 
 
 def form_of(space: Space[Any]) -> str:
@@ -191,8 +195,10 @@ def load_policy(source: Source) -> Policy:
         return source
     if isinstance(source, ShelfPolicy):
         return SavedPolicy(source)
-    if isinstance(source, BaseAlgorithm):
-        return SavedPolicy(source, _frozen(source.get_vec_normalize_env()))
+    if is_model(source):
+        from irsim_gym.training.saved_models import frozen
+
+        return SavedPolicy(source, frozen(source.get_vec_normalize_env()))
     if callable(source):
         return ObservationPolicy(source)
     if not isinstance(source, str | Path):
@@ -203,10 +209,18 @@ def load_policy(source: Source) -> Policy:
     path = policy_file(source)
     if path.suffix == SUFFIX:
         return SavedPolicy(read_policy(path))
-    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
-    loaded = SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+    require("train", f"{path}: a policy.zip")
+    from irsim_gym.training.saved_models import load_model
+
+    loaded = SavedPolicy(*load_model(path))
     loaded.perception = trained_perception(path)
     return loaded
+
+
+def is_model(source: object) -> TypeGuard[BaseAlgorithm]:
+    """Return whether something is a model of Stable-Baselines3; that is not imported for it."""
+    module = sys.modules.get("stable_baselines3.common.base_class")
+    return module is not None and isinstance(source, module.BaseAlgorithm)
 
 
 def load_policies(sources: Sequence[Source]) -> list[Policy]:
@@ -294,34 +308,3 @@ def _short_name(path: Path) -> str:
 def _called(source: object) -> str:
     """Return the name of a function, or of the class of a model or policy, without capitals."""
     return str(getattr(source, "__name__", type(source).__name__.lower()))
-
-
-def _algorithm(path: Path) -> type[BaseAlgorithm]:
-    """Find out from the file which algorithm wrote it."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            data = json.loads(archive.read("data"))
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise IrsimGymError(f"{path} is not a policy of Stable-Baselines3: {error}") from error
-    module = str(data["policy_class"].get("__module__", ""))
-    if "recurrent" in module:
-        return find_algorithm("recurrent_ppo").load()
-    off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)
-    return find_algorithm(off_policy or ("ppo" if "clip_range" in data else "a2c")).load()
-
-
-def _normalization(path: Path) -> VecNormalize | None:
-    if not path.is_file():
-        return None
-    loaded: VecNormalize = load_pickle(path)
-    loaded.training = False
-    return loaded
-
-
-def _frozen(normalization: VecNormalize | None) -> VecNormalize | None:
-    """Return a copy of a model's normalisation that learns no more, without its environment."""
-    if normalization is None:
-        return None
-    copied: VecNormalize = pickle.loads(pickle.dumps(normalization))
-    copied.training = False
-    return copied

@@ -11,7 +11,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.training.cards import CardResult
-from irsim_gym.training.checkpoint import POLICY
+from irsim_gym.training.checkpoint_files import POLICY
 
 Rows = list[dict[str, Any]]
 

@@ -8,7 +8,7 @@ import platform
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
+from irsim_gym.training.engines import Engine
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, take_snapshot
@@ -42,6 +43,7 @@ class Settings:
         strict: Unused keys of the scenario are errors.
         origin: The policy that it went on from: ``policy``, its file, and ``sha256`` of that; None for fresh weights.
         mixture: All scenarios that it trains in, the first one of these settings included; empty for one alone.
+        engine: How Ray RLlib runs it; None for Stable-Baselines3.
     """
 
     scenario: str
@@ -53,6 +55,7 @@ class Settings:
     strict: bool = True
     origin: Mapping[str, str] | None = None
     mixture: tuple[MixturePart, ...] = ()
+    engine: Engine | None = None
 
     def parts(self) -> tuple[Settings, ...]:
         """Return the settings in each scenario of a mixture; of one scenario these settings alone."""
@@ -88,6 +91,7 @@ class Settings:
             **({} if self.strict else {"strict": False}),
             **({} if self.origin is None else {"from": dict(self.origin)}),
             **({"mixture": [one.to_plain() for one in self.mixture]} if self.mixture else {}),
+            **({} if self.engine is None else {"engine": self.engine.to_plain()}),
         }
 
     @classmethod
@@ -97,7 +101,8 @@ class Settings:
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
         others["mixture"] = tuple(MixturePart(**one) for one in data.get("mixture", ()))
-        return cls(**values, hyperparameters=wanted, origin=data.get("from"), **others)
+        engine = Engine.from_plain(data.get("engine"))
+        return cls(**values, hyperparameters=wanted, origin=data.get("from"), engine=engine, **others)
 
 
 @dataclass(frozen=True)
@@ -250,14 +255,22 @@ def lasting(source: str) -> str:
 
 def machine() -> dict[str, Any]:
     """Return what a figure depends on beside the settings: the machine and the versions."""
-    names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
+    names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch", "ray")
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "system": platform.platform(),
         "python": platform.python_version(),
-        "versions": {"irsim_gym": __version__, **{name: version(name) for name in names}},
+        "versions": {"irsim_gym": __version__, **{name: found for name in names if (found := _installed(name))}},
     }
+
+
+def _installed(name: str) -> str:
+    """Return the version of a package, nothing where it is not installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
 
 
 def _processor() -> str:

@@ -18,7 +18,7 @@ from irsim_gym.evaluation.team_metrics import summarize_team
 from irsim_gym.evaluation.teams import evaluate_team, top_speed
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.checkpoint import RunProgress, list_checkpoints, load_progress
+from irsim_gym.training.checkpoint_files import RunProgress, list_checkpoints, load_progress
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.learning_curve import draw_curve

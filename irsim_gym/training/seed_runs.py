@@ -18,6 +18,7 @@ from irsim_gym.training.asked import Asked
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.interruption import ctrl_c_told
 from irsim_gym.training.remembered import tell_changes
 from irsim_gym.training.run import Run
 from irsim_gym.training.seed_summary import (
@@ -28,7 +29,6 @@ from irsim_gym.training.seed_summary import (
     summarize_seeds,
     write_seeds,
 )
-from irsim_gym.training.train import ctrl_c_told
 
 RESULTS, TEST = "results", "test"
 """Names of the sum's files, and of the folder with the evaluation."""
@@ -43,6 +43,7 @@ def run_seeds(
     overwrite: bool = False,
     dev_levels: int = 1000,
     test_levels: int = 1000,
+    address: str | None = None,
 ) -> Path:
     """Train several seeds, evaluate them as one method, print one table and return the folder above the runs.
 
@@ -57,6 +58,7 @@ def run_seeds(
         overwrite: Replace the runs.
         dev_levels: Levels of ``dev`` for each checkpoint.
         test_levels: Levels of ``test`` for the sum.
+        address: A Ray cluster, for runs with RLlib.
 
     Raises:
         IrsimGymError: Checkpoints are not to be scored, or a folder holds another run.
@@ -69,7 +71,8 @@ def run_seeds(
     for seed in range(asked.seed, asked.seed + count):
         own, place = replace(asked, seed=seed), folder / f"seed_{seed}"
         goes_on = resume and Run(place).exists()
-        runs.append(run_training(own, place, resume=goes_on, overwrite=overwrite, dev_levels=dev_levels))
+        how: dict[str, Any] = {"resume": goes_on, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
+        runs.append(run_training(own, place, **how))
     with ctrl_c_told("the trainings are finished, but their evaluation is not: run the same command to continue."):
         sum_up(folder, runs, test_levels)
     return folder

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import shutil
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,43 +17,29 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
 from irsim_gym.sb3 import LearnabilityCallback
 from irsim_gym.training import checkpoint as files
+from irsim_gym.training.checkpoint_files import (
+    NORMALIZATION,
+    PARTIAL,
+    RunProgress,
+    list_checkpoints,
+    load_progress,
+    newest_checkpoint,
+)
 from irsim_gym.training.cloning import clone_behavior
+from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import take_weights
 from irsim_gym.training.folders import replaceable, setting_differences
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor
+from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
 
-WRITTEN = ("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
+WRITTEN = ("config.json", "training.csv", NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
 """Files in a run's folder that are written under another name first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
-
-
-class TrainingInterruptedError(IrsimGymError):
-    """A run was stopped by a signal; its checkpoint is on disk.
-
-    Attributes:
-        signal: Number of the signal.
-    """
-
-    def __init__(self, message: str, number: int) -> None:
-        super().__init__(message)
-        self.signal = number
-
-
-@contextmanager
-def ctrl_c_told(message: str) -> Iterator[None]:
-    """Turn Ctrl-C, where nothing else listens to it, into an error with this message.
-
-    Raises:
-        TrainingInterruptedError: Ctrl-C.
-    """
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise TrainingInterruptedError(message, signal.SIGINT) from None
 
 
 def train(
@@ -67,6 +51,7 @@ def train(
     device: str | None = None,
     console: Console | None = None,
     on_checkpoint: Callable[[Run], None] | None = None,
+    address: str | None = None,
 ) -> Run:
     """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
 
@@ -83,6 +68,7 @@ def train(
         console: Where progress is shown; None for standard error.
         on_checkpoint: Called after each checkpoint but the last, while the clock of the training stands. It changes
             nothing in what is learned; what it raises ends the run there, unfinished.
+        address: A Ray cluster, for a run with RLlib; None for this machine.
 
     Raises:
         IrsimGymError: The folder holds another run, or one that should be resumed, or is a file.
@@ -101,16 +87,24 @@ def train(
         _tidy(run)
         return run
     used = run.own_settings() if goes_on else settings
-    newest = files.newest_checkpoint(run.checkpoints) if goes_on else None
+    newest = newest_checkpoint(run.checkpoints) if goes_on else None
+    check_engine(used)
+    if used.engine is not None:
+        prepare(address)
     model, progress = _model(used, newest, device, screen)
-    curriculum = curriculum_of(used, newest)
+    curriculum = None if used.engine is not None else curriculum_of(used, newest)
     if not goes_on:
         if run.exists():
             run.clear()
         run.begin(settings, now)
     _tidy(run)
     try:
-        _learn(run, settings, model, progress, curriculum, screen, on_checkpoint)
+        if used.engine is None:
+            _learn(run, settings, model, progress, curriculum, screen, on_checkpoint)
+        else:
+            from irsim_gym.training.rllib_train import learn  # imports Ray, which prepare has to come before
+
+            learn(run, used, model, progress, newest, screen, on_checkpoint, address)
     finally:
         _write_log(run, progress)
         env = model.get_env()
@@ -133,7 +127,7 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
     ways = "choose another folder with --out, or replace the run with --overwrite"
     if found:
         raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
-    if not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
+    if not resume and not run.finished() and list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
     if changed:
         message = f"the scenario has changed since this run began ({listed(changed)}); it uses its copy, {run.copy}"
@@ -142,36 +136,38 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
 
 def _model(
     settings: Settings, newest: Path | None, device: str | None, screen: Console
-) -> tuple[BaseAlgorithm, files.RunProgress]:
+) -> tuple[BaseAlgorithm, RunProgress]:
     """Return the model that learns, a new one or that of a checkpoint, and how far it is."""
     if device is not None:
         settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
     torch.set_num_threads(settings.hyperparameters.torch_threads)
     device_of(settings.hyperparameters.device)
     compile_kernels(settings)
-    if newest is not None:
+    if newest is not None and settings.engine is None:
         return restored_model(settings, newest)
     model = new_model(settings)
+    if newest is not None:
+        return model, load_progress(newest)
     if settings.origin is not None:
         take_weights(model, settings)
     if settings.hyperparameters.clone is None:
-        return model, files.RunProgress()
+        return model, RunProgress()
     seconds, cpu_seconds = clone_behavior(model, settings, screen)
-    return model, files.RunProgress(training_seconds=seconds, cpu_seconds=cpu_seconds)
+    return model, RunProgress(training_seconds=seconds, cpu_seconds=cpu_seconds)
 
 
 def _learn(
     run: Run,
     settings: Settings,
     model: BaseAlgorithm,
-    progress: files.RunProgress,
+    progress: RunProgress,
     curriculum: LearnabilityCallback | None,
     console: Console,
     on_checkpoint: Callable[[Run], None] | None,
 ) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint."""
     wanted, stop = settings.hyperparameters, StopRequest()
-    for partial in run.checkpoints.glob(f"{files.PARTIAL}*"):
+    for partial in run.checkpoints.glob(f"{PARTIAL}*"):
         shutil.rmtree(partial)
     model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
 
@@ -202,13 +198,13 @@ def _learn(
             model.logger.close()
         last = save()
         watch.tell()
-        if (last / files.NORMALIZATION).is_file():
-            write_bytes(run.folder / files.NORMALIZATION, (last / files.NORMALIZATION).read_bytes())
+        if (last / NORMALIZATION).is_file():
+            write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)
     if stop.signal is not None:
         raise TrainingInterruptedError(f"stopped after all {progress.steps:,} steps; the run is finished", stop.signal)
 
 
-def _write_log(run: Run, progress: files.RunProgress) -> None:
+def _write_log(run: Run, progress: RunProgress) -> None:
     rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
     write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)

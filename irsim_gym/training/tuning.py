@@ -14,14 +14,16 @@ from rich.console import Console
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import plain, write_json
+from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.asked import Asked
-from irsim_gym.training.checkpoint import forget_state, list_checkpoints
+from irsim_gym.training.checkpoint_files import forget_state, list_checkpoints
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
 from irsim_gym.training.snapshot import listed
-from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
+from irsim_gym.training.train import train
 from irsim_gym.training.trial_settings import check_space, write_settings
 from irsim_gym.training.tuning_results import (
     BEST,
@@ -134,14 +136,11 @@ def _optuna() -> Any:
     """Return the library.
 
     Raises:
-        IrsimGymError: It is not installed.
+        MissingExtraError: It is not installed.
     """
-    try:
-        import optuna
-    except ModuleNotFoundError as error:
-        if error.name != "optuna":
-            raise
-        raise IrsimGymError("tune needs Optuna: pip install irsim_gym[tune]") from error
+    require("tune", "irsim-gym tune")
+    import optuna
+
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     return optuna
 

@@ -163,5 +163,6 @@ def test_an_algorithm_that_does_not_fit_the_action(algorithm: str, task: str | N
 
 def test_an_algorithm_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "sb3_contrib", None)
-    with pytest.raises(IrsimGymError, match=r"tqc needs sb3-contrib: pip install irsim_gym\[contrib\]"):
+    said = r"the algorithm tqc needs the extra 'contrib' \(sb3_contrib not found\): pip install"
+    with pytest.raises(IrsimGymError, match=said):
         load_hyperparameters("tqc", "x")

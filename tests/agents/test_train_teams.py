@@ -16,10 +16,11 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import algorithm_class
 from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import train
 
 PLACES = {"name": "random", "range_low": [0.5, 0.5, -3.14], "range_high": [4.5, 4.5, 3.14]}
 SCENARIO = {

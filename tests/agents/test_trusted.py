@@ -22,7 +22,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.errors import UntrustedCodeWarning
-from irsim_gym.training.checkpoint import NORMALIZATION
+from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.trusted import SERIALIZED, harmless_objects
 

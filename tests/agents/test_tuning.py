@@ -15,10 +15,11 @@ from command_line import run as command
 
 from irsim_gym.training import tuning
 from irsim_gym.training.asked import Asked
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import score_run
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import train
 from irsim_gym.training.tuning import run_tuning
 
 TINY = "n_timesteps: 256, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, checkpoint_every: 64, gamma: 0.95"
@@ -69,7 +70,9 @@ def test_without_optuna_the_command_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "optuna", None)
     assert command(monkeypatch, *WORDS) == 1
-    assert capsys.readouterr().err == "tune needs Optuna: pip install irsim_gym[tune]\n"
+    assert capsys.readouterr().err == (
+        "irsim-gym tune needs the extra 'tune' (optuna not found): pip install \"irsim_gym[tune]\"\n"
+    )
     assert not Path("runs").exists()
 
 

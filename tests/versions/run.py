@@ -18,7 +18,7 @@ from packaging.version import Version
 
 ROOT = Path(__file__).parents[2]
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
-EXTRAS = ("recurrent", "play", "test")
+EXTRAS = ("train", "contrib", "tune", "play", "test")
 TESTS = (
     "tests/test_jit.py",
     "tests/test_jit_hooks.py",
@@ -103,6 +103,8 @@ def bounds(text: str) -> dict[str, Version]:
     lines = [*project["dependencies"], *(line for extra in EXTRAS for line in extras[extra])]
     found = {}
     for requirement in map(Requirement, lines):
+        if requirement.name == project["name"]:  # one extra that brings another
+            continue
         (lowest,) = [Version(one.version) for one in requirement.specifier if one.operator in (">=", "==")]
         found[requirement.name] = lowest
     return found

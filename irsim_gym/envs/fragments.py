@@ -1,0 +1,233 @@
+"""What a sampler hands to a learner: the experience of many agents as flat arrays, and what follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.envs.spaces import Observation
+
+
+def on_each(observation: Observation, change: Callable[[NDArray[Any]], Any]) -> Any:
+    """Return what a function makes of an observation's array, or of each of them."""
+    if isinstance(observation, dict):
+        return {name: change(array) for name, array in observation.items()}
+    return change(observation)
+
+
+@dataclass(frozen=True)
+class Fragment:
+    """Experience of agents, the steps of each one after the other; rows in which an agent waited are not in it.
+
+    A piece is a sequence of rows of one agent in one episode. It ends with a row that is ``terminated``, or with one
+    that is ``cut``: by the time limit, because sampling paused there, or because the fragment was divided.
+
+    Attributes:
+        observation: What the agents saw, ``(n_rows, ...)``, or a dict of such arrays.
+        action: What they did, before it was cut off to the bounds, ``(n_rows, ...)``.
+        log_probability: Logarithm of the probability (density) of the action, ``(n_rows,)``.
+        distribution: Parameters of the distribution that the action was drawn from, ``(n_rows, n_parameters)``.
+        reward: ``(n_rows,)``.
+        terminated: The episode ended here, ``(n_rows,)``: nothing follows.
+        cut: The piece ends here and the episode does not, ``(n_rows,)``.
+        following: The observation after each row that is cut, ``(n_cuts, ...)``: its value stands for what follows.
+        steps: Rows that were sampled, those in which agents waited included.
+    """
+
+    observation: Observation
+    action: NDArray[Any]
+    log_probability: Rays
+    distribution: Rays
+    reward: Rays
+    terminated: Flags
+    cut: Flags
+    following: Observation
+    steps: int
+
+    def __len__(self) -> int:
+        return len(self.reward)
+
+    def __getitem__(self, rows: slice) -> Fragment:
+        """Return some rows, without gaps. A piece that is divided is cut there, see ``slice``."""
+        return self.slice(rows)
+
+    def slice(self, rows: slice, len_lookback_buffer: int | None = None) -> Fragment:
+        """Return some rows, without gaps. A piece that is divided is cut there.
+
+        Args:
+            rows: Which rows; no steps.
+            len_lookback_buffer: What RLlib gives to episodes; it changes nothing here.
+        """
+        start, stop, step = rows.indices(len(self))
+        if step != 1:
+            raise ValueError("a fragment is divided into rows without gaps")
+        chosen = slice(start, max(start, stop))
+        cut = self.cut[chosen].copy()
+        before = int(self.cut[:start].sum())
+        following = on_each(self.following, lambda array: array[before : before + int(cut.sum())])
+        if len(cut) and not (cut[-1] or self.terminated[stop - 1]):
+            cut[-1] = True
+            following = _joined([following, on_each(self.observation, lambda array: array[stop : stop + 1])])
+        return replace(
+            self,
+            observation=on_each(self.observation, lambda array: array[chosen]),
+            **{name: getattr(self, name)[chosen] for name in COLUMNS},
+            cut=cut,
+            following=following,
+            steps=len(cut),
+        )
+
+
+COLUMNS = ("action", "log_probability", "distribution", "reward", "terminated")
+"""Arrays of a fragment with a row for each step, beside observations and cuts."""
+
+
+def _joined(parts: Sequence[Observation]) -> Any:
+    """Return observations one after the other."""
+    if isinstance(parts[0], dict):
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return np.concatenate(parts)
+
+
+def joined(fragments: Sequence[Fragment]) -> Fragment:
+    """Return fragments one after the other, as one."""
+    if len(fragments) == 1:
+        return fragments[0]
+    return Fragment(
+        observation=_joined([one.observation for one in fragments]),
+        **{name: np.concatenate([getattr(one, name) for one in fragments]) for name in COLUMNS},
+        cut=np.concatenate([one.cut for one in fragments]),
+        following=_joined([one.following for one in fragments]),
+        steps=sum(one.steps for one in fragments),
+    )
+
+
+def advantages(fragment: Fragment, values: Rays, after: Rays, *, gamma: float, lambda_: float) -> Floats:
+    """Return the generalised advantage estimates of all rows, ``(n_rows,)``.
+
+    Source: Schulman et al., "High-Dimensional Continuous Control Using Generalized Advantage Estimation", 2016.
+
+    Args:
+        fragment: What was experienced.
+        values: Value of each row's observation, ``(n_rows,)``.
+        after: Value of each observation in ``following``, ``(n_cuts,)``.
+        gamma: Discount.
+        lambda_: Between the error of one step (0) and the whole sum of rewards (1).
+    """
+    ends = fragment.terminated | fragment.cut
+    following = np.append(values[1:], 0.0)
+    following[fragment.terminated] = 0.0
+    following[fragment.cut] = after
+    errors = fragment.reward + gamma * following - values
+    return _sums(errors, ends, gamma * lambda_)
+
+
+def _sums(errors: Floats, ends: Flags, factor: float) -> Floats:
+    """Return discounted sums to the end of each piece: pieces side by side, one step of all at a time."""
+    last = np.flatnonzero(ends)
+    first = np.append(0, last[:-1] + 1)
+    lengths = last - first + 1
+    found = np.zeros(len(errors))
+    sums = np.zeros(len(last))
+    order = np.argsort(-lengths, kind="stable")
+    last, lengths = last[order], lengths[order]
+    n_longer = np.searchsorted(-lengths, -np.arange(1, lengths.max(initial=0) + 1), side="right")
+    for back, n in enumerate(n_longer.tolist()):
+        rows = last[:n] - back
+        sums[:n] = errors[rows] + factor * sums[:n]
+        found[rows] = sums[:n]
+    return found
+
+
+@dataclass(frozen=True)
+class Sequences:
+    """A fragment with one more row after each cut, which holds the observation that follows.
+
+    Attributes:
+        source: The row of the fragment that each row is, ``(n,)``; of an added one the row before it.
+        is_step: Rows of the fragment, ``(n,)``; the others are added.
+        observation: ``(n, ...)``.
+    """
+
+    source: Ints
+    is_step: Flags
+    observation: Observation
+
+
+def with_following(fragment: Fragment) -> Sequences:
+    """Return the rows of a fragment with the observation after each cut behind it, as V-trace reads them."""
+    after = np.flatnonzero(fragment.cut)
+    source = np.insert(np.arange(len(fragment)), after + 1, after)
+    is_step = np.insert(np.ones(len(fragment), np.bool_), after + 1, False)
+
+    def put(array: NDArray[Any], added: NDArray[Any]) -> NDArray[Any]:
+        rows = array[source]
+        rows[~is_step] = added
+        return rows
+
+    seen, following = fragment.observation, fragment.following
+    if isinstance(seen, dict):
+        assert isinstance(following, dict)
+        return Sequences(source, is_step, {name: put(seen[name], following[name]) for name in seen})
+    assert not isinstance(following, dict)
+    return Sequences(source, is_step, put(seen, following))
+
+
+class FragmentWriter:
+    """Collects the steps of rows (world, slot), which are then put one after the other for each row.
+
+    Args:
+        n_rows: Worlds times slots.
+        n_steps: Steps that there is room for.
+    """
+
+    def __init__(self, n_rows: int, n_steps: int) -> None:
+        self.n_rows, self.n_steps = n_rows, n_steps
+        self._arrays: dict[str, NDArray[Any]] = {}
+        self._parts: tuple[str, ...] = ()
+        self._cuts: list[tuple[Ints, int, Observation]] = []
+        self._t = 0
+
+    def note(self, observation: Observation, columns: dict[str, NDArray[Any]]) -> None:
+        """Take what was before and in a step: what each row saw, and the columns of ``Fragment`` and ``acted``."""
+        seen = observation if isinstance(observation, dict) else {"": observation}
+        self._parts = tuple(seen) if isinstance(observation, dict) else ()
+        for name, array in [*((f"seen/{name}", array) for name, array in seen.items()), *columns.items()]:
+            if name not in self._arrays:
+                self._arrays[name] = np.empty((self.n_rows, self.n_steps, *array.shape[1:]), array.dtype)
+            self._arrays[name][:, self._t] = array
+
+    def note_cuts(self, rows: Ints, following: Observation) -> None:
+        """Take the observations that follow on this step in rows that are cut, and go on with the next step."""
+        if len(rows):
+            self._cuts.append((rows, self._t, on_each(following, lambda array: array[rows])))
+        self._t += 1
+
+    def fragment(self) -> Fragment:
+        """Return what was noted."""
+        flat = {name: array[:, : self._t].reshape(-1, *array.shape[2:]) for name, array in self._arrays.items()}
+        acted = flat.pop("acted")
+        cut = np.zeros(len(acted), np.bool_)
+        places = [rows * self._t + t for rows, t, _ in self._cuts]
+        place = np.concatenate(places) if places else np.zeros(0, np.int64)
+        cut[place] = True
+        chosen = {name: array if acted.all() else array[acted] for name, array in flat.items()}
+        seen: Any = {name: chosen.pop(f"seen/{name}") for name in self._parts or ("",)}
+        order = np.argsort(place)
+        after = _joined([part for _, _, part in self._cuts]) if places else on_each(_lone(seen), lambda one: one[:0])
+        return Fragment(
+            observation=_lone(seen),
+            **chosen,
+            cut=cut[acted],
+            following=on_each(after, lambda array: array[order]),
+            steps=len(acted),
+        )
+
+
+def _lone(seen: dict[str, NDArray[Any]]) -> Observation:
+    return seen[""] if list(seen) == [""] else seen

@@ -1,0 +1,131 @@
+"""From fragments to the batches that RLlib's learners take, without a copy for each row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from ray.rllib.algorithms.appo.torch.appo_torch_learner import APPOTorchLearner
+from ray.rllib.algorithms.ppo.torch.ppo_torch_learner import PPOTorchLearner
+from ray.rllib.core import DEFAULT_MODULE_ID
+from ray.rllib.core.columns import Columns
+from ray.rllib.core.learner.training_data import TrainingData
+from ray.rllib.evaluation.postprocessing import Postprocessing
+from ray.rllib.policy.sample_batch import MultiAgentBatch, SampleBatch
+
+from irsim_gym.envs.fragments import Fragment, advantages, joined, on_each, with_following
+from irsim_gym.envs.spaces import Observation
+
+
+class ArrayPPOLearner(PPOTorchLearner):  # type: ignore[misc]
+    """PPO's learner, which takes fragments."""
+
+    def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
+        """Make Adam with the arguments that ``learner_config_dict`` has for it, as ``optimizer``."""
+        _make_adam(self, module_id)
+
+    def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
+        """Update the networks with fragments, after their advantages are known."""
+        training_data.solve_refs()
+        if training_data.episodes is not None:
+            module = self.module[DEFAULT_MODULE_ID].unwrapped()
+            batch = advantage_batch(module, training_data.episodes, self.config.gamma, self.config.lambda_)
+            training_data = TrainingData(batch=batch)
+        return super().update(training_data=training_data, **kwargs)
+
+
+class ArrayAPPOLearner(APPOTorchLearner):  # type: ignore[misc]
+    """APPO's learner, which takes fragments."""
+
+    def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
+        """Make Adam with the arguments that ``learner_config_dict`` has for it, as ``optimizer``."""
+        _make_adam(self, module_id)
+
+    def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
+        """Hand fragments to the thread that updates the networks."""
+        training_data.solve_refs()
+        if training_data.episodes is not None:
+            module = self.module[DEFAULT_MODULE_ID].unwrapped()
+            training_data = TrainingData(batch=sequence_batch(module, training_data.episodes))
+        return super().update(training_data=training_data, **kwargs)
+
+
+def _make_adam(learner: Any, module_id: str) -> None:
+    params = learner.get_parameters(learner.module[module_id])
+    optimizer = torch.optim.Adam(params, **learner.config.learner_config_dict.get("optimizer", {}))
+    learner.register_optimizer(
+        module_id=module_id, optimizer=optimizer, params=params, lr_or_lr_schedule=learner.config.lr
+    )
+
+
+def advantage_batch(module: Any, fragments: Sequence[Fragment], gamma: float, lambda_: float) -> MultiAgentBatch:
+    """Return what PPO learns from: rows, their advantages over the deviation of all, and the targets of their values.
+
+    Args:
+        module: Whose ``compute_values`` knows what a state is worth.
+        fragments: What was experienced.
+        gamma: Discount.
+        lambda_: See ``fragments.advantages``.
+    """
+    fragment, device = joined(fragments), _device(module)
+    seen = _tensors(fragment.observation, device)
+    with torch.no_grad():
+        values = _values(module, seen)
+        after = _values(module, _tensors(fragment.following, device))
+    found = advantages(fragment, values, after, gamma=gamma, lambda_=lambda_)
+    scaled = (found - found.mean()) / max(1e-4, found.std())
+    columns = {
+        Columns.ACTIONS: fragment.action,
+        Columns.ACTION_LOGP: fragment.log_probability,
+        Columns.ACTION_DIST_INPUTS: fragment.distribution,
+        Postprocessing.ADVANTAGES: scaled.astype(np.float32),
+        Postprocessing.VALUE_TARGETS: (found + values).astype(np.float32),
+    }
+    return _batch(seen, columns, len(fragment), device)
+
+
+def sequence_batch(module: Any, fragments: Sequence[Fragment]) -> MultiAgentBatch:
+    """Return what APPO learns from: rows in their order, and behind each cut one whose value is that of what follows.
+
+    Args:
+        module: That learns.
+        fragments: What was experienced.
+    """
+    fragment, device = joined(fragments), _device(module)
+    rows = with_following(fragment)
+    columns = {
+        Columns.ACTIONS: fragment.action[rows.source],
+        Columns.ACTION_LOGP: fragment.log_probability[rows.source],
+        Columns.ACTION_DIST_INPUTS: fragment.distribution[rows.source],
+        Columns.REWARDS: np.where(rows.is_step, fragment.reward[rows.source], np.float32(0.0)),
+        Columns.TERMINATEDS: fragment.terminated[rows.source],
+        Columns.LOSS_MASK: rows.is_step,
+    }
+    return _batch(_tensors(rows.observation, device), columns, len(fragment), device)
+
+
+def _batch(seen: Any, columns: dict[str, NDArray[Any]], n_steps: int, device: torch.device) -> MultiAgentBatch:
+    tensors = {name: _tensor(array, device) for name, array in columns.items()}
+    return MultiAgentBatch({DEFAULT_MODULE_ID: SampleBatch({Columns.OBS: seen, **tensors})}, env_steps=n_steps)
+
+
+def _device(module: Any) -> torch.device:
+    found: torch.device = next(module.parameters()).device
+    return found
+
+
+def _tensors(observation: Observation, device: torch.device) -> Any:
+    return on_each(observation, lambda array: _tensor(array, device))
+
+
+def _tensor(array: NDArray[Any], device: torch.device) -> torch.Tensor:
+    """Return an array as a tensor; one that Ray has sent is read-only, which PyTorch does not take."""
+    return torch.from_numpy(array if array.flags.writeable else array.copy()).to(device)
+
+
+def _values(module: Any, seen: Any) -> NDArray[Any]:
+    values: NDArray[Any] = module.compute_values({Columns.OBS: seen}).cpu().numpy()
+    return values

@@ -1,0 +1,122 @@
+"""Everything for Ray RLlib: a runner that samples whole arrays, its configuration, and registered environments."""
+
+from __future__ import annotations
+
+from irsim_gym.extras import require
+
+require("rllib", "irsim_gym.rllib")
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, TypeVar
+
+import gymnasium
+from ray.rllib.algorithms.appo import APPOConfig
+from ray.rllib.algorithms.ppo import PPOConfig
+from ray.tune.registry import register_env
+
+from irsim_gym.envs.fragments import Fragment
+from irsim_gym.envs.registration import make, make_vec
+from irsim_gym.envs.rllib_learning import ArrayAPPOLearner, ArrayPPOLearner
+from irsim_gym.envs.rllib_runner import CPU_SECONDS, SUCCESS, ArrayEnvRunner, make_rows
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+
+__all__ = [
+    "CPU_SECONDS",
+    "SUCCESS",
+    "ArrayAPPOLearner",
+    "ArrayEnvRunner",
+    "ArrayPPOLearner",
+    "Fragment",
+    "configure",
+    "register_environments",
+]
+
+Config = TypeVar("Config", PPOConfig, APPOConfig)
+
+
+def configure(
+    config: Config,
+    scenario: ScenarioSource,
+    *,
+    workers: int = 0,
+    worlds_per_worker: int = 256,
+    steps: int = 64,
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    team: str | None = None,
+    first_level: int | None = None,
+    reward_scale: float = 1.0,
+    strict: bool = True,
+    parameters: Mapping[str, object] | None = None,
+) -> Config:
+    """Let a configuration of PPO, APPO or IMPALA learn in the worlds of a scenario.
+
+    It chooses the runner, the spaces, how much is sampled for an update, and connectors that take whole arrays. All
+    else may be set before and after. Robots of a team are rows of one policy; rows that wait are not learned from.
+
+    Args:
+        config: The configuration; it is changed.
+        scenario: Name of a shipped scenario, id, path of a YAML file, or plain data.
+        workers: Processes that sample; 0 samples in this one.
+        worlds_per_worker: Worlds of each of them.
+        steps: Steps of each world for an update.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit [steps]; None for the task's.
+        team: ``"episode"`` or ``"respawn"``: all robots learn, and those that have ended wait or begin again at once;
+            None where one learns.
+        first_level: Level that the first world begins with, the others with those after it; None for any.
+        reward_scale: Factor on the rewards that are learned from.
+        strict: False ignores unused keys of the scenario.
+        parameters: Values for the scenario's parameters.
+
+    Returns:
+        The same configuration.
+    """
+    chosen: dict[str, Any] = {"scenario": scenario, "task": task, "max_steps": max_steps, "team": team}
+    chosen |= {"first_level": first_level, "reward_scale": reward_scale, "strict": strict}
+    chosen["parameters"] = dict(parameters or {})
+    rows = make_rows(1, chosen)
+    n_agents = rows.n_rows
+    rows.close()
+    is_ppo = isinstance(config, PPOConfig)
+    batch = steps * worlds_per_worker * (n_agents * max(workers, 1) if is_ppo else 1)
+    config.environment(
+        "irsim_gym/World-v0",
+        env_config=chosen,
+        observation_space=rows.single_observation_space,
+        action_space=rows.single_action_space,
+    )
+    config.env_runners(
+        env_runner_cls=ArrayEnvRunner,
+        num_env_runners=workers,
+        num_envs_per_env_runner=worlds_per_worker,
+        rollout_fragment_length=steps,
+    )
+    config.learners(
+        learner_class=ArrayPPOLearner if is_ppo else ArrayAPPOLearner,
+        add_default_connectors_to_learner_pipeline=False,
+        num_aggregator_actors_per_learner=0,
+    )
+    config.training(train_batch_size_per_learner=batch)
+    return config
+
+
+def register_environments(*ids: str) -> None:
+    """Register environments with Ray, so that its workers know them and RLlib's own runner takes them.
+
+    A runner that makes a batch gets one that begins the next episode as RLlib expects, in the step after the end.
+
+    Args:
+        *ids: Ids such as ``"irsim_gym/cluttered_room-v0"``; by default all that this package registers.
+    """
+    every = [one for one in gymnasium.registry if one.startswith("irsim_gym/")]
+    for one in ids or every:
+        register_env(one, partial(_make_registered, one))
+
+
+def _make_registered(one: str, chosen: Mapping[str, Any]) -> Any:
+    """Make an environment, or a batch where ``num_envs`` is given, with the other keywords of ``env_config``."""
+    given = dict(chosen)
+    num_envs = given.pop("num_envs", None)
+    return make(one, **given) if num_envs is None else make_vec(one, num_envs, **given)

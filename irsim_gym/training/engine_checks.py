@@ -1,0 +1,42 @@
+"""Which settings a run with RLlib may have."""
+
+from __future__ import annotations
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.run import Settings
+
+PPO_KEYS = ("batch_size", "n_epochs", "gae_lambda")
+KEYS = ("n_steps", "learning_rate", "gamma", "ent_coef", "vf_coef", "max_grad_norm", "clip_range", "policy_kwargs")
+"""Hyper-parameters that RLlib knows under another name; of those above only PPO."""
+
+
+def check_engine(settings: Settings) -> None:
+    """Refuse what the engine of a run does not know.
+
+    Raises:
+        IrsimGymError: The algorithm or a hyper-parameter is not among what is passed on.
+    """
+    needed = find_algorithm(settings.algorithm).engine
+    if settings.engine is None:
+        if needed:
+            raise IrsimGymError(f"{settings.algorithm} is an algorithm of RLlib: add --engine {needed}")
+        return
+    if settings.algorithm not in ("ppo", "appo"):
+        raise IrsimGymError(f"--engine rllib trains ppo and appo, not {settings.algorithm}")
+    if settings.mixture:
+        raise IrsimGymError("--engine rllib trains in one scenario, not in a mixture: leave out --mixture or --engine")
+    wanted = settings.hyperparameters
+    known = {*KEYS, *(PPO_KEYS if settings.algorithm == "ppo" else ())}
+    unknown = [name for name, value in wanted.arguments.items() if name not in known and value is not None]
+    own = {"normalize": wanted.normalize, "curriculum": wanted.curriculum, "clone": wanted.clone}
+    unknown += [name for name, value in own.items() if value is not None]
+    if unknown:
+        raise IrsimGymError(
+            f"--engine rllib cannot pass on {', '.join(unknown)} to {settings.algorithm}; it takes "
+            f"{', '.join(sorted(known))}: leave the others out of the file of --hyperparameters"
+        )
+    if wanted.device not in ("cpu", "auto"):
+        raise IrsimGymError(f"device {wanted.device}: with --engine rllib, --learner-gpus says where it learns")
+    if callable(wanted.algorithm_arguments().get("clip_range")):
+        raise IrsimGymError("clip_range must be a number with --engine rllib: RLlib knows no schedule of it")

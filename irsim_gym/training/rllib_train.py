@@ -1,0 +1,217 @@
+"""Learning with Ray RLlib: the same checkpoints, logs and policies as with Stable-Baselines3."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ray.rllib.algorithms.algorithm import Algorithm
+from ray.rllib.core import DEFAULT_MODULE_ID
+from rich.console import Console
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.rllib import CPU_SECONDS, SUCCESS
+from irsim_gym.training import checkpoint as files
+from irsim_gym.training.checkpoint_files import PARTIAL, RunProgress
+from irsim_gym.training.engines import Engine
+from irsim_gym.training.interruption import TrainingInterruptedError
+from irsim_gym.training.monitoring import LOG_ROWS, Clock, StopRequest, TrainingBar
+from irsim_gym.training.ray_session import ray_session
+from irsim_gym.training.rllib_config import make_config
+from irsim_gym.training.rllib_module import module_state
+from irsim_gym.training.run import Run, Settings
+
+STALLED_S = 900.0
+"""A training in which no worker has answered for so long [s] is given up."""
+SAMPLED = "env_runners"
+"""What RLlib calls the figures of its workers."""
+
+
+def learn(
+    run: Run,
+    settings: Settings,
+    model: BaseAlgorithm,
+    progress: RunProgress,
+    newest: Path | None,
+    console: Console,
+    on_checkpoint: Callable[[Run], None] | None,
+    address: str | None,
+) -> None:
+    """Learn to the end, or to a signal; either way leave a checkpoint.
+
+    Args:
+        run: The run.
+        settings: What is trained, with an engine.
+        model: Holds the first weights, and the last.
+        progress: How far the run is; updated.
+        newest: The checkpoint to go on from.
+        console: Where progress is shown.
+        on_checkpoint: Called after each checkpoint but the last.
+        address: A Ray cluster; None for this machine.
+
+    Raises:
+        TrainingInterruptedError: Ctrl-C or SIGTERM; a checkpoint was written.
+        IrsimGymError: There is no such cluster, or no worker answers.
+    """
+    assert settings.engine is not None
+    engine = settings.engine.chosen(settings.hyperparameters.n_envs)
+    for partial in run.checkpoints.glob(f"{PARTIAL}*"):
+        shutil.rmtree(partial)
+    with ray_session(address, 1 + (engine.workers or 0) + (engine.learner_gpus or 0)):
+        algorithm = _algorithm(settings, engine, model, progress, newest)
+        try:
+            learning = Learning(run, settings, algorithm, model, progress, console)
+            with StopRequest().listening() as stop:
+                learning.go_on(stop, on_checkpoint)
+        finally:
+            algorithm.stop()
+            with suppress(OSError):
+                Path(algorithm.logdir).rmdir()  # an empty folder that RLlib makes in the user's home
+
+
+def _algorithm(
+    settings: Settings, engine: Engine, model: BaseAlgorithm, progress: RunProgress, newest: Path | None
+) -> Algorithm:
+    """Return RLlib's algorithm, as a checkpoint left it if there is one."""
+    config = make_config(settings, engine, model, progress.steps)
+    try:
+        algorithm = config.build_algo()
+    except IndexError as error:  # RLlib asks the first worker for its spaces
+        raise IrsimGymError("no worker of RLlib could start; Ray's logs (/tmp/ray) say why") from error
+    if newest is not None:
+        algorithm.learner_group.set_state(files.load_state(newest)["learner"])
+        algorithm.env_runner_group.sync_weights(from_worker_or_learner_group=algorithm.learner_group)
+    return algorithm
+
+
+@dataclass
+class Learning:
+    """A training under way.
+
+    Args:
+        run: The run.
+        settings: What is trained.
+        algorithm: RLlib's algorithm.
+        model: The model of Stable-Baselines3 that writes the weights.
+        progress: How far it is; updated.
+        console: Where progress is shown.
+    """
+
+    run: Run
+    settings: Settings
+    algorithm: Algorithm
+    model: BaseAlgorithm
+    progress: RunProgress
+    console: Console
+
+    def __post_init__(self) -> None:
+        wanted = self.settings.hyperparameters
+        self._before = (self.progress.steps, self.progress.cpu_seconds)
+        self._clock = Clock(self.progress.training_seconds, self.progress.cpu_seconds)
+        self._bar = TrainingBar(self.progress, wanted.n_timesteps, self.console)
+        self._success: float | None = None
+        self._sampling_seconds = 0.0
+        folder = str(self.run.folder)
+        self._logger = Logger(folder, [TensorBoardOutputFormat(f"{folder}/tensorboard")])
+
+    def go_on(self, stop: StopRequest, on_checkpoint: Callable[[Run], None] | None) -> None:
+        """Learn until all steps are taken, or a signal asks to stop.
+
+        Raises:
+            TrainingInterruptedError: It does.
+            IrsimGymError: No worker answers.
+        """
+        wanted, progress = self.settings.hyperparameters, self.progress
+        following = (progress.steps // wanted.checkpoint_every + 1) * wanted.checkpoint_every
+        self._bar.start()
+        self._clock.start()
+        try:
+            while progress.steps < wanted.n_timesteps:
+                self._iterate()
+                is_due = following <= progress.steps < wanted.n_timesteps
+                if stop.signal is not None or is_due:
+                    self._save()
+                    following = (progress.steps // wanted.checkpoint_every + 1) * wanted.checkpoint_every
+                if stop.signal is not None and progress.steps < wanted.n_timesteps:
+                    message = f"stopped after {progress.steps:,} steps; nothing is lost"
+                    raise TrainingInterruptedError(message, stop.signal)
+                if is_due and on_checkpoint is not None:
+                    self._clock.stop()
+                    on_checkpoint(self.run)
+                    self._clock.start()
+        finally:
+            self._clock.stop()
+            self._bar.stop()
+            self._logger.close()
+        self._write()
+        self._bar.tell(progress, self._success)
+        files.export_policy(self.run.policy, self.model)
+        if stop.signal is not None:
+            message = f"stopped after all {progress.steps:,} steps; the run is finished"
+            raise TrainingInterruptedError(message, stop.signal)
+
+    def _iterate(self) -> None:
+        """Take the steps of one iteration; wait for workers that are started again.
+
+        Raises:
+            IrsimGymError: None has answered for a long time.
+        """
+        begun, before = time.monotonic(), self.progress.steps
+        while self.progress.steps == before:
+            self._note(self.algorithm.train())
+            if time.monotonic() - begun > STALLED_S:
+                raise IrsimGymError(f"no worker of RLlib has answered for {STALLED_S:.0f} s; the checkpoint is kept")
+
+    def _note(self, result: dict[str, Any]) -> None:
+        """Bring the progress, its log and the bar up to date."""
+        progress, sampled = self.progress, result.get(SAMPLED, {})
+        progress.steps = self._before[0] + int(sampled.get("num_env_steps_sampled_lifetime", 0))
+        self._sampling_seconds = float(sampled.get(CPU_SECONDS, self._sampling_seconds))
+        progress.training_seconds, own = self._clock.read()
+        is_apart = bool(self.algorithm.config.num_env_runners)
+        progress.cpu_seconds = own + (self._sampling_seconds if is_apart else 0.0)
+        figures = {name: sampled.get(name) for name in (SUCCESS, "episode_return_mean", "episode_len_mean")}
+        success = figures[SUCCESS]
+        self._success = self._success if success is None or success != success else float(success)
+        self._log(result, figures)
+        self._bar.show(progress, self._success)
+
+    def _log(self, result: dict[str, Any], figures: dict[str, Any]) -> None:
+        """Add a row to the log now and then, and to TensorBoard each time."""
+        progress, total = self.progress, self.settings.hyperparameters.n_timesteps
+        of_learner = result.get("learners", {}).get(DEFAULT_MODULE_ID, {})
+        shown = {f"train/{name}": value for name, value in of_learner.items() if not isinstance(value, dict)}
+        shown |= {f"rollout/{name}": value for name, value in figures.items() if value is not None}
+        for name, value in shown.items():
+            self._logger.record(name, float(value))
+        self._logger.dump(progress.steps)
+        logged = progress.history[-1]["steps"] if progress.history else 0
+        if progress.steps - logged < total / LOG_ROWS:
+            return
+        row = {"steps": progress.steps, "training_seconds": progress.training_seconds}
+        names = {"episode_return": "episode_return_mean", "episode_steps": "episode_len_mean"}
+        row |= {name: float(figures[key]) for name, key in names.items() if figures[key] is not None}
+        if self._success is not None:
+            row["success"] = self._success
+        progress.history.append(row)
+
+    def _save(self) -> None:
+        self._clock.stop()
+        self._write()
+        self._bar.tell(self.progress, self._success)
+        self._clock.start()
+
+    def _write(self) -> None:
+        """Write a checkpoint: the policy as Stable-Baselines3 does, and what RLlib needs to go on."""
+        weights = self.algorithm.learner_group.get_weights()[DEFAULT_MODULE_ID]
+        self.model.policy.load_state_dict(module_state(weights))
+        self.model.num_timesteps = self.progress.steps
+        state = {"learner": self.algorithm.learner_group.get_state()}
+        files.write_checkpoint(self.run.checkpoints, self.model, self.progress, state)

@@ -1,0 +1,60 @@
+"""Models of Stable-Baselines3 in files, read with care: see ``trusted``."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import zipfile
+from pathlib import Path
+
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import VecNormalize
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.checkpoint_files import NORMALIZATION
+from irsim_gym.training.trusted import harmless_objects, load_pickle
+
+OFF_POLICY = ("sac", "td3", "tqc", "dqn")
+"""Algorithms that are called like the module in which the classes of their policies are."""
+
+
+def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:
+    """Return the model in a file, and the normalisation beside it.
+
+    Raises:
+        IrsimGymError: It is no policy of Stable-Baselines3.
+    """
+    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
+    return model, _normalization(path.parent / NORMALIZATION)
+
+
+def _algorithm(path: Path) -> type[BaseAlgorithm]:
+    """Find out from the file which algorithm wrote it."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            data = json.loads(archive.read("data"))
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise IrsimGymError(f"{path} is not a policy of Stable-Baselines3: {error}") from error
+    module = str(data["policy_class"].get("__module__", ""))
+    if "recurrent" in module:
+        return find_algorithm("recurrent_ppo").load()
+    off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)
+    return find_algorithm(off_policy or ("ppo" if "clip_range" in data else "a2c")).load()
+
+
+def _normalization(path: Path) -> VecNormalize | None:
+    if not path.is_file():
+        return None
+    loaded: VecNormalize = load_pickle(path)
+    loaded.training = False
+    return loaded
+
+
+def frozen(normalization: VecNormalize | None) -> VecNormalize | None:
+    """Return a copy of a model's normalisation that learns no more, without its environment."""
+    if normalization is None:
+        return None
+    copied: VecNormalize = pickle.loads(pickle.dumps(normalization))
+    copied.training = False
+    return copied
