@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.envs.replays import RecordReplay
+    from irsim_gym.envs.torch_rows import torch_rows
     from irsim_gym.live import load, plan
     from irsim_gym.plugins import (
         action,
@@ -59,6 +60,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "plugins": ("irsim_gym.plugins", None),
     "record_demonstrations": ("irsim_gym.training.recorder", "record_demonstrations"),
     "sb3": ("irsim_gym.sb3", None),
+    "torch_rows": ("irsim_gym.envs.torch_rows", "torch_rows"),
 }
 
 _OF_IRSIM = (
@@ -99,6 +101,7 @@ __all__ = [
     "reward",
     "sb3",
     "sensor",
+    "torch_rows",
 ]
 
 

@@ -17,6 +17,7 @@ from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.tasks.transition import Percepts
 
 WORLD_LIMITS = 4
 """How many time limits a world lasts before it begins another level, where its agents are given new goals."""
@@ -128,6 +129,8 @@ class Batch:
         observation_space: Of one agent; robots of different drives share it.
         action_space: Of one agent.
         state_size: Length of the state of the team; 0 where it was left out.
+        returns: Sum of the rewards of each agent's episode so far, ``(n_worlds, n_agents)``.
+        last_seen: What each agent perceived last in the latest of its episodes that has ended, zeros before.
     """
 
     def __init__(
@@ -152,8 +155,8 @@ class Batch:
         self.observation_space, self.action_space = worlds.observation_space, worlds.action_space
         shape = (self.n_worlds, self.n_agents)
         self._live: Flags = np.zeros(shape, np.bool_)
-        self._seen = worlds.episodes.view.percepts.each(np.zeros_like)
-        self._returns: Floats = np.zeros(shape)
+        self.last_seen: Percepts = worlds.episodes.view.percepts.each(np.zeros_like)
+        self.returns: Floats = np.zeros(shape)
         self._age: Ints = np.zeros(self.n_worlds, np.int64)
 
     def __repr__(self) -> str:
@@ -219,19 +222,10 @@ class Batch:
             ResetNeeded: A world has not begun an episode.
             ValueError: The actions have a wrong shape or are not finite.
         """
-        if not self.worlds.begun.all():
-            raise ResetNeeded("call reset() before step()")
-        self.worlds.step(np.asarray(actions))
-        view, acted = self.worlds.episodes.view, self.live
-        self._age += 1
-        reward = np.where(acted, view.reward, 0.0)
-        self._returns += reward
-        terminated, truncated = acted & view.terminated, acted & view.truncated & ~view.terminated
-        if self.respawn:
-            truncated |= (self._age >= self.world_steps)[:, None] & ~terminated
-        terms, infos = view.reward_terms.copy(), self._infos()
+        reward, terminated, truncated, acted = self.advance(actions)
+        terms, infos = self.worlds.episodes.view.reward_terms.copy(), self._infos()
         final, final_state = self.observation(), self.state()
-        began = self._begin_again(terminated | truncated)
+        began = self.begin_again(terminated | truncated)
         return BatchStep(
             observation=self.observation(),
             reward=reward,
@@ -247,6 +241,25 @@ class Batch:
             final_state=final_state,
         )
 
+    def advance(self, actions: NDArray[Any]) -> tuple[Floats, Flags, Flags, Flags]:
+        """Do the first half of ``step``: advance all worlds, and restart nothing.
+
+        Returns:
+            ``reward``, ``terminated``, ``truncated`` and ``acted`` of ``BatchStep``, all fresh. ``begin_again`` has to
+            follow.
+        """
+        if not self.worlds.begun.all():
+            raise ResetNeeded("call reset() before step()")
+        self.worlds.step(np.asarray(actions))
+        view, acted = self.worlds.episodes.view, self.live
+        self._age += 1
+        reward = np.where(acted, view.reward, 0.0)
+        self.returns += reward
+        terminated, truncated = acted & view.terminated, acted & view.truncated & ~view.terminated
+        if self.respawn:
+            truncated |= (self._age >= self.world_steps)[:, None] & ~terminated
+        return reward, terminated, truncated, acted
+
     def choose_levels(self, levels: Sequence[int] | Ints) -> None:
         """Choose the level that each world begins next, ``(n_worlds,)``, see ``WorldVectorEnv.choose_levels``."""
         self.worlds.choose_levels(levels)
@@ -257,7 +270,7 @@ class Batch:
         if self._live.all():
             return layout.fresh(view)
         seen = view.percepts.each(np.ndarray.copy)
-        seen.overwrite(~self._live, self._seen)
+        seen.overwrite(~self._live, self.last_seen)
         return layout.formed(seen)
 
     def state(self) -> Rays:
@@ -285,10 +298,17 @@ class Batch:
         """Close the window and free the renderer; may be called twice."""
         self.worlds.close()
 
-    def _begin_again(self, ended: Flags) -> Flags:
-        """Begin levels and episodes where they are due, and return the agents that begin."""
+    def begin_again(self, ended: Flags) -> Flags:
+        """Do the second half of ``step``: begin levels and episodes where they are due.
+
+        Args:
+            ended: The agents whose episodes have ended in this step, ``(n_worlds, n_agents)``.
+
+        Returns:
+            The agents that begin an episode, of the same shape.
+        """
         if ended.any():
-            self._seen.overwrite(ended, self.worlds.episodes.view.percepts)
+            self.last_seen.overwrite(ended, self.worlds.episodes.view.percepts)
             self._live &= ~ended
         over = self._age >= self.world_steps if self.respawn else ~self._live.any(axis=1) & self.autoreset
         began: Flags = np.zeros_like(ended)
@@ -304,12 +324,17 @@ class Batch:
         self._open(began)
         return began
 
-    def _beginning(self, chosen: Ints) -> BatchStep:
-        """Record that the chosen worlds have begun a level, in which no agent has acted yet."""
+    def note_beginnings(self, chosen: Ints) -> Flags:
+        """Note that the chosen worlds ``(n,)`` have begun a level, and return the agents that begin in them."""
         began = np.zeros((self.n_worlds, self.n_agents), np.bool_)
         began[chosen] = True
         self._age[chosen] = 0
         self._open(began)
+        return began
+
+    def _beginning(self, chosen: Ints) -> BatchStep:
+        """Return what a reset gives to the chosen worlds, in which no agent has acted yet."""
+        began = self.note_beginnings(chosen)
         none = np.zeros_like(began)
         return BatchStep(
             observation=self.observation(),
@@ -342,9 +367,9 @@ class Batch:
         if not began.any():
             return
         self._live |= began
-        self._returns[began] = 0.0
+        self.returns[began] = 0.0
 
     def _infos(self) -> dict[str, NDArray[Any]]:
         infos = {key: values.copy() for key, values in self.worlds.episodes.view.infos.items()}
-        infos["episode_return"] = self._returns.copy()
+        infos["episode_return"] = self.returns.copy()
         return infos

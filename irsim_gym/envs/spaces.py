@@ -78,6 +78,28 @@ class ObservationLayout:
         pictures = self._pictures(seen, place)
         return {**pictures, VECTOR: vector} if self.columns else pictures
 
+    def shared(self, seen: Percepts, place: Any = ...) -> Observation:
+        """Return observations in the declared form as views, which change with what the agents perceive.
+
+        Args:
+            seen: What agents perceive.
+            place: A slice or an index into the axes of the agents.
+
+        Raises:
+            ValueError: The form puts columns together that lie apart, as the goal form does.
+        """
+        if self.picked is not None or not all(isinstance(columns, slice) for columns in self.columns.values()):
+            raise ValueError("these observations are put together from columns that lie apart: only a copy has them")
+        rows: NDArray[Any] = seen.observation[place]
+        if self.plain:
+            return rows
+        pictures = {name: seen.images[name][place] for name in self.images}
+        if not self.flat:
+            return {**{name: rows[..., columns] for name, columns in self.columns.items()}, **pictures}
+        if self.columns:
+            return {**pictures, VECTOR: rows}
+        return next(iter(pictures.values())) if len(pictures) == 1 else pictures
+
     def formed(self, seen: Percepts) -> Observation:
         """Return unshared observations in the declared form; the given arrays where these have it."""
         return seen.observation if self.plain else self.fresh(seen)

@@ -1,0 +1,33 @@
+"""The pages of docs/libraries: what they show is what is tested."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+FOLDER = Path(__file__).parents[2] / "docs" / "libraries"
+HEAD = re.compile(r"^# (.+?)(?: ([\d.]+))?\n")
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def names() -> list[str]:
+    """Return the names of the pages, which are those of the modules."""
+    return sorted(page.stem for page in FOLDER.glob("*.md"))
+
+
+def text_of(name: str) -> str:
+    """Return what a page says."""
+    return (FOLDER / f"{name}.md").read_text(encoding="utf-8")
+
+
+def blocks(name: str) -> list[str]:
+    """Return the code of a page."""
+    return BLOCK.findall(text_of(name))
+
+
+def shown(name: str, number: int = 0) -> dict[str, Any]:
+    """Run a block of a page, and return what it defines."""
+    found: dict[str, Any] = {"__name__": f"page_{name}"}
+    exec(compile(blocks(name)[number], f"{name}.md", "exec", dont_inherit=True), found)
+    return found
