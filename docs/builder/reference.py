@@ -52,13 +52,18 @@ SECTIONS = {
         "What ``compile`` and ``load_scenario`` return: the simulator alone, without tasks.",
         names=("irsim_gym.engine.simulation.Simulation", "irsim_gym.scenario.spec.Scenario"),
     ),
-    "tasks": Section("irsim_gym.tasks", "Tasks, and the codes in infos.", "irsim_gym.tasks"),
+    "tasks": Section(
+        "irsim_gym.tasks",
+        "Tasks, and the codes in infos.",
+        names=tuple(f"irsim_gym.tasks.{name}" for name in ("load_task", "Task", "Outcome", "HitKind")),
+    ),
     "sb3": Section("irsim_gym.sb3", "For Stable-Baselines3.", "irsim_gym.sb3"),
     "results": Section(
         "Results and policies",
         "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
         names=(
-            "irsim_gym.evaluation.results.Evaluation",
+            "irsim_gym.training.evaluate.Evaluation",
+            "irsim_gym.training.evaluate_teams.TeamEvaluation",
             "irsim_gym.arenas.contest.Arena",
             "irsim_gym.training.shelf.ShelfPolicy",
             "irsim_gym.training.cards.PolicyCard",
