@@ -73,7 +73,7 @@ docs: $(DOCS_READY)
 	$(BIN)/python docs/build.py $(ARGS)
 
 lessons: $(DOCS_READY)
-	$(BIN)/python docs/lessons.py $(ARGS)
+	$(BIN)/python docs/run_lessons.py $(ARGS)
 
 mutate: $(MUTATE_READY)
 	$(BIN)/python tests/mutation/run.py $(ARGS)

@@ -11,7 +11,6 @@ release = version = __version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
 exclude_patterns = ["files/**"]
-suppress_warnings = ["toc.empty_glob"]  # pages of other libraries come and go
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]

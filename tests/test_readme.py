@@ -28,6 +28,10 @@ READ = (
 )
 """Pages of docs/ in the order of reading; other tests run the blocks of the rest."""
 PAGES = (README, *(DOCS / f"{name}.md" for name in READ), CONTRIBUTING)
+NOT_FOLLOWED = (CONTRIBUTING, DOCS / "submitting.md")
+"""Pages about runs of one's own."""
+GROUPS = {"suite"}
+"""Commands that have commands of their own."""
 LONG = {"make", "train", "evaluate", "arena", "record", "demo", "play", "bench", "suite"}
 LARGEST_DIFFERENCE = 8.0
 PROGRAM = [sys.executable, "-c", "from irsim_gym.cli import main; main()"]
@@ -113,7 +117,8 @@ def test_commands_exist(
         assert all(re.search(rf"^{target}:", rules, re.MULTILINE) for target in words[1:])
     elif words[0] == "irsim-gym":
         if words[1] in LONG:
-            assert run(monkeypatch, words[1], "--help") == 0
+            monkeypatch.setenv("COLUMNS", "200")
+            assert run(monkeypatch, *words[1 : 3 if words[1] in GROUPS else 2], "--help") == 0
             shown = capsys.readouterr().out
             assert all(word.split("=")[0] in shown for word in words if word.startswith("--"))
         else:
@@ -126,7 +131,7 @@ def test_commands_exist(
 def test_a_reader_who_follows_the_pages_gets_everywhere(tmp_path: Path) -> None:
     """Whatever stands there runs as it stands, in the order in which it stands, trainings included."""
     (tmp_path / "agents").symlink_to(ROOT / "agents")
-    for block in (block for page in PAGES if page != CONTRIBUTING for block in all_blocks(page)):
+    for block in (block for page in PAGES if page not in NOT_FOLLOWED for block in all_blocks(page)):
         named = re.match(r"# (\S+\.(?:yaml|py))\n", block.text)
         if named is not None:
             (tmp_path / named[1]).write_text(block.text, encoding="utf-8")

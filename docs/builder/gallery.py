@@ -59,7 +59,7 @@ def _index(files: dict[str, Path], have: dict[str, drawn.Pictures]) -> str:
         ("Worlds to learn in", [name for name in files if name not in suite]),
         ("Benchmarks", [name for name in files if name in suite]),
     ):
-        parts.append(f"## {title}\n\n" + "\n".join(["````{div} gallery", *_tiles(chosen, have), "````"]) + "\n")
+        parts.append(f"## {title}\n\n" + "\n".join(["````{container} gallery", *_tiles(chosen, have), "````"]) + "\n")
     listed = "\n".join(files)
     return "\n".join(parts) + f"\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n"
 

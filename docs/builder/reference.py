@@ -78,7 +78,8 @@ SECTIONS = {
 
 def pages() -> dict[str, str]:
     """Return the pages as reStructuredText, by their places."""
-    return {f"reference/{key}.rst": _page(section) for key, section in SECTIONS.items()}
+    shown: set[int] = set()
+    return {f"reference/{key}.rst": _page(section, shown) for key, section in SECTIONS.items()}
 
 
 def names(section: Section) -> Iterator[tuple[str, Any]]:
@@ -104,10 +105,15 @@ def public(module: ModuleType) -> list[str]:
     ]
 
 
-def _page(section: Section) -> str:
+def _page(section: Section, shown: set[int]) -> str:
+    """Return a page; classes that another page shows too are indexed once."""
     lines = [section.title, "=" * len(section.title), "", section.intro, ""]
     for dotted, value in names(section):
-        lines += _entry(dotted, value)
+        entry = _entry(dotted, value)
+        if id(value) in shown:
+            entry.insert(1, "   :no-index:")
+        shown.add(id(value))
+        lines += entry
     return "\n".join(lines)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import json
 import re
 import shutil
@@ -57,7 +58,7 @@ def stage(root: Path, out: Path, generated: Mapping[str, str]) -> None:
         _write(out / place, text)
     for source, place in pages.items():
         if source not in ONLY_LINKED and "#" not in place:
-            _write(out / place, _page(root, source, place, pages))
+            _write(out / place, expanded(_page(root, source, place, pages), pages.values()))
             written.add(out / place)
     _write(out / "decisions.md", _decisions(root, pages))
     written.add(out / "decisions.md")
@@ -68,6 +69,20 @@ def stage(root: Path, out: Path, generated: Mapping[str, str]) -> None:
         if place.suffix == ".md":
             written |= set(_linked_files(root, out, place))
     _remove_all_but(out, written)
+
+
+def expanded(text: str, places: Iterable[str]) -> str:
+    """Return a page whose lists of pages have names in place of patterns; one that matches nothing is left out.
+
+    Sphinx expands patterns too, but warns of those that match nothing, and pages of other libraries come and go.
+    """
+    names = sorted(place.removesuffix(".md") for place in places if place.endswith(".md"))
+
+    def listed(found: re.Match[str]) -> str:
+        lines = found[0].split("\n")
+        return "\n".join(name for line in lines for name in (fnmatch.filter(names, line) if "*" in line else [line]))
+
+    return re.sub(r"^```\{toctree\}$.*?^```$", listed, text, flags=re.MULTILINE | re.DOTALL)
 
 
 def _page(root: Path, source: str, place: str, pages: Mapping[str, str]) -> str:
