@@ -52,7 +52,7 @@ lint: $(TESTS_READY)
 test: lint
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries" $(ARGS)
 
-test-slow: lint
+test-slow: lint $(DOCS_READY)
 	$(BIN)/python -m pytest -m "not gui and not libraries" $(ARGS)
 
 test-bounds: $(TESTS_READY)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import irsim_gym
 from builder import pictures as drawn
 from builder import tables
-
-import irsim_gym
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.library import benchmark_names, every_scenario, references_file
 from irsim_gym.scenario.load import load_scenario
@@ -25,14 +24,15 @@ from irsim_gym.training.shelf_tables import percent
 FOLDER = "scenarios"
 
 
-def pages(source: Path, *, pictures: bool = True) -> dict[str, str]:
+def pages(source: Path, *, pictures: bool = True, names: Sequence[str] | None = None) -> dict[str, str]:
     """Return the pages of the gallery by their places, and draw their pictures.
 
     Args:
         source: The folder that Sphinx reads.
         pictures: Draw levels and films that are older than what they show; else only use those that are there.
+        names: The scenarios; None for all.
     """
-    files = every_scenario()
+    files = {name: file for name, file in every_scenario().items() if names is None or name in names}
     if pictures:
         for name, file in files.items():
             drawn.draw(name, file, source / FOLDER)

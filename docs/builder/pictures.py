@@ -107,5 +107,7 @@ def _small(picture: Image.Image) -> Image.Image:
 
 @cache
 def _newest_drawing() -> float:
-    files = [file for place in DRAWING for file in ((ROOT / place).rglob("*.py") if "." not in place else [ROOT / place])]
+    files = [
+        file for place in DRAWING for file in ((ROOT / place).rglob("*.py") if "." not in place else [ROOT / place])
+    ]
     return max(file.stat().st_mtime for file in files)

@@ -98,7 +98,9 @@ def _page(root: Path, source: str, place: str, pages: Mapping[str, str]) -> str:
 
 def _decisions(root: Path, pages: Mapping[str, str]) -> str:
     """Return one page with all decisions."""
-    parts = ["# Decisions\n\nWhat was decided, why, and what it costs. [The design](design.md) lists them by subject.\n"]
+    parts = [
+        "# Decisions\n\nWhat was decided, why, and what it costs. [The design](design.md) lists them by subject.\n"
+    ]
     for file in decisions(root):
         text = rewrite(
             file.read_text(encoding="utf-8"), f"docs/decisions/{file.name}", "decisions.md", dict(pages), root
