@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from builder import check, gallery, language, reference, stage
+from builder import check, gallery, language, pictures, reference, stage
 from sphinx.cmd.build import build_main
 
 HERE = Path(__file__).parent
@@ -26,6 +26,7 @@ def main() -> int:
     generated = {**language.pages(), **reference.pages()}
     generated |= gallery.pages(source, pictures=not asked.no_pictures)
     stage.stage(ROOT, source, generated)
+    (source / pictures.EXTRA).mkdir(exist_ok=True)
     options = ["-W", "--keep-going", "-q", "-j", "auto", "-b", "html", "-c", str(HERE)]
     if status := build_main([*options, "-d", str(ROOT / "build" / "site-doctrees"), str(source), str(asked.out)]):
         return int(status)

@@ -29,7 +29,8 @@ python_maximum_signature_line_length = 100
 
 html_theme = "furo"
 html_title = f"irsim_gym {version}"
-html_static_path: list[str] = ["_static"]
+html_static_path = ["_static"]
+html_extra_path = ["../build/site-source/extra"]  # films
 html_css_files = ["site.css"]
 html_show_sphinx = False
 html_copy_source = False

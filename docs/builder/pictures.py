@@ -18,10 +18,12 @@ from irsim_gym.training.look import begin_level
 
 SIZE = 480
 """Longer side of a picture and of a film [pixels]."""
+EXTRA = "extra"
+"""Folder beside that of the pictures whose content Sphinx copies to the top of the site."""
 MOST_FRAMES = 150
 PER_SECOND = 15
 ROOT = Path(__file__).parents[2]
-DRAWING = ("irsim_gym/render", "irsim_gym/raster", "docs/builder/pictures.py")
+DRAWING = ("irsim_gym/render", "irsim_gym/raster")
 """What a picture depends on beside its scenario; a film of an older step stays until ``make clean``."""
 
 
@@ -41,7 +43,7 @@ def existing(name: str, folder: Path) -> Pictures:
 
 def film_of(name: str, folder: Path) -> Path:
     """Return the file of a film, which is empty where nothing moves."""
-    return folder / "films" / f"{name}.mp4"
+    return folder.parent / EXTRA / "films" / f"{name}.mp4"
 
 
 def draw(name: str, file: Path, folder: Path) -> None:
@@ -107,7 +109,5 @@ def _small(picture: Image.Image) -> Image.Image:
 
 @cache
 def _newest_drawing() -> float:
-    files = [
-        file for place in DRAWING for file in ((ROOT / place).rglob("*.py") if "." not in place else [ROOT / place])
-    ]
-    return max(file.stat().st_mtime for file in files)
+    files = (file for place in DRAWING for file in (ROOT / place).rglob("*.py"))
+    return max(file.stat().st_mtime for file in (Path(__file__), *files))

@@ -21,6 +21,8 @@ ELSEWHERE = {
 """Pages outside of docs/; other Markdown files at the top go to ``project/``."""
 ONLY_LINKED = ("README.md", "configs/README.md")
 """The site has pages of its own in their place."""
+DRAWN = ("scenarios", "extra")
+"""Folders of the site's sources where pictures and films are drawn, and stay."""
 SKIPPED = ("builder", "decisions", "__pycache__")
 """Folders of docs/ that are not copied as they are."""
 
@@ -98,9 +100,7 @@ def _page(root: Path, source: str, place: str, pages: Mapping[str, str]) -> str:
 
 def _decisions(root: Path, pages: Mapping[str, str]) -> str:
     """Return one page with all decisions."""
-    parts = [
-        "# Decisions\n\nWhat was decided, why, and what it costs. [The design](design.md) lists them by subject.\n"
-    ]
+    parts = ["# Decisions\n\nWhat was decided, why, and at what cost. [The design](design.md) lists them by subject.\n"]
     for file in decisions(root):
         text = rewrite(
             file.read_text(encoding="utf-8"), f"docs/decisions/{file.name}", "decisions.md", dict(pages), root
@@ -142,5 +142,5 @@ def _copy(file: Path, place: Path) -> Path:
 def _remove_all_but(folder: Path, kept: Iterable[Path]) -> None:
     keep = {file.resolve() for file in kept}
     for file in sorted(folder.rglob("*")):
-        if file.is_file() and file.resolve() not in keep and "scenarios" not in file.relative_to(folder).parts[:1]:
+        if file.is_file() and file.resolve() not in keep and file.relative_to(folder).parts[0] not in DRAWN:
             file.unlink()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -79,10 +80,8 @@ def seen(driver: Any, width: int, height: int, scheme: str) -> None:
 
 
 def brightness(driver: Any) -> float:
-    shades = driver.execute_script(
-        "return getComputedStyle(document.body).backgroundColor.match(/[0-9.]+/g).slice(0, 3)"
-    )
-    return sum(map(float, shades)) / 3
+    color = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
+    return sum(map(float, re.findall(r"[0-9.]+", color)[:3])) / 3
 
 
 def keep(driver: Any, name: str, how: str) -> None:
