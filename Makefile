@@ -14,12 +14,14 @@ BIN         := $(VENV)/bin
 INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready
 GUI_READY   := $(VENV)/.gui-ready
+DOCS_READY  := $(VENV)/.docs-ready
 MUTATE_READY := $(VENV)/.mutate-ready
 VERSIONS_READY := $(VENV)/.versions-ready
 LIBRARIES   := build/libraries
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint ruff mypy test fast-tests test-slow test-bounds test-gui test-versions test-libraries mutate bench peers clean
+.PHONY: help demo install docs lessons lint ruff mypy test fast-tests test-slow test-bounds test-gui test-versions \
+        test-libraries mutate bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -29,7 +31,9 @@ help:
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
-	@echo "make test-libraries  TorchRL, skrl, SuperSuit, AgileRL and Ray RLlib with our environments, in build/libraries"
+	@echo "make test-libraries  other libraries with our environments, in build/libraries"
+	@echo "make docs        the site, in build/site (ARGS=--no-pictures: quick, without new pictures)"
+	@echo "make lessons     run the notebooks of docs/lessons and keep their outputs (ARGS=NAME: one of them)"
 	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
 	@echo "make bench       the benchmarks (ARGS=... is passed on)"
 	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
@@ -56,7 +60,7 @@ test: ruff
 fast-tests: $(TESTS_READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries" $(ARGS)
 
-test-slow: lint
+test-slow: lint $(DOCS_READY)
 	$(BIN)/python -m pytest -m "not gui and not libraries" $(ARGS)
 
 test-bounds: $(TESTS_READY)
@@ -73,6 +77,12 @@ test-libraries: $(LIBRARIES)/torchrl/.ready $(LIBRARIES)/agilerl/.ready $(LIBRAR
 	$(LIBRARIES)/torchrl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
 	$(LIBRARIES)/agilerl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
 	$(LIBRARIES)/rllib/bin/python -m pytest -m libraries tests/libraries $(ARGS)
+
+docs: $(DOCS_READY)
+	$(BIN)/python docs/build.py $(ARGS)
+
+lessons: $(DOCS_READY)
+	$(BIN)/python docs/run_lessons.py $(ARGS)
 
 mutate: $(MUTATE_READY)
 	$(BIN)/python tests/mutation/run.py $(ARGS)
@@ -104,7 +114,11 @@ $(TESTS_READY): pyproject.toml constraints.txt
 	@touch $(INSTALLED) $@
 
 $(GUI_READY): $(TESTS_READY)
-	$(INSTALL) -e ".[test,test-gui]"
+	$(INSTALL) -e ".[test,test-gui,docs]"
+	@touch $@
+
+$(DOCS_READY): $(INSTALLED)
+	$(INSTALL) -e ".[docs]"
 	@touch $@
 
 $(VERSIONS_READY): $(TESTS_READY)

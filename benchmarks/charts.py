@@ -1,4 +1,4 @@
-"""Write the tables of README.md here and of the first page, and draw the charts, from results/*.json.
+"""Write the tables of README.md here and of docs/speed.md, and draw the charts, from results/*.json.
 
     python benchmarks/charts.py [--check]
 
@@ -17,7 +17,7 @@ import tables
 from pictures import CASES, PEERS, Found
 
 HERE = Path(__file__).parent
-README, FRONT = HERE / "README.md", HERE.parent / "README.md"
+README, FRONT = HERE / "README.md", HERE.parent / "docs" / "speed.md"
 BEGIN, END = "<!-- written by charts.py from here -->", "<!-- to here -->"
 
 
@@ -47,7 +47,7 @@ def text(found: Found) -> str:
 
 
 def front(found: Found) -> str:
-    """Return what the first page says of the results."""
+    """Return what docs/speed.md says of the results."""
     return tables.front(found[PEERS]) if PEERS in found else ""
 
 

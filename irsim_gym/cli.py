@@ -106,7 +106,7 @@ def options(
     ] = None,
     modules: Imports = None,
 ) -> None:
-    """Print the reference of all options, or of one kind, or update a page such as configs/README.md."""
+    """Print the reference of all options, or of one kind, or update the tables of a Markdown page."""
     from irsim_gym.scenario.option_tables import markdown, rewritten
 
     if name is None:

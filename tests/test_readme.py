@@ -1,4 +1,4 @@
-"""What README.md and CONTRIBUTING.md show is run."""
+"""What README.md, CONTRIBUTING.md and the pages of the site show is run."""
 
 from __future__ import annotations
 
@@ -21,12 +21,25 @@ from irsim_gym import families
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"
-PICTURE = ROOT / "docs" / "cluttered_room.png"
-LONG = {"make", "train", "evaluate", "arena", "record", "demo", "play", "bench"}
+DOCS = ROOT / "docs"
+PICTURE = DOCS / "cluttered_room.png"
+READ = (
+    *("start", "own_scenario", "irsim_files", "scripts", "rendering", "driving", "training", "images", "teams"),
+    *("guides", "plugins", "performance", "reproducibility", "submitting"),
+    *("from_irsim", "from_vmas", "from_navground_learning"),
+)
+"""Pages of docs/ in the order of reading; other tests run the blocks of the rest."""
+PAGES = (README, *(DOCS / f"{name}.md" for name in READ), CONTRIBUTING)
+NOT_FOLLOWED = (CONTRIBUTING, DOCS / "submitting.md")
+"""Pages about runs of one's own."""
+GROUPS = {"suite"}
+"""Commands that have commands of their own."""
+LONG = {"make", "train", "evaluate", "arena", "record", "demo", "play", "bench", "suite"}
 LARGEST_DIFFERENCE = 8.0
 PROGRAM = [sys.executable, "-c", "from irsim_gym.cli import main; main()"]
 
 
+FOLDERS = ("agents", "benchmarks", "configs")
 ELSEWHERE = {"make", "source", "pip", "play"}
 """What sets up or opens a window: not run when a page is followed from top to bottom."""
 
@@ -56,6 +69,10 @@ def blocks(page: Path, language: str) -> list[Block]:
     return [block for block in all_blocks(page) if block.language == language]
 
 
+def on_pages(language: str) -> list[Block]:
+    return [block for page in PAGES for block in blocks(page, language)]
+
+
 def lines_of(block: Block) -> list[str]:
     lines = [line.split("#")[0].strip() for line in block.text.splitlines()]
     return [line for line in lines if line]
@@ -67,11 +84,11 @@ def commands(page: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the README's own scenario in it, named as its code blocks name it."""
+    """A folder with the files that the pages show, named as their code blocks name them."""
     place = tmp_path_factory.mktemp("readme")
-    for block in blocks(README, "yaml"):
+    for block in on_pages("yaml"):
         (place / _file_name(block)).write_text(block.text, encoding="utf-8")
-    for block in [*blocks(README, "python"), *blocks(CONTRIBUTING, "python")]:
+    for block in on_pages("python"):
         if block.text.startswith("# "):
             (place / block.text.split()[1]).write_text(block.text, encoding="utf-8")
     return place
@@ -92,14 +109,14 @@ def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
             del sys.modules[name]
 
 
-@pytest.mark.parametrize("block", [*blocks(README, "python"), *blocks(CONTRIBUTING, "python")], ids=str)
+@pytest.mark.parametrize("block", on_pages("python"), ids=str)
 @pytest.mark.usefixtures("at_home")
 def test_python_blocks_run(block: Block) -> None:
     """In this process; that they run in processes of their own is a slow test."""
     exec(compile(block.text, str(block), "exec", dont_inherit=True), {"__name__": "__main__"})
 
 
-@pytest.mark.parametrize("block", blocks(README, "yaml"), ids=str)
+@pytest.mark.parametrize("block", on_pages("yaml"), ids=str)
 def test_scenarios_load_and_run(block: Block, folder: Path) -> None:
     env = irsim_gym.make(folder / _file_name(block))
     env.reset(seed=0)
@@ -107,7 +124,7 @@ def test_scenarios_load_and_run(block: Block, folder: Path) -> None:
     env.close()
 
 
-@pytest.mark.parametrize("command", [*commands(README), *commands(CONTRIBUTING)])
+@pytest.mark.parametrize("command", list(dict.fromkeys(line for page in PAGES for line in commands(page))))
 @pytest.mark.usefixtures("at_home", "played_here")
 def test_commands_exist(command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Short commands are run; of the long ones it is checked that they exist and take these options."""
@@ -118,7 +135,8 @@ def test_commands_exist(command: str, monkeypatch: pytest.MonkeyPatch, capsys: p
         assert all(re.search(rf"^{target}:", rules, re.MULTILINE) for target in words[1:])
     elif words[0] == "irsim-gym":
         if words[1] in LONG:
-            assert run(monkeypatch, words[1], "--help") == 0
+            monkeypatch.setenv("COLUMNS", "200")
+            assert run(monkeypatch, *words[1 : 3 if words[1] in GROUPS else 2], "--help") == 0
             shown = capsys.readouterr().out
             assert all(word.split("=")[0] in shown for word in words if word.startswith("--"))
         else:
@@ -128,10 +146,10 @@ def test_commands_exist(command: str, monkeypatch: pytest.MonkeyPatch, capsys: p
 
 
 @pytest.mark.slow
-def test_a_reader_who_follows_the_page_gets_everywhere(tmp_path: Path) -> None:
+def test_a_reader_who_follows_the_pages_gets_everywhere(tmp_path: Path) -> None:
     """Whatever stands there runs as it stands, in the order in which it stands, trainings included."""
     (tmp_path / "agents").symlink_to(ROOT / "agents")
-    for block in all_blocks(README):
+    for block in (block for page in PAGES if page not in NOT_FOLLOWED for block in all_blocks(page)):
         named = re.match(r"# (\S+\.(?:yaml|py))\n", block.text)
         if named is not None:
             (tmp_path / named[1]).write_text(block.text, encoding="utf-8")
@@ -152,7 +170,7 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
     """The committed picture is what the first code block makes, but for fonts and anti-aliasing."""
     import imageio.v3 as iio
 
-    first = blocks(README, "python")[0]
+    first = blocks(DOCS / "start.md", "python")[0]
     _run([sys.executable, "-W", "error", "-c", first.text], folder)
     made = iio.imread(folder / PICTURE.name)[..., :3].astype(np.float64)
     shown = iio.imread(PICTURE)[..., :3].astype(np.float64)
@@ -161,15 +179,7 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    decisions = sorted((ROOT / "docs" / "decisions").glob("*.md"))
-    for page in (
-        README,
-        CONTRIBUTING,
-        ROOT / "DESIGN.md",
-        ROOT / "SECURITY.md",
-        ROOT / "docs" / "arena.md",
-        *decisions,
-    ):
+    for page in (*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *(ROOT / name / "README.md" for name in FOLDERS)):
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"(?:\]\(|^\[\w+\]: )([^)#\s]+)", text, re.MULTILINE):
             assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
@@ -180,6 +190,16 @@ def test_lines_of_pages_have_at_most_120_characters() -> None:
     pages = [*ROOT.glob("[!R]*.md"), *(ROOT / "docs").rglob("*.md"), *ROOT.glob("configs/*.md")]
     lines = [(page, n, line) for page in pages for n, line in enumerate(page.read_text("utf-8").splitlines(), 1)]
     assert not [f"{page.name}:{n}" for page, n, line in lines if len(line) > 120 and not line.startswith("|")]
+
+
+def test_the_first_page_is_short_and_its_figures_stand_where_it_says() -> None:
+    text = README.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 120
+    speed, agents = (page.read_text(encoding="utf-8") for page in (DOCS / "speed.md", ROOT / "agents" / "README.md"))
+    teams = (DOCS / "teams.md").read_text(encoding="utf-8")
+    for figure, page in (("0.52", speed), ("1,345", speed), ("98.2", agents), ("99.1", agents), ("100 %", teams)):
+        assert figure in text
+        assert figure in page
 
 
 def test_design_lists_all_decisions() -> None:

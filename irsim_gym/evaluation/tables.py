@@ -218,7 +218,7 @@ def worst_table(worst: Mapping[str, Mapping[str, float]], seeds: Mapping[str, Se
 
 def table_text(table: Table) -> str:
     """Return a table as plain text."""
-    console = Console(width=WIDTH, file=io.StringIO(), record=True)
+    console = Console(width=WIDTH, file=io.StringIO(), record=True, force_jupyter=False)
     console.print(table)
     return "\n".join(line.rstrip() for line in console.export_text().splitlines()) + "\n"
 

@@ -2,7 +2,7 @@
 
 A function is called for one body of one world at a time, so that a batch equals single environments bit for bit. A
 class treats many worlds at once, with NumPy or with kernels; its family's protocol says what it has to have, and is
-checked when the class is registered. CONTRIBUTING.md shows each.
+checked when the class is registered. docs/plugins.md shows each.
 """
 
 from irsim_gym.behaviors.custom import behavior, group_behavior

@@ -1,4 +1,4 @@
-"""The language as tables, for the reference in ``configs/README.md``; made from the declarations themselves."""
+"""The language as tables, for the command line and the site; made from the declarations themselves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""README.md and the charts come from committed results alone."""
+"""The pages and the charts come from committed results alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kinds from outside: the plugins that CONTRIBUTING.md shows, as they stand there, and mistakes in others."""
+"""Kinds from outside: the plugins that docs/plugins.md shows, as they stand there, and mistakes in others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from irsim_gym.errors import IrsimGymError, KindError, ScenarioError
 from irsim_gym.plugins import Outcome, kernel, kind, option
 from irsim_gym.tasks import Episodes, load_task, term_watch
 
-PAGE = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "plugins.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 FIVE = next(block for block in BLOCKS if block.startswith("# my_plugins.py"))
 TWO = next(block for block in BLOCKS if "@irsim_gym.placement" in block)
@@ -53,7 +53,7 @@ def _page(monkeypatch: pytest.MonkeyPatch) -> None:
     for family in families.every():
         monkeypatch.setattr(family, "_entries", dict(family._entries))
     for block in (FIVE, TWO.split("team =")[0]):
-        exec(compile(block, "CONTRIBUTING.md", "exec", dont_inherit=True), {"__name__": "my_plugins"})
+        exec(compile(block, "docs/plugins.md", "exec", dont_inherit=True), {"__name__": "my_plugins"})
 
 
 def episodes(scenario: dict[str, Any], task: dict[str, Any], n_worlds: int = 2) -> Episodes:

@@ -195,7 +195,7 @@ def test_the_replay_buffer_is_that_of_single_environments() -> None:
 
 @pytest.mark.slow
 def test_hindsight_replay_learns_to_arrive() -> None:
-    """Each step costs 1 and the one that arrives nothing, as README.md has it; some two minutes of one core.
+    """Each step costs 1 and the one that arrives nothing, as docs/training.md has it; some two minutes of one core.
 
     Where replayed arrivals do not end, the same learner arrived in 43 to 69 of these levels between
     24,000 and 48,000 steps.

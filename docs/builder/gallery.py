@@ -1,0 +1,154 @@
+"""The gallery: a page for each shipped scenario, from its file, its environment, the suite's rows and the shelf."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import irsim_gym
+from builder import pictures as drawn
+from builder import tables
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.scenario.library import benchmark_names, every_scenario, references_file
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.parameters import ParameterSpec
+from irsim_gym.scenario.source import read_file
+from irsim_gym.suite import suite_tables
+from irsim_gym.suite.members import shipped_suite
+from irsim_gym.suite.suite_record import SuiteRecord
+from irsim_gym.training.cards import PolicyCard, read_card
+from irsim_gym.training.shelf import shelf_files
+from irsim_gym.training.shelf_tables import percent
+
+FOLDER = "scenarios"
+
+
+def pages(source: Path, *, pictures: bool = True, names: Sequence[str] | None = None) -> dict[str, str]:
+    """Return the pages of the gallery by their places, and draw their pictures.
+
+    Args:
+        source: The folder that Sphinx reads.
+        pictures: Draw levels and films that are older than what they show; else only use those that are there.
+        names: The scenarios; None for all.
+    """
+    files = {name: file for name, file in every_scenario().items() if names is None or name in names}
+    if pictures:
+        for name, file in files.items():
+            drawn.draw(name, file, source / FOLDER)
+    have = {name: drawn.existing(name, source / FOLDER) for name in files}
+    made = {f"{FOLDER}/{name}.md": _page(name, file, have[name]) for name, file in files.items()}
+    return {f"{FOLDER}/index.md": _index(files, have), **made}
+
+
+def intro(file: Path) -> str:
+    """Return the comment at the head of a scenario file, without its commands."""
+    lines = []
+    for line in file.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.removeprefix("#").strip())
+    told = "\n".join(lines).split("\n\n")
+    return "\n\n".join(part for part in told if not part.startswith(("gymnasium.make", "irsim-gym ")))
+
+
+def _index(files: dict[str, Path], have: dict[str, drawn.Pictures]) -> str:
+    parts = ["# Scenarios\n\nEvery shipped world, with what a robot observes, does and is paid for in it.\n"]
+    suite = set(benchmark_names())
+    for title, chosen in (
+        ("Worlds to learn in", [name for name in files if name not in suite]),
+        ("Benchmarks", [name for name in files if name in suite]),
+    ):
+        parts.append(f"## {title}\n\n" + "\n".join(["````{container} gallery", *_tiles(chosen, have), "````"]) + "\n")
+    listed = "\n".join(files)
+    return "\n".join(parts) + f"\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n"
+
+
+def _tiles(names: list[str], have: dict[str, drawn.Pictures]) -> Iterator[str]:
+    for name in names:
+        if have[name].level:
+            yield f"```{{figure}} {name}.png\n:alt: A level of {name}\n:target: {name}.html\n\n[{name}]({name}.md)\n```"
+        else:
+            yield f"[{name}]({name}.md)\n"
+
+
+def _page(name: str, file: Path, have: drawn.Pictures) -> str:
+    parts = [f"# {name}", intro(file) or "A shipped scenario."]
+    if have.level:
+        parts.append(f"![A level of {name}]({name}.png)")
+    if have.film:
+        parts.append(
+            "The behaviours of the file drive in this film:\n\n```{raw} html\n"
+            f"<video src='../films/{name}.mp4' controls loop muted preload='metadata' "
+            f"aria-label='{name}, driven by its behaviours'></video>\n```"
+        )
+    parts.append(f'```python\nimport irsim_gym\n\nenv = irsim_gym.make("{name}")\n```')
+    parts += [*_parameters(file), *_learned(name), *_rows(name), *_cards(name)]
+    parts.append(f"## File\n\n```yaml\n{file.read_text(encoding='utf-8').strip()}\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+def _parameters(file: Path) -> Iterator[str]:
+    given = read_file(file).data.get("parameters") or {}
+    rows = []
+    for name, entry in given.items():
+        one = ParameterSpec(**entry)
+        span = ", ".join(map(str, one.choices)) if one.choices else f"{one.min} to {one.max}"
+        rows.append((f"`{name}`", one.default, one.unit, span, one.meaning))
+    if rows:
+        yield "## Parameters\n\n" + tables.table(("name", "default", "unit", "range", "meaning"), rows)
+
+
+def _learned(name: str) -> Iterator[str]:
+    """Yield what a learner meets; nothing can be learned where no robot is."""
+    if not load_scenario(name).robots:
+        yield "No robot learns here: the file has none."
+        return
+    try:
+        env = irsim_gym.make(name)
+    except IrsimGymError as error:
+        yield f"No robot can learn here as it stands: {str(error).splitlines()[-1].strip()}"
+        return
+    told = env.unwrapped.describe()
+    env.close()
+    yield f"## Observation\n\nOf `{told.agent}`, with the task `{told.task}`.\n\n{tables.observation(told)}"
+    yield f"## Action\n\n{tables.action(told.action)}"
+    yield f"## Reward\n\n{tables.rewards(told)}"
+    yield f"## Endings\n\n{tables.endings(told)}"
+
+
+def _rows(name: str) -> Iterator[str]:
+    """Yield the reference rows of the benchmarks that play a scenario."""
+    record = SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
+    played = [one for one in shipped_suite().members.values() if one.scenario == name and one.name in record.figures]
+    if played:
+        yield "## Reference rows\n\nFrom the [benchmark suite](../benchmarks.md), success and others in percent."
+    for member in played:
+        told = suite_tables.member_markdown(record, member.name).split("\n", 2)[2].strip()
+        yield f"### {member.name}\n\n{member.asks}\n\n{told}"
+
+
+def _cards(name: str) -> Iterator[str]:
+    for shelf_name, file in shelf_files().items():
+        card = read_card(file)
+        if card is not None and card.scenario.name == name:
+            yield _card(shelf_name, card)
+
+
+def _card(name: str, card: PolicyCard) -> str:
+    observed = ", ".join(f"`{term.name}` {' x '.join(map(str, term.shape))}" for term in card.observation)
+    training = card.training
+    rows = [
+        ("algorithm", training.algorithm.upper()),
+        ("task", card.scenario.task or "of the scenario"),
+        ("parameters", ", ".join(f"{key} = {value}" for key, value in card.scenario.parameters.items()) or "none"),
+        ("observation", observed),
+        ("action", f"{card.action.name} ({'; '.join(card.action.components)})"),
+        ("network", "; ".join(card.network.layers)),
+        ("weights", f"{card.network.weights:,}, {card.size / 1000:.0f} kB"),
+        ("training", f"{training.steps:,} steps, {training.cpu_seconds:.0f} s of CPU time, seed {training.seed}"),
+        *(("success [%]", f"{percent(one.success)} on {one.levels:,} {one.split} levels") for one in card.results),
+        *(("weakness", sentence) for sentence in card.weaknesses),
+    ]
+    use = f'`irsim_gym.load_policy("{name}")`, `irsim-gym policies show {name}`'
+    return f"## Policy {name}\n\n{use}\n\n" + tables.table(("", ""), rows)

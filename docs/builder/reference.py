@@ -1,0 +1,134 @@
+"""Pages of the reference: every public name of the package, from its docstrings."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Section:
+    """A page of the reference.
+
+    Attributes:
+        title: Its title.
+        intro: What it holds.
+        module: Every public name of this module is on the page; None where ``names`` are all.
+        names: Further names, with their modules: classes that public functions return.
+    """
+
+    title: str
+    intro: str
+    module: str | None = None
+    names: tuple[str, ...] = ()
+
+
+SECTIONS = {
+    "irsim_gym": Section("irsim_gym", "What ``import irsim_gym`` offers.", "irsim_gym"),
+    "environments": Section(
+        "Environments",
+        "What ``make``, ``make_vec``, ``parallel_env`` and ``make_batch`` return. ``describe()`` of any of them tells "
+        "what each number means.",
+        names=(
+            "irsim_gym.envs.single.WorldEnv",
+            "irsim_gym.envs.vector.WorldVectorEnv",
+            "irsim_gym.envs.parallel.WorldParallelEnv",
+            "irsim_gym.envs.batch.Batch",
+            "irsim_gym.envs.batch.BatchStep",
+            "irsim_gym.envs.description.Description",
+        ),
+    ),
+    "worlds": Section(
+        "Worlds by hand",
+        "What ``load`` returns, and its bodies.",
+        names=("irsim_gym.live.world.World", "irsim_gym.live.body.Body", "irsim_gym.live.drawing.Drawing"),
+    ),
+    "simulation": Section(
+        "Simulation",
+        "What ``compile`` and ``load_scenario`` return: the simulator alone, without tasks.",
+        names=("irsim_gym.engine.simulation.Simulation", "irsim_gym.scenario.spec.Scenario"),
+    ),
+    "tasks": Section(
+        "irsim_gym.tasks",
+        "Tasks, and the codes in infos.",
+        names=tuple(f"irsim_gym.tasks.{name}" for name in ("load_task", "Task", "Outcome", "HitKind")),
+    ),
+    "sb3": Section("irsim_gym.sb3", "For Stable-Baselines3.", "irsim_gym.sb3"),
+    "results": Section(
+        "Results and policies",
+        "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
+        names=(
+            "irsim_gym.training.evaluate.Evaluation",
+            "irsim_gym.training.evaluate_teams.TeamEvaluation",
+            "irsim_gym.arenas.contest.Arena",
+            "irsim_gym.training.shelf.ShelfPolicy",
+            "irsim_gym.training.cards.PolicyCard",
+            "irsim_gym.training.demonstrations.Demonstrations",
+        ),
+    ),
+    "plugins": Section("irsim_gym.plugins", "Kinds of your own.", "irsim_gym.plugins"),
+    "irsim": Section("irsim_gym.irsim", "What scripts import from IR-SIM, under its names.", "irsim_gym.irsim"),
+    "errors": Section("irsim_gym.errors", "Errors and warnings.", "irsim_gym.errors"),
+}
+
+
+def pages() -> dict[str, str]:
+    """Return the pages as reStructuredText, by their places."""
+    shown: set[int] = set()
+    return {f"reference/{key}.rst": _page(section, shown) for key, section in SECTIONS.items()}
+
+
+def names(section: Section) -> Iterator[tuple[str, Any]]:
+    """Yield the dotted names of a page, with what they name."""
+    if section.module is not None:
+        module = importlib.import_module(section.module)
+        for name in public(module):
+            yield f"{section.module}.{name}", getattr(module, name)
+    for dotted in section.names:
+        module_name, _, name = dotted.rpartition(".")
+        yield dotted, getattr(importlib.import_module(module_name), name)
+
+
+def public(module: ModuleType) -> list[str]:
+    """Return the public names of a module: those in ``__all__``, else its own classes and functions."""
+    listed = getattr(module, "__all__", None)
+    if listed is not None:
+        return sorted((name for name in listed if not name.startswith("_")), key=str.lower)
+    return [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_") and getattr(value, "__module__", None) == module.__name__
+    ]
+
+
+def _page(section: Section, shown: set[int]) -> str:
+    """Return a page; classes that another page shows too are indexed once."""
+    lines = [section.title, "=" * len(section.title), "", section.intro, ""]
+    for dotted, value in names(section):
+        entry = _entry(dotted, value)
+        if id(value) in shown:
+            entry.insert(1, "   :no-index:")
+        shown.add(id(value))
+        lines += entry
+    return "\n".join(lines)
+
+
+def _entry(dotted: str, value: Any) -> list[str]:
+    """Return the directive of a name."""
+    if isinstance(value, ModuleType):
+        page = next((key for key, section in SECTIONS.items() if section.module == value.__name__), None)
+        assert page is not None, f"{dotted} has no page: add it to SECTIONS"
+        return [f".. py:module:: {value.__name__}", "   :no-index:", "", f"``{dotted}``: see :doc:`{page}`.", ""]
+    if inspect.isclass(value):
+        return [f".. autoclass:: {dotted}", "   :members:", "   :show-inheritance:", ""]
+    if callable(value) and not _is_instance(value):
+        return [f".. autofunction:: {dotted}", ""]
+    return [f".. autodata:: {dotted}", "   :no-value:", ""]
+
+
+def _is_instance(value: object) -> bool:
+    return not (inspect.isroutine(value) or hasattr(value, "__wrapped__"))

@@ -1,0 +1,120 @@
+"""What the site is made from: links, lists of pages, options, names, scenarios, stored outputs of notebooks."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from builder import check, gallery, language, links, reference, stage, tables
+
+import irsim_gym
+from irsim_gym.scenario.library import every_scenario
+from irsim_gym.scenario.option_tables import option_tables
+
+ROOT = Path(__file__).parents[2]
+PAGES = {"docs/a.md": "a.md", "agents/README.md": "agents.md", "docs/decisions/007-b.md": "decisions.md#decision-007"}
+MOST_BYTES = 150_000
+"""Of a notebook with its outputs."""
+
+
+@pytest.mark.parametrize(
+    ("written", "on_the_site"),
+    [
+        ("[here](a.md#part)", "[here](../a.md#part)"),
+        ("[all\nof it](../agents/README.md)", "[all\nof it](../agents.md)"),
+        ("[why](decisions/007-b.md)", "[why](../decisions.md#decision-007)"),
+        ("[code](../irsim_gym/cli.py)", "[code](../files/irsim_gym/cli.py)"),
+        ("see [the folder](../configs/tasks).", "see the folder."),
+        ("![A robot](cluttered_room.png)", "![A robot](../cluttered_room.png)"),
+        ("[web](https://a.b/c), [below](#part)", "[web](https://a.b/c), [below](#part)"),
+        ("```\n[here](nowhere.md)\n```", "```\n[here](nowhere.md)\n```"),
+        ("[7]: decisions/007-b.md", "[7]: ../decisions.md#decision-007"),
+    ],
+)
+def test_links_lead_to_pages_of_the_site(written: str, on_the_site: str) -> None:
+    assert links.rewrite(written, "docs/c.md", "deep/c.md", PAGES, ROOT) == on_the_site
+
+
+def test_a_broken_link_is_an_error_with_page_and_line() -> None:
+    with pytest.raises(links.BrokenLinkError, match=r"docs/c.md:5: there is no nowhere.md"):
+        links.rewrite("```\ncode\n```\n\n[gone](nowhere.md)", "docs/c.md", "c.md", PAGES, ROOT)
+
+
+def test_patterns_in_lists_of_pages_are_expanded() -> None:
+    text = "a *\n```{toctree}\n:hidden:\n\nfirst\nlib*\nnone*\n```\n"
+    places = ["library.md", "lib/b.md", "other.md", "libs.ipynb"]
+    assert stage.expanded(text, places) == "a *\n```{toctree}\n:hidden:\n\nfirst\nlib/b\nlibrary\n```\n"
+
+
+def test_every_option_is_on_a_page() -> None:
+    pages = "\n".join(language.pages().values())
+    for title, rows in option_tables():
+        assert f"## {title}\n" in pages
+        assert all(f"| `{row.key}` | " in pages for row in rows)
+    assert [place for place, text in language.pages().items() if "\n## " not in text] == []
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    pages = "\n".join(reference.pages().values())
+    modules = irsim_gym, irsim_gym.plugins, irsim_gym.sb3, irsim_gym.irsim, irsim_gym.errors
+    wanted = [f"{module.__name__}.{name}" for module in modules for name in reference.public(module)]
+    assert len(wanted) > 100
+    assert [name for name in wanted if f":: {name}\n" not in pages and f"``{name}``" not in pages] == []
+
+
+def test_every_public_name_is_documented() -> None:
+    missing = []
+    for section in reference.SECTIONS.values():
+        missing += [name for name, value in reference.names(section) if not (getattr(value, "__doc__", None) or "")]
+    assert missing == []
+
+
+def test_a_scenario_has_a_page_with_all_that_a_learner_meets(tmp_path: Path) -> None:
+    pages = gallery.pages(tmp_path, pictures=False, names=["circle_swap"])
+    text = pages["scenarios/circle_swap.md"]
+    for part in ("Parameters", "Observation", "Action", "Reward", "Endings", "Reference rows", "Policy circle_swap"):
+        assert f"## {part}" in text
+    told = irsim_gym.make("circle_swap").unwrapped.describe()
+    assert all(f"`{block.name}`" in text for block in told.blocks)
+    assert all(f"`{one.name}`" in text for one in (*told.rewards, *told.endings))
+    assert "| `n_robots` | 4 |  | 2 to 64 |" in text
+    assert "the classic test of giving way" in text
+    assert text.count((every_scenario()["circle_swap"]).read_text(encoding="utf-8").strip()) == 1
+
+
+def test_tables_escape_what_would_end_a_cell() -> None:
+    assert tables.table(("a", "b"), [("x|y", 1.5)]) == "| a | b |\n| --- | --- |\n| x\\|y | 1.5 |"
+    assert [tables.number(value) for value in (float("inf"), float("-inf"), 0.25)] == ["infinity", "-infinity", "0.25"]
+
+
+def test_broken_links_of_a_site_are_found(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text(
+        '<p id="top"><a href="b.html#there">b</a> <a href="b.html#gone">b</a> <a href="c.html">c</a>'
+        '<img src="https://a.b/c.png" alt="far"><a href="https://a.b">web</a><img src="b.html"></p>',
+        encoding="utf-8",
+    )
+    (tmp_path / "b.html").write_text('<h1 id="there">B</h1>', encoding="utf-8")
+    assert check.broken_links(tmp_path) == [
+        "a.html: b.html#gone: no such place",
+        "a.html: c.html: no such file",
+        "a.html: https://a.b/c.png: loaded from elsewhere",
+        "a.html: b.html: no alternative text",
+    ]
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "docs" / "lessons").glob("*.ipynb")), ids=lambda file: file.stem)
+def test_lessons_are_kept_with_small_outputs(file: Path) -> None:
+    assert file.stat().st_size < MOST_BYTES
+    book = json.loads(file.read_text(encoding="utf-8"))
+    assert (book["nbformat"], book["metadata"]["kernelspec"]["name"]) == (4, "python3")
+    outputs = [output for cell in book["cells"] for output in cell.get("outputs", ())]
+    assert outputs, "run: make lessons"
+    assert not [output for output in outputs if output["output_type"] == "error"]
+
+
+def test_the_list_of_lessons_is_complete() -> None:
+    text = (ROOT / "docs" / "lessons.md").read_text(encoding="utf-8")
+    names = [file.stem for file in (ROOT / "docs" / "lessons").glob("*.ipynb")]
+    assert len(names) == 8
+    assert all(text.count(f"lessons/{name}\n") == text.count(f"lessons/{name}.ipynb") == 1 for name in names)
