@@ -1,6 +1,6 @@
 """Write the end of docs/benchmarks.md: the reference rows of configs/suite_references.json, and what is played.
 
-python docs/benchmark_page.py [FOLDER]    # FOLDER: a run of the suite that takes the place of the reference rows
+python docs/benchmark_page.py [FOLDER]    # FOLDER: a run of the suite, whose benchmarks take the place of these rows
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from irsim_gym.evaluation.tables import plain, write_text
 from irsim_gym.scenario.library import references_file
 from irsim_gym.suite import suite_tables
 from irsim_gym.suite.members import shipped_suite
+from irsim_gym.suite.scores import overall
 from irsim_gym.suite.suite_record import SuiteRecord, read_record
 
 PAGE = Path(__file__).parent / "benchmarks.md"
@@ -31,8 +32,20 @@ def main(folder: Path | None = None) -> None:
 
 
 def take_over(folder: Path) -> None:
-    """Keep the figures of a run as the reference rows."""
-    data = plain(read_record(folder))
+    """Keep the figures of a run as the reference rows of its benchmarks, whole; those of all others stay."""
+    run = read_record(folder)
+    record = reference_record()
+    if (run.split, run.levels) != (record.split, record.levels):
+        raise SystemExit(f"{folder} holds {run.levels} {run.split} levels, not {record.levels} {record.split} levels")
+    for key in ("members", "figures", "runs", "methods"):
+        getattr(record, key).update(getattr(run, key))
+    success = {
+        member: {method: [scores["success"]["value"]] for method, scores in figures.items()}
+        for member, figures in record.figures.items()
+    }
+    record.overall = overall(success, list(record.methods))
+    record.machine = run.machine
+    data = plain(record)
     for key in ("figures", "overall"):
         data[key] = _rounded(data[key])
     order = {name: number for number, name in enumerate(shipped_suite().members)}
@@ -44,7 +57,7 @@ def take_over(folder: Path) -> None:
 
 def tables() -> str:
     """Return what the page says below its mark."""
-    record = SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
+    record = reference_record()
     members = shipped_suite().members
     parts = [_made(record), suite_tables.overview(record).split("\n", 2)[2], "## Benchmarks\n"]
     for name, member in members.items():
@@ -52,6 +65,11 @@ def tables() -> str:
         if name in record.figures:
             parts.append(suite_tables.member_markdown(record, name).split("\n", 2)[2])
     return "\n" + "\n".join(_wrapped(line) for line in "\n".join(parts).split("\n"))
+
+
+def reference_record() -> SuiteRecord:
+    """Return the reference rows."""
+    return SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
 
 
 def _wrapped(line: str) -> str:

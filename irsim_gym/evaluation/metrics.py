@@ -34,6 +34,8 @@ class EpisodeRow:
         intrusion_025: Share of steps with less than 0.25 m between it and a person; NaN where there are no people.
         intrusion_045: The same for 0.45 m.
         time_to_collision: Least time to collision with a person [s], see ``people``; likewise, infinite if it met none.
+        goals_reached: How many of its goals it reached, one after another; NaN where it has one.
+        goals_per_minute: The same per minute, of the time limit if it did not reach all; likewise.
     """
 
     level: int
@@ -50,6 +52,8 @@ class EpisodeRow:
     intrusion_025: float = math.nan
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
+    goals_reached: float = math.nan
+    goals_per_minute: float = math.nan
 
     @property
     def spl(self) -> float:
@@ -145,6 +149,7 @@ class Summary:
         intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN where there are no people.
         intrusion_045: The same for 0.45 m.
         time_to_collision: Mean of the least times to collision with a person [s], over episodes that met one.
+        throughput: Mean of the goals per minute; NaN where a robot has one goal.
     """
 
     policy: str
@@ -166,6 +171,7 @@ class Summary:
     intrusion_025: float = math.nan
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
+    throughput: float = math.nan
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -198,6 +204,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         intrusion_025=mean([row.intrusion_025 for row in rows]),
         intrusion_045=mean([row.intrusion_045 for row in rows]),
         time_to_collision=mean([row.time_to_collision for row in rows]),
+        throughput=mean([row.goals_per_minute for row in rows]),
     )
 
 

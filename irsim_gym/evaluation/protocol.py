@@ -10,6 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.goals_reached import goals_per_minute, goals_reached
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
 from irsim_gym.evaluation.optimum import Optima
@@ -171,4 +172,6 @@ def episode_row(
         intrusion_025=motion.people.intrusion(world, agent, 0),
         intrusion_045=motion.people.intrusion(world, agent, 1),
         time_to_collision=motion.people.time_to_collision(world, agent),
+        goals_reached=goals_reached(episodes, world, agent),
+        goals_per_minute=goals_per_minute(episodes, world, agent),
     )

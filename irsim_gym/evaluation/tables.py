@@ -169,7 +169,10 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     shares += ["deadlock"] if gave_up else []
     people = any(math.isfinite(summary.intrusion_025) for summary in summaries)
     social = ["<.25 m\n[%]", "<.45 m\n[%]", "TTC\n[s]"] if people else []
-    for head in [*(f"{share}\n[%]" for share in shares), "SPL", "time\n[s]", "path\nratio", "clear.\n[m]", *social]:
+    several = any(math.isfinite(summary.throughput) for summary in summaries)
+    jobs = ["goals\n/min"] if several else []
+    rest = ["SPL", "time\n[s]", "path\nratio", "clear.\n[m]", *social, *jobs]
+    for head in [*(f"{share}\n[%]" for share in shares), *rest]:
         table.add_column(Text(head), justify="right")
     for summary in summaries:
         success = summary.success
@@ -187,6 +190,7 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
             number(summary.path_ratio, 3),
             number(summary.min_clearance, 3),
             *(_social(summary) if people else ()),
+            *([number(summary.throughput, 2)] if several else []),
         )
     return table
 

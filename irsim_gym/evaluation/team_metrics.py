@@ -89,6 +89,12 @@ class TeamRow:
         return math.fsum(self._costs())
 
     @property
+    def throughput(self) -> float:
+        """Goals that the team reaches per minute, the sum over its agents; NaN where none has several goals."""
+        rates = [row.episode.goals_per_minute for row in self.agents]
+        return math.nan if all(map(math.isnan, rates)) else math.fsum(rate for rate in rates if not math.isnan(rate))
+
+    @property
     def deadlocked(self) -> int:
         """Number of agents whose episode ended while they stood still."""
         return sum(row.deadlocked for row in self.agents)
@@ -147,6 +153,7 @@ class TeamSummary:
         intrusion_025: Mean over agents of the share of steps nearer than 0.25 m to a person; NaN without people.
         intrusion_045: The same for 0.45 m.
         time_to_collision: Mean of the least times to collision with a person [s], over agents that met one.
+        throughput: Mean over levels of the goals that the team reaches per minute; NaN where agents have one goal.
     """
 
     policy: str
@@ -174,6 +181,7 @@ class TeamSummary:
     intrusion_025: float = math.nan
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
+    throughput: float = math.nan
 
 
 def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
@@ -250,6 +258,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         intrusion_025=mean([episode.intrusion_025 for episode in episodes]),
         intrusion_045=mean([episode.intrusion_045 for episode in episodes]),
         time_to_collision=mean([episode.time_to_collision for episode in episodes]),
+        throughput=mean([row.throughput for row in rows]),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -24,7 +25,10 @@ from irsim_gym.evaluation.tables import (
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
 
 AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
-LEVEL_COLUMNS = ("policy", "level", "agents", "arrived", "success", "makespan", "flowtime", "collided", "deadlocked")
+LEVEL_COLUMNS = (
+    *("policy", "level", "agents", "arrived", "success", "makespan", "flowtime", "collided", "deadlocked"),
+    "throughput",
+)
 
 
 def write_agents(
@@ -99,6 +103,8 @@ def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
     shares = ["CSR", "95 %\ninterval", "ISR", "95 %\ninterval", "collided", *(f"with {hit}" for hit in split)]
     shares += ["timeout", "left", *(["given\nup"] if gave_up else []), "dead-\nlocked"]
     rest = ["SPL", "make-\nspan\n[s]", "flow-\ntime\n[s]", "extra time\n50/75/90 %\n[s]", "clear.\n[m]"]
+    several = any(math.isfinite(summary.throughput) for summary in summaries)
+    rest += ["goals\n/min"] if several else []
     for head in [*(f"{share}\n[%]" for share in shares), *rest]:
         table.add_column(Text(head), justify="right")
     for summary in summaries:
@@ -119,6 +125,7 @@ def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
             number(summary.flowtime, 1),
             _percentiles(summary.extra_time),
             number(summary.min_clearance, 3),
+            *([number(summary.throughput, 2)] if several else []),
         )
     return table
 
@@ -153,6 +160,7 @@ def _level_cells(level: TeamRow) -> dict[str, Any]:
         "flowtime": level.flowtime,
         "collided": sum(agent.episode.outcome == "collision" for agent in level.agents),
         "deadlocked": level.deadlocked,
+        "throughput": level.throughput,
     }
 
 

@@ -53,6 +53,10 @@ def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, ND
     Raises:
         ScenarioError: An array is missing, of another shape or no numbers; the error lists all of them.
     """
+    if not file.exists():
+        raise ScenarioError(str(file), [Problem(0, "", "no such file or folder")])
+    if file.is_file() and not zipfile.is_zipfile(file):  # else np.load takes it for a pickle, and says so
+        raise ScenarioError(str(file), [Problem(0, "", "is no .npz file, an archive of arrays as np.savez writes it")])
     try:
         with np.load(file, allow_pickle=False) as stored:
             found = {name: stored[name] for name in axes if name in stored.files}
@@ -86,6 +90,8 @@ def read_pickle(file: Path) -> Any:
     """
     try:
         return _NumbersOnly(io.BytesIO(file.read_bytes())).load()
+    except OSError as error:
+        raise ScenarioError(str(file), [Problem(0, "", f"cannot be read: {error.strerror}")]) from None
     except (pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
         raise ScenarioError(str(file), [Problem(0, "", f"cannot be read as a pickle of numbers: {error}")]) from None
 

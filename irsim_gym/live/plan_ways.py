@@ -79,6 +79,10 @@ def _why(world: World, radius: float, start: tuple[float, float], goal: tuple[fl
         names = ", ".join("the obstacle map" if b is None else f"'{world.simulation.parts.names[b]}'" for b in found)
         if names:
             return f"the {name} ({x:g}, {y:g}) is nearer than {radius:g} m to {names}"
+        x_min, y_min, x_max, y_max = model.bounds
+        if not (x_min <= x <= x_max and y_min <= y <= y_max):
+            reach = f"x from {x_min:g} to {x_max:g} and y from {y_min:g} to {y_max:g} m"
+            return f"the {name} ({x:g}, {y:g}) is outside of the world, {reach}, and no straight way leads there"
     return (
         f"no way for a disc of radius {radius:g} m from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}): "
         "take a smaller radius or clearance, or a finer resolution where a gap is narrow"

@@ -35,6 +35,8 @@ FAMILIES: dict[str, Registry] = {
     "behavior": BEHAVIORS,
     "group_behavior": GROUP_BEHAVIORS,
 }
+SISTERS = {"behavior": "group_behavior", "group_behavior": "behavior"}
+"""Keys that are taken for each other."""
 ROBOT, OBSTACLE = "robot", "obstacle"
 EVERYONE = "all"
 """As ``seen_by``: everybody sees the body."""
@@ -157,6 +159,9 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
             check_keys(value, ["name"], place, report)
             return None
         value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
+    if key in SISTERS and isinstance(name, str) and name not in FAMILIES[key] and name in FAMILIES[SISTERS[key]]:
+        report.add((*place, "name"), f"'{name}' is a {SISTERS[key]}: write `{SISTERS[key]}: {{name: {name}}}`")
+        return BAD
     if key == "group_behavior" and not report.strict and isinstance(name, str) and name not in GROUP_BEHAVIORS:
         report.doubt(place, f"no group behavior named {show(name)}: each member decides by itself, as in IR-SIM 2.12.0")
         return None

@@ -45,11 +45,11 @@ def load_levels(file: Path) -> tuple[LevelSet | None, list[Mistake]]:
         arrays = _arrays(file)
     except _Unreadable as error:
         return None, [("", str(error))]
-    mistakes = [*_unknown(arrays), *_shapes(arrays)]
+    unknown, mistakes = list(_unknown(arrays)), [*_missing(arrays), *_shapes(arrays)]
     if mistakes:
-        return None, mistakes
+        return None, [*unknown, *mistakes]
     levels = _complete(file, arrays)
-    return levels, list(_values(levels, arrays))
+    return levels, [*unknown, *_values(levels, arrays)]
 
 
 class _Unreadable(Exception):  # noqa: N818  (it never leaves this file)
@@ -75,6 +75,9 @@ def _unknown(arrays: Found) -> Iterator[Mistake]:
     for name in arrays:
         if name not in ARRAYS:
             yield name, f"unknown array{suggestion(name, ARRAYS) or '; known: ' + ', '.join(ARRAYS)}"
+
+
+def _missing(arrays: Found) -> Iterator[Mistake]:
     for name in NEEDED:
         if name not in arrays:
             yield name, "is missing"

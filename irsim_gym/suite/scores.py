@@ -59,6 +59,7 @@ class Score:
         intrusion_025: Share of steps nearer than 0.25 m to a person; NaN where there are no people.
         intrusion_045: The same for 0.45 m.
         time_to_collision: Mean of the least times to collision with a person [s], over episodes that met one.
+        throughput: Mean over levels of the goals that all robots reach per minute; NaN where they have one goal.
     """
 
     repetitions: int
@@ -84,6 +85,7 @@ class Score:
     intrusion_025: float
     intrusion_045: float
     time_to_collision: float
+    throughput: float
 
 
 def score_suite(record: SuiteRecord, folder: Path) -> None:
@@ -165,6 +167,7 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         intrusion_025=over(lambda summary: summary.intrusion_025),
         intrusion_045=over(lambda summary: summary.intrusion_045),
         time_to_collision=over(lambda summary: summary.time_to_collision),
+        throughput=over(lambda summary: summary.throughput),
     )
 
 

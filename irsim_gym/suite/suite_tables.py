@@ -77,6 +77,7 @@ def conditions_line(member: Mapping[str, Any]) -> str:
         f"step {_each(of['step_time'], lambda value: f'{value:g} s')}",
         f"time limit {_each(limit, str)} steps ({seconds})",
         _sensor(of),
+        *([f"{_each(of['goals'], str)} goals each, one after another"] if of.get("goals", 1) != 1 else []),
         *(["noisy motion"] if of["motion_noise"] not in (False, None) else []),
         f"scenario {member['sha256'][:12]}, level set {of['level_hash']}",
     ]
@@ -144,6 +145,7 @@ def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
     if is_team:
         columns["makespan [s]"] = _numbers("makespan", 1)
     return columns | {
+        "goals per minute": _numbers("throughput", 2),
         "time [s]": _numbers("time", 2),
         "common time [s]": _numbers("common_time", 2),
         "common path [m]": _numbers("common_path", 2),

@@ -79,6 +79,7 @@ def _robot(episodes: Episodes, body: int) -> dict[str, Any]:
     return {
         "robot_radius": _range(model.reach[:, body]),
         "footprint": _footprint(spec.shape),
+        "goals": int(model.waypoint_count[0, body]),
         "goal_tolerance": float(model.goal_threshold[0, body]),
         "velocity_min": model.velocity_min[0, body, :2].tolist(),
         "velocity_max": model.velocity_max[0, body, :2].tolist(),

@@ -156,6 +156,10 @@ def test_bad_arrays_of_others_are_told_all_at_once(tmp_path: Path) -> None:
         "goal_xy: must be numbers with the axes (level, robot, 2), got float64",
     ):
         assert told in str(caught.value)
+    (tmp_path / "nav.txt").write_text("no archive")
+    for name, told in (("nav.txt", "is no .npz file"), ("none.npz", "no such file"), ("none.pkl", "No such file")):
+        with pytest.raises(ScenarioError, match=told):
+            import_jaxnav(tmp_path / name)
     np.savez(tmp_path / "barn.npz", cylinder_xy=np.zeros((4, 2)), world_start=[0, 3, 9])
     with pytest.raises(ScenarioError, match="world_start: must rise from 0 to the number of cylinders, 4"):
         import_barn(tmp_path / "barn.npz")

@@ -80,6 +80,12 @@ def test_plan_says_why_there_is_no_way(start: Any, goal: Any, options: Any, word
         irsim_gym.plan(world(BLOCK, *around), start, goal, **options)
 
 
+def test_plan_names_a_point_outside_of_the_world() -> None:
+    told = r"the goal \(14, 5\) is outside of the world, x from 0 to 10 and y from 0 to 10 m, and no straight way"
+    with pytest.raises(irsim_gym.errors.NoWayError, match=told):
+        irsim_gym.plan(world(WALL), [1, 1], [14, 5])
+
+
 def test_plan_names_the_map() -> None:
     cells = {"name": "array", "cells": [[0, 0, 0], [0, 100, 0], [0, 0, 0]]}
     with pytest.raises(

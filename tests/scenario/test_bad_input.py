@@ -145,6 +145,14 @@ ENTRIES = {
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dsh}",
         "3 robot.behavior.name: no behavior named 'dsh' (did you mean 'dash'?)",
     ),
+    "behaviour of a group": (
+        "robot:\n  kinematics: {name: diff}\n  behavior: {name: orca}",
+        "3 robot.behavior.name: 'orca' is a group_behavior: write `group_behavior: {name: orca}`",
+    ),
+    "group behaviour of one": (
+        "robot:\n  kinematics: {name: diff}\n  group_behavior: {name: dash}",
+        "3 robot.group_behavior.name: 'dash' is a behavior: write `behavior: {name: dash}`",
+    ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
         "3 robot.behavior.name: is required: "

@@ -56,7 +56,10 @@ def test_a_good_file_is_read(tmp_path: Path) -> None:
 
 MISTAKES = [
     ({"start": None}, ["two.yaml:8   levels.start: is missing"]),
-    ({"strat": [1]}, ["levels.strat: unknown array (did you mean 'start'?)"]),
+    (
+        {"strat": [1], "start": np.full((3, 3, 3), np.nan)},
+        ["levels.strat: unknown array (did you mean 'start'?)", "levels.start: level 0, "],
+    ),
     ({"disc_start": None}, ["levels.disc_start: is missing, and discs needs it"]),
     ({"start": np.ones((3, 3, 2))}, ["levels.start: must have the axes (level, body, 3), got shape (3, 3, 2)"]),
     ({"goal": np.ones((4, 3, 3))}, ["levels.goal: axis level must be 3 long, as start has 3, got 4"]),

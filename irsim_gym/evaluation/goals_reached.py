@@ -1,0 +1,29 @@
+"""How many goals an agent with several, one after another, has reached."""
+
+from __future__ import annotations
+
+import math
+
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.world.model import KEEP_GOAL
+
+
+def goals_reached(episodes: Episodes, world: int, agent: int) -> float:
+    """Return how many goals an agent has reached; NaN if it has one, or goals without end."""
+    model, state = episodes.simulation.model, episodes.simulation.state
+    body = int(episodes.simulation.agents[agent])
+    if model.waypoint_count[world, body] < 2 or model.goal_renewal[body] != KEEP_GOAL:
+        return math.nan
+    has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
+    return float(min(state.waypoint[world, body] + has_finished, model.waypoint_count[world, body]))
+
+
+def goals_per_minute(episodes: Episodes, world: int, agent: int) -> float:
+    """Return how many goals an agent has reached per minute; NaN likewise.
+
+    An agent that has not reached all of its goals counts as being busy until the time limit, also after a collision.
+    """
+    steps = int(episodes.view.infos["steps"][world, agent])
+    has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
+    counted = steps if has_finished else episodes.task.max_steps
+    return 60.0 * goals_reached(episodes, world, agent) / (counted * float(episodes.simulation.model.step_time[0]))
