@@ -70,8 +70,8 @@ def train(
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
-    from irsim_gym.training.mixture import read_part
     from irsim_gym.training.engines import engine_of
+    from irsim_gym.training.mixture import read_part
 
     if len(scenario) > 1 and not mixture:
         raise IrsimGymError(f"train takes one scenario, got {', '.join(scenario)}: --mixture trains one policy in all")
