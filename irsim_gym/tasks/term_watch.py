@@ -14,6 +14,7 @@ from irsim_gym.engine import Simulation
 from irsim_gym.engine.fused import Fused
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.watched import (
+    Bounds,
     Watched,
     WatchedAction,
     WatchedEnding,
@@ -51,7 +52,7 @@ class TermWatch:
         self,
         terms: Mapping[str, Sequence[Term]],
         simulation: Simulation,
-        bounds: Mapping[str, tuple[Any, Any]],
+        bounds: Mapping[str, Bounds],
         recorded: Sequence[Fused],
     ) -> None:
         self._watched: list[tuple[Term, Watched]] = []
