@@ -76,7 +76,7 @@ class Worlds:
         num_threads: int = 1,
         render_mode: str | None = None,
         team: bool = False,
-        parameters: Mapping[str, Any] | None = None,
+        parameters: Mapping[str, object] | None = None,
         strict: bool = True,
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
@@ -120,7 +120,7 @@ class Worlds:
         """Frames per second at which a film runs in real time."""
         return self.pictures.fps
 
-    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+    def compute_reward(self, achieved_goal: object, desired_goal: object, info: object) -> Any:
         """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
 
         Args:
@@ -161,7 +161,7 @@ class Worlds:
         self,
         worlds: Sequence[int],
         seeds: Sequence[int | None],
-        options: Sequence[Mapping[str, Any]],
+        options: Sequence[Mapping[str, object]],
         draw: Callable[[int], int],
     ) -> None:
         """Begin an episode in each of the given worlds.
@@ -279,7 +279,7 @@ class Worlds:
         return WorldMoment(self.simulation, world % self.n_worlds)
 
     def describe(
-        self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, Any] | None = None
+        self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, object] | None = None
     ) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to a learner.
 
@@ -302,7 +302,7 @@ class Worlds:
         self.pictures.close()
 
 
-def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, Any], strict: bool) -> Scenario:
+def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:
     if scenario is None:
         given = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
         raise MissingScenarioError(f"no scenario given: {given} takes {SOURCES}")

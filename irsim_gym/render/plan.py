@@ -105,7 +105,7 @@ class Plan:
         row: np.void = item[0]
         return row
 
-    def _footprint(self, kind: int, body: int, style: BodyStyle, **fields: Any) -> np.void:
+    def _footprint(self, kind: int, body: int, style: BodyStyle, **fields: object) -> np.void:
         fill = colour(style.colour, style.alpha)
         if style.edge_colour is not None:
             edge = line = colour(style.edge_colour, style.alpha)

@@ -238,7 +238,7 @@ def field_of_view(body: BodySpec) -> tuple[float, float] | None:
     return None if span is None or depth is None else (min(float(span), 2.0 * math.pi), float(depth))
 
 
-def scan_style(sensor: Any) -> ScanStyle:
+def scan_style(sensor: object) -> ScanStyle:
     """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
     plot: Any = getattr(sensor, "plot", None)
     own = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
