@@ -307,7 +307,7 @@ def warmup(
     warm_up(scenarios or [], strict=not lenient)
 
 
-def run(command: Callable[..., Any]) -> None:
+def run(command: Callable[..., object]) -> None:
     """Run one command as a script."""
     single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     single.command()(command)

@@ -51,7 +51,7 @@ def every() -> tuple[Registry, ...]:
     )
 
 
-def commands(behavior: Any, drive: type[Any]) -> bool:
+def commands(behavior: object, drive: type[Any]) -> bool:
     """Return whether a behaviour, or its kind, commands a kind of drive: it names it, or names none."""
     return not hasattr(behavior, "kinematics") or KINEMATICS.name_of(drive) in behavior.kinematics
 

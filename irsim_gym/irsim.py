@@ -11,6 +11,7 @@ import math
 from typing import Any, NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.behaviors.by_drive import (
     register_behavior,
@@ -81,7 +82,7 @@ def WrapTo2Pi(rad: float) -> float:  # noqa: N802
     return rad % (2.0 * math.pi) if math.isfinite(rad) else 0.0
 
 
-def relative_position(position1: Any, position2: Any, topi: bool = True) -> tuple[float, float]:
+def relative_position(position1: ArrayLike, position2: ArrayLike, topi: bool = True) -> tuple[float, float]:
     """Return how far [m] and in which direction [rad] one point is from another.
 
     Args:

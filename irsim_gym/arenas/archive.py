@@ -37,7 +37,7 @@ class Archive:
     drivers: Mapping[str, Sequence[str]] | None = None
     rows: dict[str, list[Any]] = field(default_factory=dict)
 
-    def begin(self, told: Mapping[str, Any]) -> None:
+    def begin(self, told: Mapping[str, object]) -> None:
         """Write down what is played, and take away what is left of another arena."""
         self.folder.mkdir(parents=True, exist_ok=True)
         for path in (*map(self.folder.joinpath, (EPISODES, LEVELS, TABLE, PAGE)), *self._parts()):
@@ -81,7 +81,7 @@ class Archive:
         self._write(path, {name: rows})
         self.rows |= self._read(path)
 
-    def finish(self, names: Sequence[str], summary: Mapping[str, Any]) -> None:
+    def finish(self, names: Sequence[str], summary: Mapping[str, object]) -> None:
         """Write the rows of all policies as one file, and the summary."""
         self.rows = {name: self.rows[name] for name in names}
         self._write(self.folder / EPISODES, self.rows)
@@ -133,6 +133,6 @@ def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]
     return found
 
 
-def _is_other(before: Mapping[str, Any], now: Mapping[str, Any]) -> bool:
+def _is_other(before: Mapping[str, object], now: Mapping[str, object]) -> bool:
     """Return whether two entries of a policy differ in what both say."""
     return any(before[key] != value for key, value in now.items() if key in before)

@@ -177,7 +177,7 @@ class Contest:
             "policies": [entrant.told(self.worlds) for entrant in self.entrants],
         }
 
-    def run(self, told: Mapping[str, Any], replays: int, console: Console, *, resume: bool) -> Arena:
+    def run(self, told: Mapping[str, object], replays: int, console: Console, *, resume: bool) -> Arena:
         """Play what has not been played, and write the results."""
         if resume and holds_arena(self.archive.folder):
             self.archive.go_on(told)
@@ -215,7 +215,7 @@ class Contest:
                 )
                 self.archive.keep(name, rows)
 
-    def _write_page(self, found: Arena, summary: Mapping[str, Any], replays: int, console: Console) -> None:
+    def _write_page(self, found: Arena, summary: Mapping[str, object], replays: int, console: Console) -> None:
         """Play some episodes again for the page, and write it."""
         board = Board.of(found.rows)
         chosen = choose_episodes(board, replays)

@@ -123,7 +123,7 @@ def _columns(summaries: Sequence[Any]) -> list[FigureColumn]:
     return shown
 
 
-def _column(column: FigureColumn, summaries: Sequence[Any]) -> dict[str, Any]:
+def _column(column: FigureColumn, summaries: Sequence[object]) -> dict[str, Any]:
     values = [getattr(each, column.field) for each in summaries]
     if column.hit:
         values = [shares[column.hit] for shares in values]

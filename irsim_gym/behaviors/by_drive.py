@@ -119,22 +119,22 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
     return register
 
 
-def _make_kind(registry: Registry, name: str, function: Callable[..., Any]) -> type[Any]:
+def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -> type[Any]:
     """Return a kind that takes any options; whom it asks depends on the drive."""
     is_group = registry is families.GROUP_BEHAVIORS
     base = PythonGroupBehavior if is_group else PythonBehavior
     by_drive: dict[str, _Written] = {}
 
-    def own_options(chosen: Any) -> dict[str, Any]:
+    def own_options(chosen: object) -> dict[str, Any]:
         given = {key: getattr(chosen, key) for key, field in option_fields(base).items()}
         given = {key: value for key, value in given.items() if value != option_fields(base)[key].default}
         return {"name": name, **given, **more_options(chosen)}
 
-    def decide(ego: EgoView, seen: list[BodyView], **options: Any) -> Any:
+    def decide(ego: EgoView, seen: list[BodyView], **options: object) -> Any:
         decider = _decider(by_drive[str(ego.kinematics)], ego, ego.memory, options)
         return decider(ego_object=ego, external_objects=seen, **options)
 
-    def decide_together(members: list[EgoView], seen: list[BodyView], **options: Any) -> Any:
+    def decide_together(members: list[EgoView], seen: list[BodyView], **options: object) -> Any:
         if not members:
             return []
         decider = _decider(by_drive[str(members[0].kinematics)], members, members[0].memory, options)
@@ -155,7 +155,7 @@ def _make_kind(registry: Registry, name: str, function: Callable[..., Any]) -> t
     )
 
 
-def _decider(written: _Written, whom: Any, memory: dict[str, Any], options: dict[str, Any]) -> Callable[..., Any]:
+def _decider(written: _Written, whom: object, memory: dict[str, Any], options: dict[str, Any]) -> Callable[..., Any]:
     """Return what decides: the function itself, or what it makes, once in each episode."""
     if not written.makes:
         return written.function

@@ -122,7 +122,7 @@ class Keyboard:
         self._source.close()
 
 
-def open_keyboard(options: Any, window: Window) -> Keyboard:
+def open_keyboard(options: object, window: Window) -> Keyboard:
     """Return a keyboard for a window: pynput's keys if the options ask for them and it works, else the window's own."""
     return Keyboard(options, _source(options, window))
 

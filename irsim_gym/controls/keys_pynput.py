@@ -63,13 +63,13 @@ class PynputKeys(KeySource):
                 break
         another.close()
 
-    def _pressed(self, key: Any, *_: Any) -> None:
+    def _pressed(self, key: object, *_: object) -> None:
         self._take(key, down=True)
 
-    def _released(self, key: Any, *_: Any) -> None:
+    def _released(self, key: object, *_: object) -> None:
         self._take(key, down=False)
 
-    def _take(self, key: Any, *, down: bool) -> None:
+    def _take(self, key: object, *, down: bool) -> None:
         name = _plain_name(key)
         if name.startswith("alt"):
             self._alt = down
@@ -78,7 +78,7 @@ class PynputKeys(KeySource):
         self._came.append(Stroke(name, down, time.perf_counter(), self._alt, self._shift))
 
 
-def _plain_name(key: Any) -> str:
+def _plain_name(key: object) -> str:
     """Return the name of one of pynput's keys: a character in lower case, or what it is called."""
     char = getattr(key, "char", None)
     if char is not None:

@@ -1,4 +1,4 @@
-"""In what order: scenarios compiled into arrays, and stepped."""
+"""Compiles scenarios into arrays, and steps them."""
 
 from irsim_gym.engine.compile import compile
 from irsim_gym.engine.simulation import Simulation

@@ -1,4 +1,4 @@
-"""Who has arrived, and where it goes next."""
+"""Arrival at goals, and the next goals."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
 
 @kernel
 def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None:
-    """Write ``goal_distance`` alone, as at the start, where nobody arrives yet.
+    """Write ``goal_distance`` only, as at the start, where no body arrives yet.
 
     Reads: state (goal, pose).
     Writes: state (goal_distance).
@@ -38,7 +38,7 @@ def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None
 
 @kernel
 def check_arrival(worlds: Ints, goal_bodies: Ints, model: WorldModel, state: WorldState) -> None:
-    """Write ``goal_distance`` and ``arrived``; a goal that is not the last one gives way to the next.
+    """Write ``goal_distance`` and ``arrived``; replace a goal that is not the last one by the next.
 
     A body arrives when it is strictly nearer than the threshold.
 

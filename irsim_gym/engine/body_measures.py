@@ -1,4 +1,4 @@
-"""Radius and centroid of footprints, for those who look at a body as a disc."""
+"""Radius and centroid of footprints, for code that treats a body as a disc."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contact with the cells of the obstacle map, in kernels of their own: a world without a map never needs them."""
+"""Contact with the cells of the obstacle map. Worlds without a map do not need these kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a drive can execute of what it is asked."""
+"""Limits of commands: velocities that a drive can execute."""
 
 from __future__ import annotations
 

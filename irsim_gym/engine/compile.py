@@ -1,4 +1,4 @@
-"""From what a file says to arrays: here YAML's vocabulary ends."""
+"""Turns a scenario into arrays. The vocabulary of YAML ends here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who touches whom, and what that does."""
+"""Contacts between bodies, and their effects."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> No
 def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``model.static_partner``: contacts between bodies that never move, once per level.
 
-    Where they stand as they stood in the level before, what was found then is taken.
+    Contacts of the level before are reused if the bodies stand where they stood then.
     """
     worlds, is_rigid, has_buckets = shard.worlds, bool(model.rigid[0]), model.bucket_frame[0].columns > 0
     may_recall = is_rigid and not has_buckets and model.cells is None

@@ -1,4 +1,4 @@
-"""All worlds stepped with as little Python as possible."""
+"""Steps all worlds with as little Python as possible."""
 
 from __future__ import annotations
 

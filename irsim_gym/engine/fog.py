@@ -1,4 +1,4 @@
-"""``fog_map``: which cells of the world the robots have seen so far. Nothing reads it but the user and the renderer."""
+"""``fog_map``: the cells of the world that robots have seen so far. Only users and the renderer read it."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from irsim_gym.replay import BLOCK, NotRecordableError, Program, call_all, is_po
 from irsim_gym.world.group import Shard
 
 
-def only_kernels(kinds: Iterable[Any]) -> bool:
+def only_kernels(kinds: Iterable[object]) -> bool:
     """Return whether all kinds declare that their methods only call kernels, with arrays that are never replaced.
 
     A kind declares it with ``only_kernels = True`` in its own body: a class derived from it may do other things.

@@ -1,9 +1,8 @@
-"""What a caller gives to a simulation: levels, agents and commands, checked before they reach a kernel."""
+"""Checks what a caller passes to a simulation: levels, agents and commands."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -20,11 +19,11 @@ NOBODY = (
 )
 
 
-def check_scenario(scenario: Any) -> None:
-    """Refuse what is no loaded scenario.
+def check_scenario(scenario: object) -> None:
+    """Raise unless the argument is a loaded scenario.
 
     Raises:
-        TypeError: It is the name of one, or anything else.
+        TypeError: It is a name or anything else.
     """
     if not isinstance(scenario, Scenario):
         shown = repr(scenario) if isinstance(scenario, str) else "..."
@@ -38,7 +37,7 @@ def check_agents(agents: Sequence[int], scenario: Scenario) -> tuple[int, ...]:
     return tuple(_bodies(agents, scenario, "agents=").tolist())
 
 
-def check_level(level: Any, n_worlds: int) -> int:
+def check_level(level: object, n_worlds: int) -> int:
     """Return the level of the first of several worlds, or raise an error for one that is none.
 
     Raises:
@@ -52,12 +51,12 @@ def check_level(level: Any, n_worlds: int) -> int:
     return int(level)
 
 
-def check_bodies(bodies: Any, scenario: Scenario) -> Ints:
+def check_bodies(bodies: object, scenario: Scenario) -> Ints:
     """Return bodies as an array ``(n_bodies,)``, or raise a ValueError for one that is not there."""
     return _bodies(bodies, scenario, "bodies=")
 
 
-def check_commands(commands: Any, bodies: Ints, scenario: Scenario, n_worlds: int) -> Floats:
+def check_commands(commands: object, bodies: Ints, scenario: Scenario, n_worlds: int) -> Floats:
     """Return commands that can be broadcast to ``(n_worlds, n_bodies, n)``, n as many as the largest drive takes, or 3.
 
     Raises:
@@ -81,7 +80,7 @@ def check_commands(commands: Any, bodies: Ints, scenario: Scenario, n_worlds: in
     return given
 
 
-def _bodies(given: Any, scenario: Scenario, what: str) -> Ints:
+def _bodies(given: object, scenario: Scenario, what: str) -> Ints:
     array = np.asarray(given)
     n_bodies = len(scenario.bodies)
     is_listed = array.ndim == 1 and (array.dtype.kind in "iu" or not array.size)
@@ -93,10 +92,10 @@ def _bodies(given: Any, scenario: Scenario, what: str) -> Ints:
 
 
 def check_worlds(n_worlds: int) -> None:
-    """Refuse a number of worlds that is none.
+    """Raise unless this is a number of worlds.
 
     Raises:
-        ValueError: There is no world.
+        ValueError: It is not an integer of at least 1.
     """
     if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
         raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")

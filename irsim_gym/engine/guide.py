@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -37,7 +36,7 @@ class Guide:
         return Guide(self.shown, tuple(drive.select(those) for drive, those in chosen if len(those)))
 
 
-def guide(group: Group, bodies: Sequence[Any], kinematics: Sequence[Group], model: WorldModel) -> None:
+def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], model: WorldModel) -> None:
     """Give a group that decides a guide if it needs one.
 
     Args:

@@ -1,4 +1,4 @@
-"""Levels of a file (``levels``): copied to the worlds in place of a draw."""
+"""Levels of a file (``levels``), which are copied to the worlds instead of drawn."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
-"""Which range sensor the members of a group read, where their behaviour reads its own scan (``reads_scan``)."""
+"""Finds the range sensors of bodies whose behaviour reads its own scan (``reads_scan``)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ RANGES = "ranges"
 """What range sensors call their reading."""
 
 
-def with_scans(group: Group, bodies: Sequence[Any], sensors: Sequence[Group]) -> list[Group]:
+def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group]) -> list[Group]:
     """Return a group that decides as groups whose members read sensors of one group each.
 
     Members whose options read no scan are a group too. One without a range sensor, which nobody but one that cannot

@@ -1,4 +1,4 @@
-"""What all searches for contacts write."""
+"""Writes a contact, for all searches."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class Promise:
         self.kinds += [kind for kind in foreign if kind not in self.kinds]
         return self if foreign else None
 
-    def check(self, run: Callable[[], object], owner: Any) -> None:
+    def check(self, run: Callable[[], object], owner: object) -> None:
         """Run what records a function while no array of its owner, at any depth, can be written."""
         if self.is_broken:
             return
@@ -70,7 +70,7 @@ class Promise:
         self._forget()
 
 
-def _arrays(owner: Any) -> Iterator[NDArray[Any]]:
+def _arrays(owner: object) -> Iterator[NDArray[Any]]:
     """Yield the arrays that an object holds, at any depth."""
     waiting, known = [owner], set()
     while waiting:

@@ -1,4 +1,4 @@
-"""Single bodies that begin anew, or go, while their worlds go on."""
+"""Restarts or removes single bodies while their worlds go on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The beginning of an episode: a level is drawn from its random stream."""
+"""Begins an episode: draws a level from its random stream."""
 
 from __future__ import annotations
 

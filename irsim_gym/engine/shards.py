@@ -1,4 +1,4 @@
-"""Shares of worlds on threads: the only place where anything runs in parallel."""
+"""Divides worlds among threads. Nothing else runs in parallel."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class Simulation:
         counts = (self.n_worlds, "world"), (len(self.scenario.robots), "robot"), (len(self.agents), "agent")
         return f"<Simulation {self.scenario.label}: {', '.join(several(*one) for one in counts)}>"
 
-    def fuse(self, function: Callable[[Shard], None], kinds: Iterable[Any] = ()) -> Fused:
+    def fuse(self, function: Callable[[Shard], None], kinds: Iterable[object] = ()) -> Fused:
         """Return a function of a shard as one compiled call, where it consists of kernels alone.
 
         Args:

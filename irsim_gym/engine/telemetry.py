@@ -1,4 +1,4 @@
-"""Numbers that tell how bodies fare at a moment, for those who watch."""
+"""Numbers on the state of bodies at a moment, for pictures and replays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long a function of worlds takes, and whether threads make it faster, from measurements so far."""
+"""Measures how long a function of worlds takes, and decides whether threads make it faster."""
 
 from __future__ import annotations
 

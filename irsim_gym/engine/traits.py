@@ -1,4 +1,4 @@
-"""What is drawn of a body for a level besides outline and place: its speed, and whether it pays heed to others."""
+"""Draws traits of bodies for a level: their speed, and whether they avoid others."""
 
 from __future__ import annotations
 

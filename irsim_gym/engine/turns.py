@@ -1,4 +1,4 @@
-"""Who moves when: bodies whose behaviour looks at others move one after another, as in IR-SIM."""
+"""The order of moves: bodies whose behaviour sees others move one after another, as in IR-SIM."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many worlds with many learners each, as arrays: for trainers that know what an agent is."""
+"""Many worlds with many learners each, as arrays, for multi-agent trainers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def make_batch(
     world_steps: int | None = None,
     team_state: bool = True,
     strict: bool = True,
-    **parameters: Any,
+    **parameters: object,
 ) -> Batch:
     """Make worlds in which all robots learn, for trainers that want arrays ``(n_worlds, n_agents, ...)``.
 
@@ -173,7 +173,7 @@ class Batch:
         return self._live.copy()
 
     def reset(
-        self, seed: int | Sequence[int | None] | None = None, options: Mapping[str, Any] | None = None
+        self, seed: int | Sequence[int | None] | None = None, options: Mapping[str, object] | None = None
     ) -> BatchStep:
         """Begin an episode in every world.
 
@@ -190,7 +190,7 @@ class Batch:
                 raise ValueError(f"seeds must hold one for each of the {self.n_worlds} worlds, got {len(seeds)}")
         return self.begin(seeds, [options or {}] * self.n_worlds)
 
-    def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, Any]]) -> BatchStep:
+    def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, object]]) -> BatchStep:
         """Begin an episode in every world, with a seed, or None, and options for each."""
         self.worlds.begin(range(self.n_worlds), seeds, options, fresh_level)
         return self._beginning(np.arange(self.n_worlds))

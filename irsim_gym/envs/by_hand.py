@@ -1,4 +1,4 @@
-"""What ``irsim_gym.make`` returns: an environment whose errors tell IR-SIM's users where a world by hand is."""
+"""The environment that ``irsim_gym.make`` returns. Its errors tell IR-SIM's users what to use instead."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ class Environment(gymnasium.Wrapper[Any, Any, Any, Any]):
         """What the environment inside was made with."""
         return self.env.spec
 
-    def step(self, action: Any = _NO_ACTION, action_id: Any = None) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    def step(
+        self, action: object = _NO_ACTION, action_id: object = None
+    ) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Advance by one step, see ``WorldEnv.step``.
 
         Args:
@@ -51,7 +53,7 @@ class Environment(gymnasium.Wrapper[Any, Any, Any, Any]):
             raise TypeError(f"step() takes one action of the learner: {BY_HAND}")
         return self.env.step(action)
 
-    def render(self, *others: Any, **named: Any) -> Any:
+    def render(self, *others: object, **named: object) -> Any:
         """Return what the render mode asks for, see ``WorldEnv.render``.
 
         Raises:

@@ -207,7 +207,7 @@ class Description:
         return as_html(self)
 
 
-def describe(episodes: Episodes, info: Mapping[str, Any], agent: int = 0, *, own: bool = False) -> Description:
+def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, own: bool = False) -> Description:
     """Return what an environment is to one of its learners.
 
     Args:
@@ -352,7 +352,7 @@ def _when(term: Term) -> str:
     return first_sentence(kind_of(term)) or "not described"
 
 
-def _infos(info: Mapping[str, Any]) -> list[Info]:
+def _infos(info: Mapping[str, object]) -> list[Info]:
     """Return the keys of an info with what they mean, which their arrays declare."""
     declared = EpisodeState.columns()
     found = []
@@ -378,7 +378,7 @@ def _short(space: Space[Any]) -> str:
     return str(space)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     """Return data with lists in place of tuples and None in place of infinite numbers."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}

@@ -80,7 +80,7 @@ class GoalReward:
             raise ValueError(NO_INFO) from None
         return reward if count else float(reward)
 
-    def arrived(self, achieved_goal: Any, desired_goal: Any, infos: Sequence[Mapping[str, Any]]) -> Flags:
+    def arrived(self, achieved_goal: object, desired_goal: object, infos: Sequence[Mapping[str, object]]) -> Flags:
         """Return which steps would have arrived, ``(n,)``; the arguments are those of a call, for several steps."""
         achieved, desired = np.asarray(achieved_goal, np.float64), np.asarray(desired_goal, np.float64)
         return self._arrived(achieved, desired, _together(infos, self._keys))
@@ -99,7 +99,7 @@ class GoalReward:
         return np.where(np.abs(found - real) < ROUNDING * self._half, real, found)
 
 
-def _together(infos: Sequence[Mapping[str, Any]], keys: Sequence[str]) -> dict[str, Any]:
+def _together(infos: Sequence[Mapping[str, object]], keys: Sequence[str]) -> dict[str, Any]:
     """Return the infos of several steps as arrays."""
     try:
         terms = {key: np.array([info[key] for info in infos], np.float64) for key in keys}

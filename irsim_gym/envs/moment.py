@@ -1,4 +1,4 @@
-"""The present moment of a world, for wrappers: who is where and what robots see. It can be read only.
+"""Read access to the present moment of a world, for wrappers: poses, velocities, goals, scans.
 
 The names are those of ``world.robot`` and ``world`` of ``irsim_gym.load`` and of behaviours in plain Python. Arrays are
 copies that cannot be written into, so they do not change when the world continues.
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class BodyMoment(BodyReadings):
-    """One body of one world. It stores no reading, so it always shows the present state."""
+    """One body of one world. It always shows the present state."""
 
     __slots__ = ("_b", "_simulation", "_w")
 
@@ -145,7 +145,7 @@ class Bodies(Sequence[BodyMoment]):
 
 
 class WorldMoment:
-    """One world. It holds nothing of its own, so it is always as the world is now.
+    """One world, as it is now.
 
     Args:
         simulation: The worlds.

@@ -38,7 +38,7 @@ def parallel_env(
     black_death: bool = False,
     render_mode: str | None = None,
     strict: bool = True,
-    **parameters: Any,
+    **parameters: object,
 ) -> WorldParallelEnv:
     """Make the parallel environment of a scenario.
 
@@ -192,7 +192,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         return self._of(self.action_spaces, agent)
 
     def reset(
-        self, seed: int | None = None, options: Mapping[str, Any] | None = None
+        self, seed: int | None = None, options: Mapping[str, object] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """Begin an episode for all agents; see the class for what seeds and options choose.
 
@@ -209,7 +209,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         self.agents = list(self.possible_agents)
         return self._observations(self.agents), self._infos(self.agents)
 
-    def step(self, actions: Mapping[str, Any]) -> Step:
+    def step(self, actions: Mapping[str, object]) -> Step:
         """Advance the world by one step.
 
         Args:
@@ -296,7 +296,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             raise UnknownNameError(f"no agent named {agent!r}{suggestion(str(agent), self.possible_agents)}")
         return spaces[agent]
 
-    def _taken(self, actions: Mapping[str, Any]) -> NDArray[Any]:
+    def _taken(self, actions: Mapping[str, object]) -> NDArray[Any]:
         """Return the actions as the batch of one takes them; those of agents that have ended are 0."""
         if not isinstance(actions, Mapping):
             raise TypeError(f"actions must be a dict with one action per agent name, got {type(actions).__name__}")

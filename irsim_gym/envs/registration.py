@@ -108,7 +108,7 @@ def make(
     strict: bool = True,
     numpy_infos: bool = False,
     disable_env_checker: bool | None = None,
-    **parameters: Any,
+    **parameters: object,
 ) -> gymnasium.Env[Any, Any]:
     """Make a single environment from a shipped name, a YAML file, plain data or an id.
 
@@ -150,7 +150,7 @@ def make_vec(
     vectorization_mode: gymnasium.VectorizeMode | str | None = None,
     vector_kwargs: dict[str, Any] | None = None,
     wrappers: Sequence[Callable[[gymnasium.Env[Any, Any]], gymnasium.Env[Any, Any]]] | None = None,
-    **parameters: Any,
+    **parameters: object,
 ) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
     """Make the native batch of environments from a shipped name, a YAML file, plain data or an id.
 
@@ -186,16 +186,16 @@ def make_vec(
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
 
 
-def _given(**chosen: Any) -> dict[str, Any]:
+def _given(**chosen: object) -> dict[str, Any]:
     """Return the arguments that differ from their defaults: what is registered with an id holds for the others."""
     return {name: value for name, value in chosen.items() if not _is_default(name, value)}
 
 
-def _is_default(name: str, value: Any) -> bool:
+def _is_default(name: str, value: object) -> bool:
     return type(value) is type(DEFAULTS.get(name)) and value == DEFAULTS.get(name)
 
 
-def _refuse_for_singles(kwargs: Mapping[str, Any]) -> None:
+def _refuse_for_singles(kwargs: Mapping[str, object]) -> None:
     """Raise an IrsimGymError for arguments of ``gymnasium.make_vec`` that only single environments support."""
     for name in ("wrappers", "vector_kwargs"):
         if kwargs.get(name) and kwargs.get("vectorization_mode") not in ("sync", "async", *SINGLES):

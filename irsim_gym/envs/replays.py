@@ -1,4 +1,4 @@
-"""Replays of what an environment's robot does: pages for the browser."""
+"""Replays of an environment's episodes, as pages for a browser."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._note()
         return begun
 
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    def step(self, action: object) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Advance the environment by one step, and record it."""
         result = self.env.step(action)
         self._note()

@@ -59,7 +59,7 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         render_mode: str | None = None,
         strict: bool = True,
         numpy_infos: bool = False,
-        **parameters: Any,
+        **parameters: object,
     ) -> None:
         self.worlds = Worlds(
             scenario,
@@ -119,7 +119,7 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         self._going = True
         return worlds.observation_alone(), worlds.infos.of(0)
 
-    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: object) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Advance the world by one step.
 
         Raises:

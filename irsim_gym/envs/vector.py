@@ -69,7 +69,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         num_threads: int = 1,
         render_mode: str | None = None,
         strict: bool = True,
-        **parameters: Any,
+        **parameters: object,
     ) -> None:
         self.autoreset_mode = checked_autoreset(autoreset_mode)
         worlds = Worlds(
@@ -133,7 +133,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         self._all_begun = bool(self.worlds.begun.all())
         return self.worlds.observation(), self.worlds.infos.batched(mask)
 
-    def step(self, actions: Any) -> Step:
+    def step(self, actions: object) -> Step:
         """Advance all worlds by one step; ended ones restart as ``autoreset_mode`` says.
 
         Raises:
@@ -254,7 +254,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
     def spec(self, spec: EnvSpec | None) -> None:
         self._spec, self._views = None if spec is None else batch_spec(plain_spec(spec)), []
 
-    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+    def call(self, name: str, *args: object, **kwargs: object) -> tuple[Any, ...]:
         """Call a method of each world, or read an attribute, as ``SyncVectorEnv`` does; see ``WorldView``.
 
         Raises:
@@ -270,7 +270,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         """Return an attribute of each world, as ``SyncVectorEnv`` does; see ``WorldView``."""
         return self.call(name)
 
-    def set_attr(self, name: str, values: Any) -> None:
+    def set_attr(self, name: str, values: object) -> None:
         """Set an attribute of each world: a list or a tuple holds one value for each, anything else is for all.
 
         Raises:
@@ -307,7 +307,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
         return self.worlds.moment(world)
 
-    def close_extras(self, **kwargs: Any) -> None:
+    def close_extras(self, **kwargs: object) -> None:
         """Close the window and free the renderer."""
         self.worlds.close()
 
@@ -359,7 +359,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
             )
         return [{**options, "level": one} for one in level]
 
-    def _mask(self, mask: Any) -> Flags:
+    def _mask(self, mask: object) -> Flags:
         if not isinstance(mask, np.ndarray):
             raise TypeError(f"options['reset_mask'] must be a numpy array, got {type(mask)}")
         if mask.dtype != np.bool_:
@@ -370,7 +370,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
             raise ValueError("options['reset_mask'] must choose at least one world")
         return mask
 
-    def _action_rows(self, actions: Any) -> NDArray[Any]:
+    def _action_rows(self, actions: object) -> NDArray[Any]:
         """Return the actions with an axis for the one learner, ``(num_envs, 1, ...)``."""
         rows = np.asarray(actions)
         if rows.ndim == 0 or rows.dtype.kind not in "fiu":

@@ -100,11 +100,11 @@ class WorldView:
         """Return which choices are worth trying, ``(n_choices,)``: what ``MaskablePPO`` of sb3-contrib asks for."""
         return np.asarray(self.worlds.action_masks()[self.index, self.agent])
 
-    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+    def compute_reward(self, achieved_goal: object, desired_goal: object, info: object) -> Any:
         """Return the reward of steps as if another place had been the goal, see ``WorldEnv.compute_reward``."""
         return self.worlds.compute_reward(achieved_goal, desired_goal, info)
 
-    def would_arrive(self, achieved_goal: Any, desired_goal: Any, infos: Any) -> Flags:
+    def would_arrive(self, achieved_goal: object, desired_goal: object, infos: object) -> Flags:
         """Return which steps would have arrived if another place had been the goal, ``(n,)``."""
         return self.worlds.would_arrive(achieved_goal, desired_goal, infos)
 
@@ -137,7 +137,7 @@ class WorldView:
         names = [known for known in (*dir(type(self)), *self.__dict__) if not known.startswith("_")]
         raise AttributeError(f"a world of a batch has no attribute {name!r}{suggestion(name, names)}")
 
-    def set_wrapper_attr(self, name: str, value: Any, *, force: bool = True) -> bool:
+    def set_wrapper_attr(self, name: str, value: object, *, force: bool = True) -> bool:
         """Set an attribute of this world alone.
 
         Args:

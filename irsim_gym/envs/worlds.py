@@ -78,7 +78,7 @@ class Worlds:
         render_mode: str | None = None,
         team: bool = False,
         critic: bool = False,
-        parameters: Mapping[str, Any] | None = None,
+        parameters: Mapping[str, object] | None = None,
         strict: bool = True,
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
@@ -123,7 +123,7 @@ class Worlds:
         """Frames per second at which a film runs in real time."""
         return self.pictures.fps
 
-    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+    def compute_reward(self, achieved_goal: object, desired_goal: object, info: object) -> Any:
         """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
 
         Args:
@@ -164,7 +164,7 @@ class Worlds:
         self,
         worlds: Sequence[int],
         seeds: Sequence[int | None],
-        options: Sequence[Mapping[str, Any]],
+        options: Sequence[Mapping[str, object]],
         draw: Callable[[int], int],
     ) -> None:
         """Begin an episode in each of the given worlds.
@@ -282,7 +282,7 @@ class Worlds:
         return WorldMoment(self.simulation, world % self.n_worlds)
 
     def describe(
-        self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, Any] | None = None
+        self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, object] | None = None
     ) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to a learner.
 
@@ -305,7 +305,7 @@ class Worlds:
         self.pictures.close()
 
 
-def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, Any], strict: bool) -> Scenario:
+def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:
     if scenario is None:
         given = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
         raise MissingScenarioError(f"no scenario given: {given} takes {SOURCES}")

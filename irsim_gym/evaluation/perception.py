@@ -132,11 +132,11 @@ class Perceived:
         return made
 
 
-def _as_data(family: Registry, item: Any) -> dict[str, Any]:
+def _as_data(family: Registry, item: object) -> dict[str, Any]:
     """Return a kind as it is written in a task, with all options."""
     options = {key: getattr(item, key) for key in option_fields(type(item))} | more_options(item)
     return {"name": family.name_of(type(item)), **{key: _as_list(value) for key, value in options.items()}}
 
 
-def _as_list(value: Any) -> Any:
+def _as_list(value: object) -> Any:
     return [_as_list(part) for part in value] if isinstance(value, list | tuple) else value

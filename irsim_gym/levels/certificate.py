@@ -126,7 +126,7 @@ class Certificate:
         return room.getvalue()
 
 
-def rounded(values: Sequence[Any] | Floats) -> Numbers:
+def rounded(values: Sequence[object] | Floats) -> Numbers:
     """Return numbers as a certificate keeps them."""
     return np.round(np.asarray(values, np.float64), DIGITS).astype(np.float32)
 

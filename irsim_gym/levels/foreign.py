@@ -108,7 +108,7 @@ def _empty(*_: object) -> NDArray[Any]:
     return np.ndarray((0,), np.int8)
 
 
-def _scalar(dtype: Any, content: bytes = b"") -> Any:
+def _scalar(dtype: object, content: bytes = b"") -> Any:
     if not isinstance(dtype, np.dtype) or dtype.hasobject:
         raise pickle.UnpicklingError("a scalar of objects")
     return np.frombuffer(content, dtype, 1)[0]

@@ -1,4 +1,4 @@
-"""A world by hand: IR-SIM's way of running a file, on the same simulator."""
+"""Worlds that scripts step, as in IR-SIM, in the same simulator."""
 
 from irsim_gym.live.body import Body
 from irsim_gym.live.plan_ways import plan

@@ -1,4 +1,4 @@
-"""What a caller may give to ``World.step``, as one action for each body that is meant."""
+"""Turns the arguments of ``World.step`` into one action per body."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def pair_actions(
 
     if isinstance(actions, Mapping):
         if references is not None:
-            raise ValueError("actions by name say whom they are for: leave action_id out")
+            raise ValueError("a mapping names the bodies already: leave action_id out")
         return _numbers((find(name), action) for name, action in actions.items())
     if not isinstance(actions, list | tuple | np.ndarray):
         raise TypeError(f"an action is a list, a tuple, an array or a mapping, got {type(actions).__name__}")

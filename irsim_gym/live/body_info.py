@@ -1,4 +1,4 @@
-"""What a body is and where it is, in IR-SIM's words."""
+"""Properties, place and motion of a body, under IR-SIM's names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FLATTEST = 1e-9
 
 @dataclass(frozen=True)
 class RobotInfo:
-    """What a body is. In a world with ``columns`` its flat arrays are columns ``(n, 1)``.
+    """Properties of a body. In a world with ``columns`` its flat arrays are columns ``(n, 1)``.
 
     Attributes:
         id: Its number.
@@ -63,7 +63,7 @@ class RobotInfo:
 
 @dataclass(frozen=True)
 class ObstacleInfo:
-    """Where a body is. In a world with ``columns`` its flat arrays are columns ``(n, 1)``, corners ``(2, n)``.
+    """Place and motion of a body. In a world with ``columns`` vectors are columns ``(n, 1)``, corners ``(2, n)``.
 
     Attributes:
         center: Its x and y [m], shape ``(2,)``.

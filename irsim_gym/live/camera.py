@@ -1,4 +1,4 @@
-"""Pictures of a world that is run by hand: frames, figures in files, films."""
+"""Pictures of a world that a script steps: frames, figures in files, films."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Camera:
         return self._ready().frame(0, status).view(NotebookPicture)
 
     def show(self, status: str) -> Bytes:
-        """Return a picture that somebody is going to see: what was drawn over the world for one picture is in it.
+        """Return a picture that will be shown, with the marks for one picture.
 
         A film shows what was seen last of a moment.
         """

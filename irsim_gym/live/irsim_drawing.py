@@ -128,7 +128,7 @@ class IrSimDrawing:
             marks += strokes.forms(corners, ink, look.marker, strokes.MARKER_SIZE)
         self._drawing.add(marks, refresh)
 
-    def draw_quiver(self, /, point: ArrayLike | None, refresh: bool = False, **kwargs: Any) -> None:
+    def draw_quiver(self, /, point: ArrayLike | None, refresh: bool = False, **kwargs: object) -> None:
         """Draw a dot and an arrow; all arrows of IR-SIM's have one length, an eighteenth of the world's width.
 
         ``draw.arrows`` draws them as long as their vectors are.
@@ -146,7 +146,7 @@ class IrSimDrawing:
         if point is not None:
             self._draw_quivers([np.asarray(point, np.float64).ravel()], given, refresh)
 
-    def draw_quivers(self, /, points: ArrayLike, refresh: bool = False, **kwargs: Any) -> None:
+    def draw_quivers(self, /, points: ArrayLike, refresh: bool = False, **kwargs: object) -> None:
         """Draw a dot and an arrow for each of some points, see ``draw_quiver``.
 
         Args:
@@ -171,7 +171,7 @@ class IrSimDrawing:
         for row in rows:
             self._draw_arrows(row[None], THICK, given, once)
 
-    def _draw_arrows(self, rows: Floats, width: float, given: Mapping[str, Any], once: bool) -> None:
+    def _draw_arrows(self, rows: Floats, width: float, given: Mapping[str, object], once: bool) -> None:
         """Draw arrows of one length: the more there are, the shorter, as matplotlib has it."""
         x_min, _, x_max, _ = self._session.simulation.model.bounds.tolist()
         length = (x_max - x_min) / (SHARE * max(math.ceil(math.sqrt(len(rows))), FEWEST))
@@ -181,9 +181,9 @@ class IrSimDrawing:
         self._drawing.arrows(rows[:, :2], rows[:, 2:4], **size, **look, once=once)
 
 
-def _look(given: Mapping[str, Any], layer: float) -> tuple[Any, Any]:
+def _look(given: Mapping[str, object], layer: float) -> tuple[Any, Any]:
     return given.get("alpha", 1.0), given.get("layer", layer)
 
 
-def _first(*values: Any) -> Any:
+def _first(*values: object) -> Any:
     return next(value for value in values if value is not None)

@@ -1,4 +1,4 @@
-"""Which file a world by hand shows, and which of its levels."""
+"""The file of a world, and the level that it plays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beams in colours of their own, as ``Body.set_laser_color`` asks for them."""
+"""Beams in colours that ``Body.set_laser_color`` sets."""
 
 from __future__ import annotations
 

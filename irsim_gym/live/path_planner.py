@@ -1,4 +1,4 @@
-"""Paths through a world that is run by hand, and its map for planners."""
+"""Paths through a world that a script steps, and its map for planners."""
 
 from __future__ import annotations
 

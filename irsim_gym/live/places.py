@@ -1,4 +1,4 @@
-"""Points as people write them: rows, columns, lists of either."""
+"""Reads points that are given as rows, columns, or lists of either."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ class Population:
         """Return the mount pose of a body's first sensor in the body frame [m, m, rad]."""
         return self[id].lidar_offset
 
-    def add(self, /, role: Literal["robot", "obstacle"] = "obstacle", **entry: Any) -> Body:
+    def add(self, /, role: Literal["robot", "obstacle"] = "obstacle", **entry: object) -> Body:
         """Add a body. Nothing else changes, and a reset keeps the body.
 
         Args:
@@ -161,11 +161,11 @@ class Population:
         now = self._session.simulation
         self._session.replace(rebuild(now, remove_body(now.scenario, self._session.roster.index(reference))))
 
-    def create_robot(self, /, **entry: Any) -> Body:
+    def create_robot(self, /, **entry: object) -> Body:
         """Add a robot at once; IR-SIM's ``add_object`` is not needed."""
         return self.add("robot", **entry)
 
-    def create_obstacle(self, /, **entry: Any) -> Body:
+    def create_obstacle(self, /, **entry: object) -> Body:
         """Add an obstacle at once; IR-SIM's ``add_object`` is not needed."""
         return self.add("obstacle", **entry)
 

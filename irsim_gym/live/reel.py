@@ -1,4 +1,4 @@
-"""Keeps the course of a world: frames for films and sheets, numbers for replays."""
+"""Records a world: frames for films and sheets, numbers for replays."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Reel:
         self._recordings[-1].redraw(scene)
 
     def save_film(self, path: Path, fps: float) -> None:
-        """Write the frames to a film, as fast as it is asked for, and begin another one.
+        """Write the frames to a film, and begin another one.
 
         Raises:
             ValueError: There are none.

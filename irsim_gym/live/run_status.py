@@ -1,4 +1,4 @@
-"""Whether a world by hand runs, who drives it, and the text that says so."""
+"""The status of a world: running or paused, driven by behaviours or keys, and as text."""
 
 from __future__ import annotations
 

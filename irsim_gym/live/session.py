@@ -1,4 +1,4 @@
-"""What the parts of a world by hand share: the simulation, and what is remembered beside it."""
+"""The state that the parts of a world share: the simulation, names, goals and past poses."""
 
 from __future__ import annotations
 

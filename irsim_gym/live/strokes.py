@@ -1,4 +1,4 @@
-"""Makes the marks of which drawings consist, and checks how they are to look."""
+"""Makes the marks of drawings, and checks their style."""
 
 from __future__ import annotations
 

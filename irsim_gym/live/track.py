@@ -1,4 +1,4 @@
-"""Where bodies have been since a reset."""
+"""Poses of bodies since a reset."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Vectors that a world by hand returns: flat and guarded, or as columns."""
+"""Vectors that a world returns: flat and guarded, or as columns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COLUMNS_HINT = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM
 class Vector(np.ndarray[Any, Any]):
     """A flat array that refuses to meet a column.
 
-    NumPy would broadcast ``(n,)`` and ``(m, 1)`` to a matrix without a word: a script that expects IR-SIM's columns
+    NumPy would silently broadcast ``(n,)`` and ``(m, 1)`` to a matrix: a script that expects IR-SIM's columns
     would go on with wrong numbers. In all else it is a NumPy array; what is computed from it is a plain one.
     """
 
@@ -41,7 +41,7 @@ class Vector(np.ndarray[Any, Any]):
         return np.asarray(self).__reduce__()
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     return np.asarray(value) if isinstance(value, Vector) else value
 
 

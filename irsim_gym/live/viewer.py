@@ -1,4 +1,4 @@
-"""The window on a world by hand, and the person who drives a robot in it."""
+"""The window of a world, and its keys."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ class Viewer:
 
     @property
     def quit_flag(self) -> bool:
-        """The person pressed esc or closed the window: ``done`` is True from now on.
+        """Whether esc was pressed or the window closed; then ``done`` is True.
 
-        The next ``render`` after the one that noticed ends the program (``SystemExit``), for loops that ask nobody.
+        For loops that do not check ``done``, the second ``render`` after that ends the program (``SystemExit``).
         """
         return self.quit
 
@@ -78,7 +78,7 @@ class Viewer:
 
     @property
     def display(self) -> bool:
-        """There is a window and pictures are drawn in it; the key y changes it."""
+        """Whether pictures are drawn in a window; the key y toggles it."""
         return not (self.headless or self.quit or self._hidden)
 
     @property
@@ -142,7 +142,7 @@ class Viewer:
         With a window, one picture for each ``sample_time`` is drawn, and the commands of the keys are executed.
 
         Args:
-            interval: How long to let people look [s]; without a window nothing waits.
+            interval: Time to show the picture [s]; without a window nothing waits.
             figure_kwargs: IR-SIM's; it changes nothing, and a warning says so.
             mode: IR-SIM's ``dynamic``, ``static`` or ``all``; all bodies are drawn in each.
             **drawing: Keys of the sections ``plot`` such as ``show_goal=True``: so all bodies are drawn in this
@@ -186,7 +186,7 @@ class Viewer:
     def show(self) -> None:
         """Show the world in a window until the person closes it or presses esc.
 
-        Without ``render_mode="human"`` there is none, and nothing to wait for; a warning says so.
+        Without ``render_mode="human"`` it only warns that there is no window.
 
         Raises:
             NoWindowError: There is no display, or no toolkit that works.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self
+from typing import TYPE_CHECKING, Literal, NoReturn, Self
 
 from irsim_gym.engine import Simulation
 from irsim_gym.live import hints, moves
@@ -76,7 +76,7 @@ class World:
         save_ani: bool = False,
         strict: bool = True,
         columns: bool = False,
-        **others: Any,
+        **others: object,
     ) -> None:
         asked = read_arguments(render_mode, others)
         self._levels = LevelSource(

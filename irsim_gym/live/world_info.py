@@ -1,4 +1,4 @@
-"""Clock, size and name of a world by hand."""
+"""Clock, size and name of a world."""
 
 from __future__ import annotations
 
@@ -96,6 +96,6 @@ class WorldInfo:
     def logger(self) -> logging.Logger:
         """A logger for scripts, of Python's own; the package writes nothing to it.
 
-        What it shows is Python's affair: warnings and errors, and the rest after ``logging.basicConfig(level="INFO")``.
+        By default Python shows warnings and errors, and the rest after ``logging.basicConfig(level="INFO")``.
         """
         return logging.getLogger(f"irsim_gym.{self.name}")

@@ -167,7 +167,7 @@ class SceneArtists:
         patch.set_transform(self._axes.transData)
         return patch
 
-    def _dots(self, places: Floats, radius: float, pen: Pen, colours: Any = None) -> PathCollection:
+    def _dots(self, places: Floats, radius: float, pen: Pen, colours: object = None) -> PathCollection:
         """Return discs of a radius [point] at some places [m], of one colour or of one for each."""
         circle, data = Path.unit_circle(), self._axes.transData
         dots = PathCollection([circle], [radius**2], offsets=places, offset_transform=data)
@@ -227,7 +227,7 @@ class SceneArtists:
             yield from self._text(words, view.x, view.y, words.text, path_effects=around, **look)
         yield from self._text(words, view.x, view.y, words.text, alpha=words.ink.opacity, **look)
 
-    def _text(self, words: Words, x: float, y: float, text: str, **look: Any) -> Drawn:
+    def _text(self, words: Words, x: float, y: float, text: str, **look: object) -> Drawn:
         """Yield a text if its place is shown."""
         if self._layout.contains(x, y):
             letters, face = fonts.families(text)

@@ -330,7 +330,7 @@ class _Job:
                 first = end
             self._draw_items(items[first:], frame, scratch)
 
-    def _draw_items(self, items: Any, frames: Ints, scratch: records.Scratch) -> None:
+    def _draw_items(self, items: object, frames: Ints, scratch: records.Scratch) -> None:
         """Draw rows of the plan on some pictures."""
         draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, scratch)
 

@@ -42,7 +42,7 @@ class KeptTrails:
         self._discs = rows_of(model.disc_start, model.disc_count, bodies, model.local_discs.shape[1])
         self._known: dict[int, tuple[Any, Bytes]] = {}
 
-    def key(self, world: int, ground: Any) -> Any:
+    def key(self, world: int, ground: object) -> Any:
         """Return what a picture of a world depends on, beside its ground's own key; None where none is to be kept."""
         if not len(self.items):
             return None
@@ -62,12 +62,12 @@ class KeptTrails:
         )
         return ground, numbers[:count].tobytes(), *(shape.tobytes() for shape in shapes)
 
-    def known(self, world: int, key: Any) -> Bytes | None:
+    def known(self, world: int, key: object) -> Bytes | None:
         """Return the picture that was kept, if it is still that of the world."""
         kept = self._known.get(world)
         return kept[1] if kept is not None and kept[0] == key else None
 
-    def keep(self, world: int, key: Any, picture: Bytes) -> None:
+    def keep(self, world: int, key: object, picture: Bytes) -> None:
         """Keep a picture, which nobody writes to any more, in the place of an older one."""
         self._known[world] = key, picture
 

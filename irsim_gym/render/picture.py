@@ -26,7 +26,7 @@ class NotebookPicture(np.ndarray[Any, Any]):
 
     __array_priority__: ClassVar[float] = -1.0
 
-    def __array_wrap__(self, array: NDArray[Any], context: Any = None, return_scalar: bool = False) -> Any:
+    def __array_wrap__(self, array: NDArray[Any], context: object = None, return_scalar: bool = False) -> Any:
         plain = np.asarray(array)
         return plain[()] if return_scalar or plain.ndim == 0 else plain
 

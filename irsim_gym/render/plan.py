@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.raster import records
@@ -30,6 +31,8 @@ DRAWN_BY_KIND = ("shadows", "fixed", "bodies", "headings", "fields", "ghosts")
 """Ranks of a body's shapes that have kernels of their own; all others are drawn as the vocabulary describes them."""
 
 Key = tuple[float, int, int, float]
+Item = tuple[Key, np.void]
+Rows = NDArray[np.void]
 
 
 class Plan:
@@ -69,7 +72,7 @@ class Plan:
         self.groups = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self.has_speeds = any("radial_velocity" in group.arrays for group in self.groups)
         self.angles: Floats = np.zeros(0)
-        self.scans: Any = np.zeros(0, records.BEAMS)
+        self.scans: Rows = np.zeros(0, records.BEAMS)
         self.flagged: Flags = np.array([style.show_goal for style in self._styles], np.bool_)
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
         if fog:
@@ -91,7 +94,7 @@ class Plan:
     def _ordered(self) -> list[int]:
         return sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
 
-    def _item(self, kind: int, body: int = -1, *, colours: Sequence[Colour] = (), **fields: Any) -> Any:
+    def _item(self, kind: int, body: int = -1, *, colours: Sequence[Colour] = (), **fields: Any) -> np.void:
         """Return a record; widths are points here and pixels there."""
         item = np.zeros(1, records.ITEM)
         item["every"], item["box"] = 1, records.WORLD
@@ -99,9 +102,10 @@ class Plan:
         item["colours"][0, : len(colours)] = list(colours) if colours else 0.0
         for name, value in fields.items():
             item[name] = value * self._point if name in ("width", "other_width") and value is not None else value
-        return item[0]
+        row: np.void = item[0]
+        return row
 
-    def _footprint(self, kind: int, body: int, style: BodyStyle, **fields: Any) -> Any:
+    def _footprint(self, kind: int, body: int, style: BodyStyle, **fields: object) -> np.void:
         fill = colour(style.colour, style.alpha)
         if style.edge_colour is not None:
             edge = line = colour(style.edge_colour, style.alpha)
@@ -118,7 +122,7 @@ class Plan:
             **fields,
         )
 
-    def _fixed_items(self, body: int) -> Iterator[tuple[Key, Any]]:
+    def _fixed_items(self, body: int) -> Iterator[Item]:
         """Yield what a body that never moves looks like, with its shadow."""
         style = self._styles[body]
         look: dict[str, Any] = {"box": records.WALLS, "snapped": True}
@@ -132,7 +136,7 @@ class Plan:
             yield (style.order, RANKS["fixed"], number, 0.0), item
         yield (style.order, RANKS["fixed"], 2, 0.0), self._footprint(records.FOOTPRINT, body, style, **look)
 
-    def _body_items(self) -> Iterator[tuple[Key, Any]]:
+    def _body_items(self) -> Iterator[Item]:
         """Yield footprints of what moves, and of all bodies headings, impacts, fields of view and labels."""
         model, order = self._model, self._ordered()
         for body in order:
@@ -159,7 +163,7 @@ class Plan:
                     key = primitive.layer, RANKS[primitive.rank], 0, float(body)
                     yield key, self._shape(body, records.AT_BODY, primitive)
 
-    def _heading(self, body: int, style: BodyStyle) -> Any:
+    def _heading(self, body: int, style: BodyStyle) -> np.void:
         is_car = self._model.drive[body] == ACKERMANN and body not in self._images
         form = records.ARROW if style.arrow is not None else records.WINDSCREEN if is_car else records.WEDGE
         length, width = style.arrow or (0.0, 0.0)
@@ -174,7 +178,7 @@ class Plan:
             turns=is_omni(self._bodies[body]),
         )
 
-    def _label(self, body: int, style: BodyStyle) -> Iterator[tuple[Key, Any]]:
+    def _label(self, body: int, style: BodyStyle) -> Iterator[Item]:
         for kind, text in ((records.LABEL, style.label), (records.GOAL_LABEL, style.goal_label)):
             if not text or (kind == records.GOAL_LABEL and not style.show_goal):
                 continue
@@ -196,7 +200,7 @@ class Plan:
             )
             yield (style.label_order, RANKS["labels"], kind, float(self._model.movable[body])), item
 
-    def _goal_items(self) -> Iterator[tuple[Key, Any]]:
+    def _goal_items(self) -> Iterator[Item]:
         shown = [body for body, style in enumerate(self._styles) if style.show_goal]
         if not shown:
             return
@@ -218,7 +222,7 @@ class Plan:
             item = self._item(records.GOAL_MARKS, body, colours=[CLEAR, inks["flags"], inks["waypoints"]], **look)
             yield (near[0].layer, RANKS["flags"], 0, float(body)), item
 
-    def _shape(self, body: int, where: int, figure: Figure, farther: tuple[Floats, ...] | None = None) -> Any:
+    def _shape(self, body: int, where: int, figure: Figure, farther: tuple[Floats, ...] | None = None) -> np.void:
         """Return the item of a shape at a body or at its goal.
 
         Args:
@@ -251,7 +255,7 @@ class Plan:
             box=records.PLOT if vocabulary.RANKS[figure.rank].reach is None else records.WORLD,
         )
 
-    def _past_items(self, followed: Sequence[int]) -> Iterator[tuple[Key, Any]]:
+    def _past_items(self, followed: Sequence[int]) -> Iterator[Item]:
         for row, body in enumerate(followed):
             style, ghost = self._styles[body], self._styles[body].ghost
             if style.show_trajectory:
@@ -275,8 +279,8 @@ class Plan:
                     self._footprint(records.GHOSTS, body, ghost, **fields),
                 )
 
-    def _scan_items(self) -> Iterator[tuple[Key, Any]]:
-        beams, angles = list[Any](), list[Floats]()
+    def _scan_items(self) -> Iterator[Item]:
+        beams, angles = list[Rows](), list[Floats]()
         first, dot = 0, _dot(self._masks, 1.3 * self._point)
         for group in self.groups:
             for k, body in enumerate(group.members.tolist()):
@@ -293,7 +297,7 @@ class Plan:
         if beams:
             self.scans, self.angles = np.concatenate(beams), np.concatenate(angles)
 
-    def _scan(self, body: int, row: int, style: ScanStyle) -> Any:
+    def _scan(self, body: int, row: int, style: ScanStyle) -> np.void:
         speed = style.velocity
         if speed is None or not speed.coloured:
             look = [colour(style.colour, min(share * style.alpha, 1.0)) for share in (0.22, 0.9)]
@@ -301,7 +305,7 @@ class Plan:
         look = [colour(speed.free_colour, speed.free_alpha), colour(speed.rest_colour, style.alpha)]
         return self._item(records.SCAN, body, row=row, colours=look, width=speed.width, other_width=speed.free_width)
 
-    def _beams(self, group: Group, k: int, style: ScanStyle, first: int) -> Any:
+    def _beams(self, group: Group, k: int, style: ScanStyle, first: int) -> Rows:
         options, angles, speed = group.options[k], group.arrays["angles"], style.velocity
         beam = np.zeros(1, records.BEAMS)
         x, y, heading = getattr(options, "offset", None) or (0.0, 0.0, 0.0)
@@ -351,7 +355,7 @@ def _empty_view(style: BodyStyle) -> DrawnBody:
     return DrawnBody(-1, "", (), discs, True, nothing, (0.0, 0.0), style, form, pose)
 
 
-def _table(rows: Sequence[tuple[Key, Any]]) -> Any:
+def _table(rows: Sequence[Item]) -> Rows:
     """Return records in the order of their keys."""
     table = np.zeros(len(rows), records.ITEM)
     for number, (_, item) in enumerate(sorted(rows, key=lambda row: row[0])):

@@ -108,7 +108,7 @@ class Recording:
         tracks = (track for tracks in self._bodies.values() for track in tracks if not track.fixed)
         return {view.name: view for track in tracks if (view := track.view(moment)) is not None}
 
-    def note(self, scene: Scene, poses: Floats, values: Sequence[Mapping[str, Any]] = ()) -> None:
+    def note(self, scene: Scene, poses: Floats, values: Sequence[Mapping[str, object]] = ()) -> None:
         """Add a moment.
 
         Args:
@@ -257,7 +257,7 @@ def _series(values: Iterable[Any]) -> dict[str, Any]:
     return packed(np.where(np.abs(found) < ENDLESS, found, np.nan), VALUE)
 
 
-def _keys(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+def _keys(rows: Iterable[Mapping[str, object]]) -> list[str]:
     """Return the keys of all rows, in the order in which they come."""
     return list(dict.fromkeys(key for row in rows for key in row))
 

@@ -27,7 +27,7 @@ class SharedItems:
     def __init__(self) -> None:
         self._tables: dict[str, dict[str, int]] = {"pens": {}, "shapes": {}, "pictures": {}}
 
-    def number(self, table: str, thing: Any) -> int:
+    def number(self, table: str, thing: object) -> int:
         """Return the number of a thing in a table."""
         known = self._tables[table]
         return known.setdefault(json.dumps(thing), len(known))
@@ -52,7 +52,7 @@ class Items:
         self._shared = shared
         self._rows: list[tuple[float, int, dict[str, Any]]] = []
 
-    def add(self, thing: Primitive, **where: Any) -> None:
+    def add(self, thing: Primitive, **where: object) -> None:
         """Add a primitive, with the number of its ``body`` or ``scan``, or the ``spans`` in which it is seen."""
         data = _given(thing, self._shared)
         del data["layer"]
@@ -80,7 +80,7 @@ def _given(thing: Any, shared: SharedItems) -> dict[str, Any]:
     return data
 
 
-def _plain(value: Any, shared: SharedItems) -> Any:
+def _plain(value: object, shared: SharedItems) -> Any:
     match value:
         case Ink():
             return css(value)

@@ -26,7 +26,7 @@ class Changes:
     def __init__(self) -> None:
         self.list: list[list[Any]] = []
 
-    def note(self, moment: int, value: Any) -> None:
+    def note(self, moment: int, value: object) -> None:
         """Note the value at a moment."""
         if not self.list or self.list[-1][1] != value:
             self.list.append([moment, value])
@@ -44,7 +44,7 @@ class Seen:
         self._latest: list[list[int]] = []
         self._moment = -1
 
-    def note(self, moment: int, key: Hashable, thing: Any) -> None:
+    def note(self, moment: int, key: Hashable, thing: object) -> None:
         """Note that a thing is seen at a moment."""
         if moment != self._moment:
             self._moment, self._latest = moment, []

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from irsim_gym.render import theme
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario.plot_spec import ObjectPlot
+    from irsim_gym.scenario.spec import BodySpec
+
+T = TypeVar("T")
 
 GROUND, TOP = 1.0, 1e9
 """Layers: that of obstacles, and that of what covers everything."""
@@ -163,8 +169,8 @@ class ScanStyle:
     velocity: VelocityStyle | None = None
 
 
-def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
-    """Return how a body of the scenario (``BodySpec``) is drawn; a learner shows its goal and trajectory unasked."""
+def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
+    """Return how a body of the scenario is drawn; a learner shows its goal and trajectory unasked."""
     plot, robot = body.plot, body.role == "robot"
     own = str(body.color if plot.obj_color is None else plot.obj_color)
     label, arrow = _short_name(body.name, robot), _arrow(plot)
@@ -219,12 +225,12 @@ def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
     )
 
 
-def is_omni(body: Any) -> bool:
+def is_omni(body: BodySpec) -> bool:
     """Return whether a body moves without turning."""
     return getattr(body.kinematics, "drive", None) in (OMNI_WORLD, OMNI_BODY)
 
 
-def field_of_view(body: Any) -> tuple[float, float] | None:
+def field_of_view(body: BodySpec) -> tuple[float, float] | None:
     """Return width [rad] and depth [m] of a body's field of view: its own, else its first scanner's; None without."""
     scanners = [sensor for sensor in body.sensors if hasattr(sensor, "angle_range") and hasattr(sensor, "range_max")]
     span = scanners[0].angle_range if body.fov is None and scanners else body.fov
@@ -232,7 +238,7 @@ def field_of_view(body: Any) -> tuple[float, float] | None:
     return None if span is None or depth is None else (min(float(span), 2.0 * math.pi), float(depth))
 
 
-def scan_style(sensor: Any) -> ScanStyle:
+def scan_style(sensor: object) -> ScanStyle:
     """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
     plot: Any = getattr(sensor, "plot", None)
     own = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
@@ -256,19 +262,19 @@ def scan_style(sensor: Any) -> ScanStyle:
     return ScanStyle(*faded(own, _or(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
 
 
-def _or(value: Any, otherwise: Any) -> Any:
+def _or(value: T | None, otherwise: T) -> T:
     """Return an option that a scenario gives, else what is drawn without it."""
     return otherwise if value is None else value
 
 
-def _arrow(plot: Any) -> tuple[float, float] | None:
+def _arrow(plot: ObjectPlot) -> tuple[float, float] | None:
     """Return length and width of an arrow [m]; None where the scenario gives neither."""
     if plot.arrow_length is None and plot.arrow_width is None:
         return None
     return _or(plot.arrow_length, 0.4), _or(plot.arrow_width, 0.6)
 
 
-def _ghost(plot: Any, own: str) -> BodyStyle:
+def _ghost(plot: ObjectPlot, own: str) -> BodyStyle:
     """Return how the outlines look that a body leaves behind."""
     edge, edge_alpha = faded(_or(plot.trail_edgecolor, own), plot.trail_alpha)
     fill, fill_alpha = faded(_or(plot.trail_color, own), plot.trail_alpha)

@@ -62,7 +62,7 @@ def new_manager(figure: Figure) -> Any:
     raise NoWindowError(f"no window can be opened: {missing} {INSTEAD}\n{told}")
 
 
-def has_focus(manager: Any) -> bool:
+def has_focus(manager: object) -> bool:
     """Return whether the keys go to the window; True where its toolkit cannot tell."""
     window = manager.window if hasattr(manager, "window") else getattr(manager, "frame", None)
     for name in ("focus_displayof", "isActiveWindow", "is_active", "IsActive"):
@@ -72,7 +72,7 @@ def has_focus(manager: Any) -> bool:
     return True
 
 
-def event_time(event: Any) -> float:
+def event_time(event: object) -> float:
     """Return when a toolkit's event happened [s], by its own clock; where it does not tell, the time of now."""
     for name in ("time", "timestamp", "GetTimestamp"):
         told = getattr(event, name, None)

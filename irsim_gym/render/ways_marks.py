@@ -79,7 +79,7 @@ def draw_ends(axes: Axes, ways: Sequence[DrawnWay], size: float) -> None:
 
 def draw_dots(
     axes: Axes,
-    places: Iterable[Any],
+    places: Iterable[object],
     colour: str,
     marker: str,
     size: float,

@@ -89,7 +89,7 @@ def check_scan(values: Values, places: Places, report: Report) -> bool:
     return not blind
 
 
-def has_range_sensor(sensors: Sequence[Any]) -> bool:
+def has_range_sensor(sensors: Sequence[object]) -> bool:
     """Return whether some sensors have one among them that behaviours can read: it tells the angles of its ranges."""
     return any(getattr(sensor, "reading", "") == "ranges" and hasattr(sensor, "angles") for sensor in sensors)
 

@@ -56,7 +56,7 @@ def kind(cls: type[T]) -> type[T]:
     return cast("type[T]", made)
 
 
-def more_options(options: Any) -> dict[str, Any]:
+def more_options(options: object) -> dict[str, Any]:
     """Return what a file gives beyond the options that a kind declares, by key; a copy."""
     declared = option_fields(type(options))
     return {key: copy.deepcopy(value) for key, value in vars(options).items() if key not in declared}
@@ -72,7 +72,7 @@ def option_fields(cls: type[Any]) -> dict[str, FieldInfo]:
     return dict(cls.__pydantic_fields__)
 
 
-def unordered_ranges(options: Any, *names: str, least: float = -math.inf) -> Iterator[tuple[str, str]]:
+def unordered_ranges(options: object, *names: str, least: float = -math.inf) -> Iterator[tuple[str, str]]:
     """Yield a problem for each option ``[low, high]`` that is the wrong way round or begins below ``least``."""
     for name in names:
         low, high = getattr(options, name)
@@ -92,7 +92,7 @@ def crossed_bounds(
 
 
 def kind_of_function(
-    family: str, name: str, function: Callable[..., Any], base: type[Any], leading: Sequence[str], **members: Any
+    family: str, name: str, function: Callable[..., object], base: type[Any], leading: Sequence[str], **members: object
 ) -> type[Any]:
     """Return a kind whose options are the keyword-only parameters of a function, beside those of ``base``.
 
@@ -114,7 +114,7 @@ def kind_of_function(
     options = _function_options(family, name, parameters, base, leading)
     keys, takes_more = tuple(options), any(one.kind is one.VAR_KEYWORD for one in parameters)
 
-    def own_options(chosen: Any) -> dict[str, Any]:
+    def own_options(chosen: object) -> dict[str, Any]:
         own = {key: getattr(chosen, key) for key in keys}
         return {**own, **more_options(chosen)} if takes_more else own
 
@@ -125,10 +125,10 @@ def kind_of_function(
 def make_kind(
     family: str,
     name: str,
-    written: Callable[..., Any],
+    written: Callable[..., object],
     base: type[Any],
     options: dict[str, tuple[Any, Any]],
-    **members: Any,
+    **members: object,
 ) -> type[Any]:
     """Return a kind of what somebody has written, which ``called`` names in messages.
 
@@ -156,7 +156,7 @@ def make_kind(
     return kind(made)
 
 
-def function_parameters(family: str, name: str, function: Callable[..., Any]) -> list[inspect.Parameter]:
+def function_parameters(family: str, name: str, function: Callable[..., object]) -> list[inspect.Parameter]:
     """Return the parameters of a function with their types.
 
     Raises:

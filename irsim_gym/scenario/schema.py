@@ -91,7 +91,7 @@ def _options(cls: type[Any], definitions: Schema) -> Schema:
     return made
 
 
-def _with_expressions(schema: Any) -> Any:
+def _with_expressions(schema: object) -> Any:
     """Let an expression such as ``pi/2`` stand wherever a number may; drop remarks that say nothing."""
     if isinstance(schema, list):
         return [_with_expressions(item) for item in schema]

@@ -234,7 +234,7 @@ def _escaped(text: str) -> str:
     return "".join(SPECIAL.get(letter, letter) for letter in text)
 
 
-def _sensor(of: Mapping[str, Any]) -> str:
+def _sensor(of: Mapping[str, object]) -> str:
     """Return the range sensor in words."""
     if of["beams"] is None:
         return "no range sensor"

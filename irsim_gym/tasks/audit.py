@@ -65,7 +65,7 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
         merged.report.add(merged.own_place(("rewards",), culprit), message)
 
 
-def ending_for(outcome: Any) -> str:
+def ending_for(outcome: object) -> str:
     """Return the name of the ending that leads to an outcome."""
     names = [entry.name for entry in ENDINGS if entry.kind.outcome == outcome]
     return names[0] if names else str(outcome)
@@ -90,7 +90,7 @@ def _made_of(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
     return f" ({_sum(amounts)}, of which a share of {sharing.own:.3g} is the robot's own: {why})"
 
 
-def _cure(outcome: Any, is_paid: bool, cost: float, sharing: Sharing) -> str:
+def _cure(outcome: object, is_paid: bool, cost: float, sharing: Sharing) -> str:
     """Return what to do about an end that costs too little."""
     weight = f"{cost / sharing.own:.4g}"
     if is_paid:
@@ -107,7 +107,7 @@ def _sum(amounts: Iterable[tuple[Any, float]]) -> str:
     return " + ".join(f"{_name(reward)} {amount:g}" for reward, amount in amounts)
 
 
-def _name(reward: Any) -> str:
+def _name(reward: object) -> str:
     try:
         return REWARDS.name_of(type(reward))
     except UnknownNameError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ def action_sizes(simulation: Simulation, agents: Ints) -> Ints:
     return np.array([len(bodies[int(b)].kinematics.command_names) for b in agents], np.int64)
 
 
-def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task: Task) -> list[Term]:
+def bind(family: Registry, options: Sequence[object], simulation: Simulation, task: Task) -> list[Term]:
     """Return the terms of kinds, with their own arrays; the column is the place in the list."""
     agents = np.array(task.agents, np.int64)
     sizes = action_sizes(simulation, agents)

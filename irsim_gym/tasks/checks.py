@@ -106,7 +106,7 @@ def _fitting(
     return fitting
 
 
-def check_action(scenario: Scenario, agents: Sequence[int], action: Any, report: Report) -> None:
+def check_action(scenario: Scenario, agents: Sequence[int], action: object, report: Report) -> None:
     """Tell choices of a component that the learners' drive does not have."""
     drives = [scenario.bodies[b].kinematics for b in agents]
     small = [drive for drive in drives if drive is not None and len(drive.command_names) < 3]
@@ -131,7 +131,7 @@ def _has_goal(scenario: Scenario, b: int) -> bool:
     return bool(body.goal) or bool(scenario.placements[body.entry].kind.gives_goal) or body.wanders
 
 
-def _term_name(term: Any) -> str:
+def _term_name(term: object) -> str:
     for family in (OBSERVATIONS, REWARDS, ENDINGS):
         try:
             return family.name_of(type(term))
@@ -140,7 +140,7 @@ def _term_name(term: Any) -> str:
     return type(term).__name__
 
 
-def _substitutes(place: Place, item: Any, bodies: Sequence[BodySpec], report: Report) -> list[Any]:
+def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report: Report) -> list[Any]:
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
     given = getattr(item, "without_sensor", "")  # kinds from outside may have no such option
     names = [given] if isinstance(given, str) else given
@@ -174,7 +174,7 @@ def _substitutes(place: Place, item: Any, bodies: Sequence[BodySpec], report: Re
     return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in wanted]
 
 
-def _described(sensor: Any) -> str:
+def _described(sensor: object) -> str:
     """Return what range sensors of learners have to have in common, in words."""
     name = SENSORS.name_of(type(sensor))
     keys = ("number", "angle_range", "noise", "has_velocity")

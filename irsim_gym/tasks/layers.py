@@ -121,7 +121,7 @@ def merge(layers: list[Layer], *, strict: bool = True) -> Merged:
     return merged
 
 
-def _tree(layer: Layer, place: Place, value: Any) -> Node:
+def _tree(layer: Layer, place: Place, value: object) -> Node:
     if isinstance(value, Mapping):
         return Node(layer, place, {key: _tree(layer, (*place, key), item) for key, item in value.items()})
     if isinstance(value, list | tuple):

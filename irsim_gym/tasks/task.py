@@ -113,7 +113,7 @@ class Task:
 
 def load_task(
     scenario: Scenario,
-    task: str | Path | Mapping[str, Any] | None = None,
+    task: str | Path | Mapping[str, object] | None = None,
     max_steps: int | None = None,
     *,
     team: bool = False,
@@ -171,7 +171,9 @@ def load_task(
     )
 
 
-def merged_task(scenario: Scenario, task: str | Path | Mapping[str, Any] | None = None) -> tuple[str, dict[str, Any]]:
+def merged_task(
+    scenario: Scenario, task: str | Path | Mapping[str, object] | None = None
+) -> tuple[str, dict[str, Any]]:
     """Return a task's name, and as plain data what its files and sections say, laid over each other.
 
     Args:
@@ -197,7 +199,7 @@ def _title(scenario: Scenario) -> str:
     return scenario.source.title
 
 
-def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> tuple[str, list[Layer]]:
+def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) -> tuple[str, list[Layer]]:
     """Return the task's name and its files and sections, the most basic one first."""
     folder = Path(scenario.file).parent if scenario.file else Path()
     if isinstance(task, str | Path):
@@ -278,7 +280,7 @@ def _refuse_unreadable(source: Source) -> None:
         raise ScenarioError(source.title, problems)
 
 
-def _terms(family: Registry, key: str, data: Mapping[str, Any], report: Report) -> list[tuple[Place, Any]]:
+def _terms(family: Registry, key: str, data: Mapping[str, object], report: Report) -> list[tuple[Place, Any]]:
     """Return the kinds of a list with their paths, those that are right."""
     given = data.get(key)
     if given is None:

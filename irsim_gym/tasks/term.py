@@ -202,7 +202,7 @@ class EndingKind(Protocol):
         """Write column ``term.column`` of ``episode.ending``."""
 
 
-def forget(memory: NDArray[Any], value: Any, episode: EpisodeState, shard: Shard) -> None:
+def forget(memory: NDArray[Any], value: object, episode: EpisodeState, shard: Shard) -> None:
     """Write ``value`` into the rows of a memory ``(n_worlds, n_agents, ...)`` whose agents' episodes begin."""
     overwrite(shard.worlds, episode.began, memory.dtype.type(value), memory.reshape(*memory.shape[:2], -1))
 

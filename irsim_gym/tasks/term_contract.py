@@ -70,7 +70,7 @@ def _is_number(value: Any, kind: Any = int | float | np.integer | np.floating) -
     return isinstance(value, kind) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
-def _arrays(given: Any) -> Iterator[str]:
+def _arrays(given: object) -> Iterator[str]:
     if not isinstance(given, Mapping):
         yield f"arrays() must return a dict of arrays by name, got {type(given).__name__}"
         return
@@ -79,7 +79,7 @@ def _arrays(given: Any) -> Iterator[str]:
             yield f"arrays() must return NumPy arrays, got {type(value).__name__} for {name!r}"
 
 
-def _image_shape(given: Any) -> Iterator[str]:
+def _image_shape(given: object) -> Iterator[str]:
     sizes = given if isinstance(given, tuple | list) else ()
     if len(sizes) != 3 or not all(_is_number(size, int | np.integer) and size > 0 for size in sizes):
         yield f"image_shape must be (height, width, channels), whole numbers > 0, got {given!r}"

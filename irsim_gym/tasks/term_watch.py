@@ -14,6 +14,7 @@ from irsim_gym.engine import Simulation
 from irsim_gym.engine.fused import Fused
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.watched import (
+    Bounds,
     Watched,
     WatchedAction,
     WatchedEnding,
@@ -52,7 +53,7 @@ class TermWatch:
         self,
         terms: Mapping[str, Sequence[Term]],
         simulation: Simulation,
-        bounds: Mapping[tuple[str, str], tuple[Any, Any]],
+        bounds: Mapping[tuple[str, str], Bounds],
         recorded: Sequence[Fused],
     ) -> None:
         self._watched: list[tuple[Term, Watched]] = []

@@ -10,13 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.contract import refuse
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
 
+Numbers = NDArray[Any]
+"""An array of floats, bytes or flags, by family."""
+Bounds = tuple[NDArray[np.floating], NDArray[np.floating]]
+"""Lowest and highest number of each column."""
 CLOSELY = 3
 """In how many of them it is looked at everything that it could have written."""
 MARK = 2.0**100
@@ -47,7 +53,7 @@ class Watched(ABC):
     _family = ""
     _method = ""
 
-    def __init__(self, term: Term, simulation: Simulation, bounds: tuple[Any, Any] | None) -> None:
+    def __init__(self, term: Term, simulation: Simulation, bounds: Bounds | None) -> None:
         self._options = term.options
         self._calls = 0
         self._bounds = bounds
@@ -60,7 +66,7 @@ class Watched(ABC):
             raise AttributeError(name)
         return getattr(self._options, name)
 
-    def _look(self, term: Term, model: Any, state: Any, episode: EpisodeState, shard: Shard) -> None:
+    def _look(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Call the term, and look at what it has done.
 
         Raises:
@@ -73,7 +79,7 @@ class Watched(ABC):
             self._look_at(term, (model, state, episode), Shard(worlds, shard.slot))
         self._calls += 1
 
-    def _look_at(self, term: Term, moment: tuple[Any, Any, EpisodeState], shard: Shard) -> None:
+    def _look_at(self, term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard) -> None:
         model, state, episode = moment
         worlds = shard.worlds
         target = self._target(term, episode)
@@ -88,7 +94,14 @@ class Watched(ABC):
         self._tell(term, next(problems, None) or next(self._changes(closely, worlds), None))
 
     def _problems(
-        self, term: Term, episode: EpisodeState, target: Any, before: Any, worlds: Ints, marked: Ints, returned: Any
+        self,
+        term: Term,
+        episode: EpisodeState,
+        target: Numbers,
+        before: Numbers,
+        worlds: Ints,
+        marked: Ints,
+        returned: object,
     ) -> Iterator[str]:
         """Yield what is wrong with what was written, the cause before its consequences."""
         where = self._where(term)
@@ -106,7 +119,7 @@ class Watched(ABC):
             refuse(self._family, term.name, type(self._options), [f"{self._method}() {problem}"], self._method)
 
     @abstractmethod
-    def _target(self, term: Term, episode: EpisodeState) -> NDArray[Any]:
+    def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         """Return what all terms of the family write into, ``(n_worlds, n_agents, n_columns)``."""
 
     @abstractmethod
@@ -118,18 +131,18 @@ class Watched(ABC):
         """Return the columns of the term."""
 
     @abstractmethod
-    def _mark(self, term: Term, target: Any, worlds: Ints) -> None:
+    def _mark(self, term: Term, target: Numbers, worlds: Ints) -> None:
         """Fill the term's output in some worlds with the marker."""
 
     @abstractmethod
-    def _is_untouched(self, term: Term, target: Any, worlds: Ints) -> bool:
+    def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
         """Return whether some of that is still there."""
 
     @abstractmethod
-    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Any) -> Iterator[str]:
+    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         """Yield what is wrong with the numbers that it has written."""
 
-    def _overwritten(self, term: Term, target: Any, before: Any, worlds: Ints) -> Iterator[str]:
+    def _overwritten(self, term: Term, target: Numbers, before: Numbers, worlds: Ints) -> Iterator[str]:
         """Yield columns of others that have changed, and worlds that were not its to treat."""
         own = self._own(term)
         others = np.ones(target.shape[2], np.bool_)
@@ -145,7 +158,7 @@ class Watched(ABC):
         if self._is_alone and not _same(target[elsewhere], before[elsewhere]).all():
             yield f"writes into worlds that are not in shard.worlds ({worlds[:5].tolist()}): index by shard.worlds"
 
-    def _others(self, state: Any, episode: EpisodeState) -> dict[str, tuple[Any, Any]]:
+    def _others(self, state: WorldState, episode: EpisodeState) -> dict[str, tuple[Numbers, Numbers]]:
         """Return the arrays that it has nothing to write into, and copies of them."""
         target = TARGETS[self._family]
         found = {f"state.{one.name}": getattr(state, one.name) for one in fields(state) if one.name not in FREE}
@@ -154,12 +167,12 @@ class Watched(ABC):
         }
         return {name: (array, array.copy()) for name, array in found.items() if isinstance(array, np.ndarray)}
 
-    def _changes(self, closely: Mapping[str, tuple[Any, Any]], worlds: Ints) -> Iterator[str]:
+    def _changes(self, closely: Mapping[str, tuple[Numbers, Numbers]], worlds: Ints) -> Iterator[str]:
         for name, (now, before) in closely.items():
             if now.dtype.names is None and not _same(now[worlds], before[worlds]).all():
                 yield f"changes {name}, which it may only read"
 
-    def _name(self, place: Any, worlds: Ints) -> str:
+    def _name(self, place: Ints, worlds: Ints) -> str:
         """Return whose number stands at a place ``(world, agent, ...)`` of rows."""
         return f"for {self._agents[int(place[1])]} in world {int(worlds[int(place[0])])}"
 
@@ -169,15 +182,15 @@ class WatchedReward(Watched):
 
     _family, _method = "reward", "pay"
 
-    def __init__(self, term: Term, simulation: Simulation, bounds: Any) -> None:
+    def __init__(self, term: Term, simulation: Simulation, bounds: Bounds | None) -> None:
         super().__init__(term, simulation, bounds)
         self._paid = np.zeros((simulation.n_worlds, len(term.agents)))
 
-    def pay(self, term: Term, model: Any, state: Any, episode: EpisodeState, shard: Shard) -> None:
+    def pay(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Pay, and look."""
         self._look(term, model, state, episode, shard)
 
-    def _target(self, term: Term, episode: EpisodeState) -> NDArray[Any]:
+    def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.reward_term
 
     def _where(self, term: Term) -> str:
@@ -186,13 +199,13 @@ class WatchedReward(Watched):
     def _own(self, term: Term) -> slice:
         return slice(term.column, term.column + 1)
 
-    def _mark(self, term: Term, target: Any, worlds: Ints) -> None:
+    def _mark(self, term: Term, target: Numbers, worlds: Ints) -> None:
         target[worlds, :, self._own(term)] = MARK
 
-    def _is_untouched(self, term: Term, target: Any, worlds: Ints) -> bool:
+    def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
         return _is_marked(target[worlds, :, self._own(term)])
 
-    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Any) -> Iterator[str]:
+    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         amounts = np.where(episode.over[worlds], 0.0, episode.reward_term[worlds, :, term.column])
         if not np.isfinite(amounts).all():
             place = np.argwhere(~np.isfinite(amounts))[0]
@@ -229,11 +242,11 @@ class WatchedObservation(Watched):
 
     _family, _method = "observation", "write"
 
-    def write(self, term: Term, model: Any, state: Any, episode: EpisodeState, shard: Shard) -> None:
+    def write(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write, and look."""
         self._look(term, model, state, episode, shard)
 
-    def _target(self, term: Term, episode: EpisodeState) -> NDArray[Any]:
+    def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return term.image.reshape(*term.image.shape[:2], -1) if self._bounds is None else episode.observation
 
     def _where(self, term: Term) -> str:
@@ -246,15 +259,15 @@ class WatchedObservation(Watched):
             return slice(0, int(np.prod(term.image.shape[2:])))
         return slice(term.column, term.column + self._bounds[0].size)
 
-    def _mark(self, term: Term, target: Any, worlds: Ints) -> None:
+    def _mark(self, term: Term, target: Numbers, worlds: Ints) -> None:
         target[worlds, :, self._own(term)] = MARK if self._bounds is not None else BYTE
 
-    def _is_untouched(self, term: Term, target: Any, worlds: Ints) -> bool:
+    def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
         if self._bounds is not None:
             return _is_marked(target[worlds, :, self._own(term)])
         return bool(len(worlds)) and bool((target[worlds] == BYTE).all(axis=2).any())
 
-    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Any) -> Iterator[str]:
+    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         if self._bounds is None:
             return
         seen, (low, high) = episode.observation[worlds][..., self._own(term)], self._bounds
@@ -275,11 +288,11 @@ class WatchedEnding(Watched):
 
     _family, _method = "ending", "ends"
 
-    def ends(self, term: Term, model: Any, state: Any, episode: EpisodeState, shard: Shard) -> None:
+    def ends(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Say who ends, and look."""
         self._look(term, model, state, episode, shard)
 
-    def _target(self, term: Term, episode: EpisodeState) -> NDArray[Any]:
+    def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.ending.view(np.uint8)
 
     def _where(self, term: Term) -> str:
@@ -288,13 +301,13 @@ class WatchedEnding(Watched):
     def _own(self, term: Term) -> slice:
         return slice(term.column, term.column + 1)
 
-    def _mark(self, term: Term, target: Any, worlds: Ints) -> None:
+    def _mark(self, term: Term, target: Numbers, worlds: Ints) -> None:
         target[worlds, :, self._own(term)] = BYTE
 
-    def _is_untouched(self, term: Term, target: Any, worlds: Ints) -> bool:
+    def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
         return bool((target[worlds, :, self._own(term)] == BYTE).any())
 
-    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Any) -> Iterator[str]:
+    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         yield from ()
 
 
@@ -303,17 +316,16 @@ class WatchedAction(Watched):
 
     _family, _method = "action", "act"
 
-    def __init__(self, term: Term, simulation: Simulation, bounds: Any) -> None:
+    def __init__(self, term: Term, simulation: Simulation, bounds: Bounds | None) -> None:
         super().__init__(term, simulation, bounds)
-        self._given: Any = None
-        self._acted: Any = None
+        self._latest: tuple[Floats, Floats] | None = None
         self._answers = False
 
-    def act(self, term: Term, model: Any, state: Any, episode: EpisodeState, shard: Shard) -> None:
+    def act(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Act, and look."""
         self._look(term, model, state, episode, shard)
 
-    def _target(self, term: Term, episode: EpisodeState) -> NDArray[Any]:
+    def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.action
 
     def _where(self, term: Term) -> str:
@@ -322,13 +334,13 @@ class WatchedAction(Watched):
     def _own(self, term: Term) -> slice:
         return slice(0, term.action_size)
 
-    def _mark(self, term: Term, target: Any, worlds: Ints) -> None:
+    def _mark(self, term: Term, target: Numbers, worlds: Ints) -> None:
         """Leave the latest action, which the term may build upon."""
 
-    def _is_untouched(self, term: Term, target: Any, worlds: Ints) -> bool:
+    def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
         return False  # see _deaf
 
-    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Any) -> Iterator[str]:
+    def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         acted = episode.action[worlds]
         wrong = ~(np.abs(acted) <= 1.0 + SLACK)
         if wrong.any():
@@ -342,29 +354,30 @@ class WatchedAction(Watched):
     def _deaf(self, episode: EpisodeState) -> Iterator[str]:
         """Yield whether learners' actions change nothing."""
         given = np.concatenate([episode.given.ravel(), episode.choice.ravel()])
-        if self._given is not None and not np.array_equal(given, self._given):
-            self._answers |= not np.array_equal(episode.action, self._acted)
+        if self._latest is not None and not np.array_equal(given, self._latest[0]):
+            self._answers |= not np.array_equal(episode.action, self._latest[1])
             if not self._answers and self._calls > CLOSELY:
                 yield "writes the same action whatever is given: episode.given, or episode.choice with n_choices > 0"
-        self._given, self._acted = given, episode.action.copy()
+        self._latest = given, episode.action.copy()
 
 
-def _is_marked(written: Any) -> bool:
+def _is_marked(written: Numbers) -> bool:
     """Return whether some numbers are the mark still, or come from adding to it."""
     return bool(((np.abs(written) > UNSURE) & np.isfinite(written)).any())
 
 
-def _same(now: Any, before: Any) -> Any:
+def _same(now: Numbers, before: Numbers) -> Flags:
     """Return where numbers are the same, also where they are NaN."""
-    return (now == before) | ((now != now) & (before != before))
+    found: Flags = (now == before) | ((now != now) & (before != before))
+    return found
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     shape = f" of shape {value.shape}" if isinstance(value, np.ndarray) else ""
     return f"{type(value).__name__}{shape}"
 
 
-def _outcome(value: Any) -> str:
+def _outcome(value: Outcome) -> str:
     return f"Outcome.{Outcome(value).name}"
 
 

@@ -113,7 +113,7 @@ def find_sensor(
     return None
 
 
-def records(options: Sequence[Any]) -> Any:
+def records(options: Sequence[object]) -> Any:
     """Return the numeric fields of dataclass instances as an array of records that kernels read by name.
 
     It is a plain array whose rows are ``np.record``: Numba takes 3 us longer to recognise a ``np.recarray``.
