@@ -65,7 +65,8 @@ Imports = Annotated[
 ]
 
 Algorithm = Annotated[
-    str | None, typer.Option(help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo (default: ppo, or that of --from).")
+    str | None,
+    typer.Option(help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo (default: ppo, or that of --from)."),
 ]
 RunFolder = Annotated[
     Path | None,

@@ -75,8 +75,9 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     device = device_of(settings.hyperparameters.device)
     arguments = settings.hyperparameters.algorithm_arguments()
     env = build_environment(settings)
-    policy: Any = f"{network(env.observation_space)}{find_algorithm(settings.algorithm).policy_suffix}Policy"
-    if has_critic_parts(env.observation_space):
+    suffix = find_algorithm(settings.algorithm).policy_suffix
+    policy: Any = f"{network(env.observation_space)}{suffix}Policy"
+    if has_critic_parts(env.observation_space) and not suffix:
         policy = AsymmetricPolicy
     if network(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
