@@ -67,8 +67,8 @@ Imports = Annotated[
 Algorithm = Annotated[
     str | None,
     typer.Option(
-        help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, or that of "
-        "--from)."
+        help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, or "
+        "that of --from)."
     ),
 ]
 RunFolder = Annotated[

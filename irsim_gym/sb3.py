@@ -13,8 +13,10 @@ from irsim_gym.envs.sb3_buffers import (
     MaskedRolloutBuffer,
 )
 from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
+from irsim_gym.envs.sb3_gru import GruPPO
 from irsim_gym.envs.sb3_learnability import LearnabilityCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
+from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.envs.sb3_mixture import MixtureVecEnv
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
@@ -22,6 +24,8 @@ from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_v
 __all__ = [
     "AsymmetricPolicy",
     "EndingHerReplayBuffer",
+    "GruPPO",
+    "GruPolicy",
     "LearnabilityCallback",
     "MaskedA2C",
     "MaskedDictReplayBuffer",

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from gymnasium import Space
-from gymnasium.spaces import Dict
 from numpy.typing import NDArray
 from stable_baselines3.common.policies import MultiInputActorCriticPolicy
 from stable_baselines3.common.torch_layers import MlpExtractor
 from stable_baselines3.common.type_aliases import PyTorchObs
-from stable_baselines3.common.vec_env import VecNormalize
 
-from irsim_gym.tasks.transition import CRITIC
+from irsim_gym.envs.critic_parts import actor_parts, lone_name
 
 
 class AsymmetricPolicy(MultiInputActorCriticPolicy):
@@ -43,46 +40,3 @@ class AsymmetricPolicy(MultiInputActorCriticPolicy):
         given = observation if isinstance(observation, dict) else {lone_name(self.observation_space): observation}
         tensors, several = super().obs_to_tensor(given)
         return tensors, several
-
-
-def has_critic_parts(space: Space[Any]) -> bool:
-    """Return whether observations have parts that the critic alone sees."""
-    return isinstance(space, Dict) and any(_is_critics(name) for name in space.spaces)
-
-
-def actor_parts(space: Space[Any]) -> Dict:
-    """Return the parts of a space of observations that an actor sees."""
-    assert isinstance(space, Dict), "with observations of the critic alone there are several parts"
-    return Dict({name: part for name, part in space.spaces.items() if not _is_critics(name)})
-
-
-def actor_observation_space(space: Space[Any]) -> Space[Any]:
-    """Return the space of what an actor observes where nobody tells the critic more; others as they are."""
-    if not has_critic_parts(space):
-        return space
-    own = actor_parts(space)
-    return next(iter(own.spaces.values())) if len(own.spaces) == 1 else own
-
-
-def lone_name(space: Space[Any]) -> str:
-    """Return the name of the only part that an actor sees.
-
-    Raises:
-        ValueError: It sees several.
-    """
-    names = list(actor_parts(space).spaces)
-    if len(names) != 1:
-        raise ValueError(f"the actor observes {', '.join(names)}: pass a dict of these")
-    return names[0]
-
-
-def for_actor(normalization: VecNormalize | None) -> VecNormalize | None:
-    """Let a ``VecNormalize`` normalise what an actor observes, and not look for more. It can learn no more then."""
-    if normalization is not None and has_critic_parts(normalization.observation_space):
-        own = actor_parts(normalization.observation_space).spaces
-        normalization.norm_obs_keys = [name for name in normalization.norm_obs_keys or () if name in own]
-    return normalization
-
-
-def _is_critics(name: str) -> bool:
-    return name == CRITIC or name.startswith(f"{CRITIC}_")

@@ -77,6 +77,20 @@ def product(rows: Floats, weight: Floats) -> Floats:
     return found.reshape(-1, len(weight))[: len(rows)]
 
 
+def remember(rows: Floats, memory: Floats, arrays: Arrays) -> Floats:
+    """Return what a GRU remembers after one more step, ``(n, n_in)`` and ``(n, size)`` to ``(n, size)``.
+
+    Its weights stand one below the other: those of the reset gate, of the update gate, and of what is new.
+    """
+    given = product(rows, arrays["weight_ih"]) + arrays["bias_ih"]
+    known = product(memory, arrays["weight_hh"]) + arrays["bias_hh"]
+    size = memory.shape[1]
+    reset = _sigmoid(given[:, :size] + known[:, :size])
+    update = _sigmoid(given[:, size : 2 * size] + known[:, size : 2 * size])
+    new = np.tanh(given[:, 2 * size :] + reset * known[:, 2 * size :])
+    return np.asarray((1.0 - update) * new + update * memory)
+
+
 def standardize(rows: Floats, arrays: Arrays, step: Options) -> Floats:
     """Return rows as ``VecNormalize`` does: less the mean, over the standard deviation, cut off."""
     scaled = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])

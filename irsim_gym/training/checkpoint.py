@@ -108,7 +108,12 @@ def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
 def restore_memories(model: BaseAlgorithm, state: dict[str, Any]) -> None:
     """Give a recurrent policy back what it remembers of the episodes under way."""
     if state.get("memories") is not None:
-        model._last_lstm_states = _moved(state["memories"], model.device)  # type: ignore[attr-defined]
+        setattr(model, _memory_name(model), _moved(state["memories"], model.device))
+
+
+def _memory_name(model: BaseAlgorithm) -> str:
+    """Return where a model keeps what a recurrent policy remembers."""
+    return "last_memory" if hasattr(model, "last_memory") else "_last_lstm_states"
 
 
 def _state(model: BaseAlgorithm) -> dict[str, Any]:
@@ -116,7 +121,7 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     assert env is not None, "a model in training has an environment"
     return {
         "worlds": worlds_state(env),
-        "memories": _moved(getattr(model, "_last_lstm_states", None), torch.device("cpu")),
+        "memories": _moved(getattr(model, _memory_name(model), None), torch.device("cpu")),
         "random": {
             "python": random.getstate(),
             "numpy": np.random.get_state(),  # noqa: NPY002

@@ -17,7 +17,7 @@ from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.sb3_asymmetric import actor_observation_space
+from irsim_gym.envs.critic_parts import actor_observation_space
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent, percepts
@@ -25,7 +25,7 @@ from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
-from irsim_gym.training.policies import load_policy
+from irsim_gym.training.policies import load_policy, memory_shape
 from irsim_gym.training.run import Settings
 
 BATCH = 1024
@@ -99,7 +99,7 @@ def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -
 def _refuse(model: BaseAlgorithm, settings: Settings) -> None:
     """Raise if a model cannot imitate."""
     policy, problems = model.policy, []
-    if not isinstance(policy, ActorCriticPolicy) or hasattr(policy, "lstm_actor"):
+    if not isinstance(policy, ActorCriticPolicy) or memory_shape(model) is not None:
         problems.append(f"{settings.algorithm} has no actor that can: use ppo or a2c")
     if isinstance(actor_observation_space(model.observation_space), Dict):
         problems.append("the task's observation is a dict: use observation_form: flat")

@@ -15,10 +15,11 @@ from stable_baselines3.common.torch_layers import CombinedExtractor, FlattenExtr
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
-from irsim_gym.envs.sb3_asymmetric import actor_observation_space, has_critic_parts, lone_name
+from irsim_gym.envs.critic_parts import actor_observation_space, has_critic_parts, lone_name
+from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.array_network import Options
-from irsim_gym.training.shelf import FORMAT, LONE
+from irsim_gym.training.shelf import FORMAT, FORMAT_WITH_MEMORY, LONE
 
 Step = tuple[Options, dict[str, NDArray[Any]]]
 
@@ -40,7 +41,8 @@ class ExportedNetwork:
     @property
     def weights(self) -> int:
         """How many weights it has."""
-        return sum(array.size for name, array in self.arrays.items() if name.endswith(("/weight", "/bias")))
+        names = [name for name in self.arrays if name.rpartition("/")[2].startswith(("weight", "bias"))]
+        return sum(self.arrays[name].size for name in names)
 
 
 @dataclass
@@ -70,7 +72,7 @@ def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> 
         normalization: Statistics of the observations that it was trained with.
 
     Raises:
-        UnfitNetworkError: The network is recurrent, or has parts that are not known here.
+        UnfitNetworkError: The network has an LSTM, or parts that are not known here.
     """
     extractor, trunk, output = _actor(model)
     parts = dict(_parts(model, extractor, normalization))
@@ -80,13 +82,19 @@ def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> 
         space = _spaces(model)[name]
         writer.form["observation"][name] = writer.box(f"observation/{name}", space)
         writer.form["parts"][name] = writer.steps(f"part/{name}", steps)
+    if isinstance(model.policy, GruPolicy):
+        writer.form |= {"format": FORMAT_WITH_MEMORY, "memory": {"kind": "gru", "size": model.policy.memory_size}}
+        writer.steps("memory", [_gru(model.policy)])
     writer.form["trunk"] = writer.steps("trunk", trunk)
     if isinstance(action, Discrete):
         writer.form["action"] = {"n": int(action.n)}
     else:
         assert isinstance(action, Box)
         writer.form["action"] = {"dtype": writer.box("action", action)}
-    lines = [*((name or "observation", steps) for name, steps in parts.items()), ("action", trunk)]
+    lines = [*((name or "observation", steps) for name, steps in parts.items())]
+    if isinstance(model.policy, GruPolicy):
+        lines.append(("memory", [_gru(model.policy)]))
+    lines.append(("action", trunk))
     return ExportedNetwork(writer.form, writer.arrays, tuple(_words(name, steps) for name, steps in lines))
 
 
@@ -94,7 +102,7 @@ def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
     """Return what extracts features, the layers after it, and how an action is made of what they return."""
     policy: Any = model.policy
     if getattr(policy, "lstm_hidden_state_shape", None) is not None:
-        raise UnfitNetworkError("recurrent policies cannot be exported: the shelf has no memory")
+        raise UnfitNetworkError("policies with an LSTM cannot be exported: of those with memory, gru_ppo's can")
     if hasattr(policy, "q_net"):
         return policy.q_net.features_extractor, list(_steps(policy.q_net.q_net)), "argmax"
     actor = getattr(policy, "actor", None)
@@ -194,6 +202,11 @@ def _weights(module: nn.Linear | nn.Conv2d) -> dict[str, NDArray[Any]]:
     weight: NDArray[Any] = module.weight.detach().cpu().numpy()
     bias = np.zeros(len(weight), weight.dtype) if module.bias is None else module.bias.detach().cpu().numpy()
     return {"weight": weight, "bias": bias}
+
+
+def _gru(policy: GruPolicy) -> Step:
+    arrays = {name.removesuffix("_l0"): part.detach().cpu().numpy() for name, part in policy.memory.named_parameters()}
+    return {"kind": f"gru {policy.memory_size}"}, arrays
 
 
 def _words(name: str, steps: Sequence[Step]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -265,12 +265,21 @@ def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
         policies = algorithm.load().policy_aliases.values()
     except IrsimGymError:  # its package is missing
         return ()
-    names = {name: None for policy in policies for name in inspect.signature(policy).parameters}
+    names = dict.fromkeys(name for policy in policies for name in _arguments_of(policy))
     return tuple(
         name
         for name in names
         if name not in ("observation_space", "action_space", "lr_schedule") and not name.endswith("_class")
     )
+
+
+def _arguments_of(kind: type[Any]) -> Iterator[str]:
+    """Yield the names of a class's arguments; where it passes others on, those of the class that it derives from."""
+    for one in kind.__mro__:
+        found = inspect.signature(one).parameters.values()
+        yield from (each.name for each in found if each.kind is not inspect.Parameter.VAR_KEYWORD)
+        if all(each.kind is not inspect.Parameter.VAR_KEYWORD for each in found):
+            return
 
 
 def _numbers(value: object, place: Place, report: Report) -> Any:

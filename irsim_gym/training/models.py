@@ -16,7 +16,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.envs.sb3_asymmetric import has_critic_parts
+from irsim_gym.envs.critic_parts import has_critic_parts
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, buffers_for
 from irsim_gym.training import checkpoint as files
@@ -76,8 +76,9 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     device = device_of(settings.hyperparameters.device)
     arguments = settings.hyperparameters.algorithm_arguments()
     env = build_environment(settings)
-    policy: Any = f"{network(env.observation_space)}{find_algorithm(settings.algorithm).policy_suffix}Policy"
-    if has_critic_parts(env.observation_space):
+    suffix = find_algorithm(settings.algorithm).policy_suffix
+    policy: Any = f"{network(env.observation_space)}{suffix}Policy"
+    if has_critic_parts(env.observation_space) and not suffix:
         policy = AsymmetricPolicy
     if network(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])

@@ -16,7 +16,7 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.sb3_asymmetric import actor_observation_space, for_actor, has_critic_parts, lone_name
+from irsim_gym.envs.critic_parts import actor_observation_space, for_actor, has_critic_parts, lone_name
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.perception import Perception, perception_from
@@ -76,11 +76,9 @@ class SavedPolicy:
 
     def __init__(self, model: BaseAlgorithm | ShelfPolicy, normalization: VecNormalize | None = None) -> None:
         self.model, self.normalization = model, for_actor(normalization)
-        self._shape: tuple[int, ...] | None = None
+        self._shape = memory_shape(model)
         if isinstance(model, ShelfPolicy):
             self.perception = None if model.perception is None else perception_from(model.perception)
-        else:
-            self._shape = getattr(model.policy, "lstm_hidden_state_shape", None)
         self._memory = np.zeros((0, 0, 0, 0), np.float32)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
@@ -92,7 +90,8 @@ class SavedPolicy:
         self.check(episodes)
         if self._shape is None:
             return
-        size = (2, self._shape[0], episodes.n_worlds * episodes.n_agents, self._shape[2])
+        n_arrays, n_layers, width = self._shape
+        size = (n_arrays, n_layers, episodes.n_worlds * episodes.n_agents, width)
         if self._memory.shape != size:
             self._memory = np.zeros(size, np.float32)
         self._memory[:, :, _slots(episodes, worlds)] = 0.0
@@ -134,9 +133,18 @@ class SavedPolicy:
         memory = np.zeros((*self._memory.shape[:2], CHUNK, self._shape[2]), np.float32)
         memory[:, :, :count] = self._memory[:, :, slots]
         kept: Any
-        actions, kept = self.model.predict(seen, (memory[0], memory[1]), deterministic=True)
+        actions, kept = self.model.predict(seen, tuple(memory), deterministic=True)
         self._memory[:, :, slots] = np.stack(kept)[:, :, :count]
         return actions[:count]
+
+
+def memory_shape(model: BaseAlgorithm | ShelfPolicy) -> tuple[int, int, int] | None:
+    """Return of how many arrays the state of a policy is, of how many layers each, and how wide; None for no memory."""
+    if isinstance(model, ShelfPolicy):
+        return model.memory_shape
+    lstm = getattr(model.policy, "lstm_hidden_state_shape", None)
+    found: tuple[int, int, int] | None = getattr(model.policy, "memory_shape", None)
+    return found if lstm is None else (2, lstm[0], lstm[2])
 
 
 def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:

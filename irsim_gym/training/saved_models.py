@@ -10,6 +10,7 @@ from pathlib import Path
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
+from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import NORMALIZATION
@@ -37,6 +38,8 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise IrsimGymError(f"{path} is not a policy of Stable-Baselines3: {error}") from error
     module = str(data["policy_class"].get("__module__", ""))
+    if module == GruPolicy.__module__:
+        return find_algorithm("gru_ppo").load()
     if "recurrent" in module:
         return find_algorithm("recurrent_ppo").load()
     off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)

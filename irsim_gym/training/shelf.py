@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
-from irsim_gym.training.array_network import Options, apply_steps, check_steps
+from irsim_gym.training.array_network import Options, apply_steps, check_steps, remember
 from irsim_gym.training.cards import PolicyCard, read_card
 
 PACKAGE = Path(__file__).parent.parent
 SUFFIX = ".npz"
-FORMAT = 1
+FORMAT, FORMAT_WITH_MEMORY = 1, 2
 LONE = ""
 """Name of an observation that is no dict."""
 OUTPUTS = ("clip", "squash", "argmax")
@@ -64,6 +64,7 @@ class ShelfPolicy:
             raise IrsimGymError(f"output must be one of {', '.join(OUTPUTS)}, got '{self._output}'")
         self._arrays = {name: _arrays_of(f"part/{name}", steps, arrays) for name, steps in self._parts.items()}
         self._trunk_arrays = _arrays_of("trunk", self._trunk, arrays)
+        self._memory = _arrays_of("memory", [form["memory"]], arrays)[0] if "memory" in form else None
 
     def predict(
         self,
@@ -76,8 +77,8 @@ class ShelfPolicy:
 
         Args:
             observation: As the environment gives it, or several, with an axis in front.
-            state: Returned as it is: the policy has no memory.
-            episode_start: Not needed, for the same reason.
+            state: What the last call returned, a policy with memory needs it; None at the beginning.
+            episode_start: Where an episode begins, so that nothing is remembered; None for nowhere.
             deterministic: Only True: nothing is drawn.
 
         Raises:
@@ -90,12 +91,31 @@ class ShelfPolicy:
         given = observation if isinstance(observation, Mapping) else {LONE: observation}
         batches = {name: _batch(given[name], space) for name, space in _spaces(self.observation_space).items()}
         rows = {name: rows for name, (rows, _) in batches.items()}
-        actions = self._actions(rows)
+        parts = [apply_steps(steps, self._arrays[name], rows[name]) for name, steps in self._parts.items()]
+        seen = np.concatenate(parts, axis=1)
+        if self._memory is not None:
+            known = remember(seen, self._before(len(seen), state, episode_start), self._memory)
+            seen, state = np.concatenate([seen, known], axis=1), (known[None],)
+        actions = self._actions(seen)
         return (actions if all(several for _, several in batches.values()) else actions[0]), state
 
-    def _actions(self, rows: Mapping[str, NDArray[Any]]) -> NDArray[Any]:
-        parts = [apply_steps(steps, self._arrays[name], rows[name]) for name, steps in self._parts.items()]
-        found: NDArray[Any] = apply_steps(self._trunk, self._trunk_arrays, np.concatenate(parts, axis=1))
+    @property
+    def memory_shape(self) -> tuple[int, int, int] | None:
+        """Arrays of its state, layers and numbers of each; None for a policy without memory."""
+        return None if self._memory is None else (1, 1, self._memory["weight_hh"].shape[1])
+
+    def _before(
+        self, n: int, state: tuple[NDArray[Any], ...] | None, episode_start: NDArray[Any] | None
+    ) -> NDArray[Any]:
+        """Return what was remembered before a step, ``(n, size)``."""
+        assert self.memory_shape is not None
+        memory = np.zeros((n, self.memory_shape[2])) if state is None else np.array(state[0][0], np.float64)
+        if episode_start is not None:
+            memory[np.broadcast_to(episode_start, (n,)).astype(bool)] = 0.0
+        return memory
+
+    def _actions(self, seen: NDArray[Any]) -> NDArray[Any]:
+        found: NDArray[Any] = apply_steps(self._trunk, self._trunk_arrays, seen)
         space = self.action_space
         if isinstance(space, Discrete):
             return np.asarray(found.argmax(axis=1))
@@ -163,8 +183,9 @@ def read_policy(file: Path) -> ShelfPolicy:
         with np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         form = json.loads(str(arrays.pop("form")))
-        if form["format"] != FORMAT:
-            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads {FORMAT}")
+        if form["format"] not in (FORMAT, FORMAT_WITH_MEMORY):
+            known = f"{FORMAT} and {FORMAT_WITH_MEMORY}"
+            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads {known}")
         return ShelfPolicy(form, arrays, read_card(file))
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, IrsimGymError) as error:
         raise IrsimGymError(f"{file} is no policy of the shelf: {error}") from error

@@ -30,6 +30,8 @@ HARMLESS: dict[str, frozenset[str]] = {
         "irsim_gym.envs.sb3_asymmetric": "AsymmetricPolicy",
         "irsim_gym.envs.sb3_buffers": "MaskedReplayBuffer MaskedDictReplayBuffer MaskedRolloutBuffer "
         "MaskedDictRolloutBuffer",
+        "irsim_gym.envs.sb3_gru": "SequenceBuffer DictSequenceBuffer",
+        "irsim_gym.envs.sb3_memory": "GruPolicy",
         "irsim_gym.envs.sb3_normalize": "MaskedVecNormalize",
         "irsim_gym.training.hyperparameters": "Linear",
         "numpy": "dtype ndarray",

@@ -1,0 +1,203 @@
+"""An actor-critic of Stable-Baselines3 with a memory: a GRU (Cho et al. 2014) beside what is observed now."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from gymnasium import Space
+from gymnasium.spaces import Box, Dict
+from numpy.typing import NDArray
+from stable_baselines3.common.distributions import Distribution
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.preprocessing import is_image_space
+from stable_baselines3.common.torch_layers import (
+    BaseFeaturesExtractor,
+    CombinedExtractor,
+    FlattenExtractor,
+    MlpExtractor,
+    NatureCNN,
+)
+from stable_baselines3.common.type_aliases import PyTorchObs
+from torch import nn
+from torch.nn.utils.rnn import PackedSequence
+
+from irsim_gym.envs.critic_parts import actor_parts, has_critic_parts, lone_name
+
+MEMORY_SIZE = 64
+
+
+class Sequences(NamedTuple):
+    """Observations of several sequences, as ``PackedSequence`` has them: step by step, the longest sequence first.
+
+    Attributes:
+        observations: A row for each step of each sequence, ``(n_rows, ...)``.
+        running: How many sequences still run at each step, never growing, ``(longest,)``.
+        memory: What was remembered before each sequence, ``(1, n_sequences, memory_size)``.
+    """
+
+    observations: PyTorchObs
+    running: torch.Tensor
+    memory: torch.Tensor
+
+
+class GruPolicy(ActorCriticPolicy):
+    """Actor and critic see the features of an observation, and beside them what a GRU makes of all so far.
+
+    The GRU reads what the actor sees. A memory is ``(1, n, memory_size)``, zeros where an episode begins. With
+    observations of the critic alone, see ``AsymmetricPolicy``, the critic sees these too, and actions need none of
+    them.
+
+    Args:
+        observation_space: What is observed.
+        action_space: What is done.
+        lr_schedule: Learning rate over the run.
+        memory_size: Length of the memory of an episode.
+        **kwargs: More arguments of ``ActorCriticPolicy``.
+    """
+
+    def __init__(
+        self,
+        observation_space: Space[Any],
+        action_space: Space[Any],
+        lr_schedule: Any,
+        *,
+        memory_size: int = MEMORY_SIZE,
+        **kwargs: Any,
+    ) -> None:
+        if kwargs.get("use_sde"):
+            raise ValueError("use_sde does not go with a memory")
+        self.memory_size = memory_size
+        kwargs.setdefault("features_extractor_class", _extractor_for(observation_space))
+        if has_critic_parts(observation_space):
+            kwargs["share_features_extractor"] = False
+        super().__init__(observation_space, action_space, lr_schedule, **kwargs)
+
+    @property
+    def memory_shape(self) -> tuple[int, int, int]:
+        """Arrays of a state, layers, and numbers of each."""
+        return 1, 1, self.memory_size
+
+    def _get_constructor_parameters(self) -> dict[str, Any]:
+        return {**super()._get_constructor_parameters(), "memory_size": self.memory_size}
+
+    def _build_mlp_extractor(self) -> None:
+        if has_critic_parts(self.observation_space):
+            own = actor_parts(self.observation_space)
+            self.features_extractor = self.features_extractor_class(own, **self.features_extractor_kwargs)
+            self.pi_features_extractor = self.features_extractor
+        n_seen = self.pi_features_extractor.features_dim
+        self.memory = nn.GRU(n_seen, self.memory_size)
+        if self.ortho_init:
+            for weight in (self.memory.weight_ih_l0, self.memory.weight_hh_l0):
+                nn.init.orthogonal_(weight)
+        shape: dict[str, Any] = {"net_arch": self.net_arch, "activation_fn": self.activation_fn, "device": self.device}
+        self.mlp_extractor = MlpExtractor(n_seen + self.memory_size, **shape)
+        critic = MlpExtractor(self.vf_features_extractor.features_dim + self.memory_size, **shape)
+        self.mlp_extractor.value_net, self.mlp_extractor.latent_dim_vf = critic.value_net, critic.latent_dim_vf
+
+    def first_memory(self, n: int) -> torch.Tensor:
+        """Return the memory of episodes that begin."""
+        return torch.zeros(1, n, self.memory_size, device=self.device)
+
+    def forward(  # type: ignore[override]
+        self, obs: PyTorchObs, memory: torch.Tensor, starts: torch.Tensor, deterministic: bool = False
+    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor, torch.Tensor]:
+        """Return actions, values, log-probabilities, and the memory after this step.
+
+        Args:
+            obs: Observations, ``(n, ...)``.
+            memory: The memory before this step.
+            starts: 1 where an episode begins, else 0, ``(n,)``.
+            deterministic: Take the most probable action.
+        """
+        seen = self._seen(obs)
+        known, memory = self._remember(seen, memory, starts)
+        distribution = self._distribution(seen, known)
+        actions = distribution.get_actions(deterministic=deterministic)
+        values = self._values(obs, seen, known)
+        shape = self.action_space.shape or ()
+        return actions.reshape(-1, *shape), values, distribution.log_prob(actions), memory
+
+    def evaluate_actions(  # type: ignore[override]
+        self, obs: Sequences, actions: torch.Tensor
+    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor | None]:
+        """Return values, log-probabilities and entropies of what was done in sequences, in the order of their rows."""
+        seen = self._seen(obs.observations)
+        known = self.memory(PackedSequence(seen, obs.running), obs.memory)[0].data
+        distribution = self._distribution(seen, known)
+        values = self._values(obs.observations, seen, known)
+        return values, distribution.log_prob(actions), distribution.entropy()
+
+    def predict_values(  # type: ignore[override]
+        self, obs: PyTorchObs, memory: torch.Tensor, starts: torch.Tensor
+    ) -> torch.Tensor:
+        """Return values of observations that follow a memory, ``(n, 1)``, see ``forward``."""
+        seen = self._seen(obs)
+        return self._values(obs, seen, self._remember(seen, memory, starts)[0])
+
+    def predict(
+        self,
+        observation: NDArray[Any] | dict[str, NDArray[Any]],
+        state: tuple[NDArray[Any], ...] | None = None,
+        episode_start: NDArray[Any] | None = None,
+        deterministic: bool = False,
+    ) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
+        """Return actions and the state after them, as policies of Stable-Baselines3 do.
+
+        Args:
+            observation: One, or several with an axis in front.
+            state: What the last call returned; None at the beginning.
+            episode_start: Where an episode begins, so that nothing is remembered; None for nowhere.
+            deterministic: Take the most probable action.
+        """
+        self.set_training_mode(False)
+        tensors, several = self.obs_to_tensor(observation)
+        n = len(next(iter(tensors.values())) if isinstance(tensors, dict) else tensors)
+        begins = np.zeros(n) + (0.0 if episode_start is None else np.asarray(episode_start, np.float64))
+        memory = self.first_memory(n) if state is None else torch.as_tensor(state[0], device=self.device)
+        with torch.no_grad():
+            seen = self._seen(tensors)
+            starts = torch.as_tensor(begins, dtype=torch.float32, device=self.device)
+            known, memory = self._remember(seen, memory, starts)
+            chosen = self._distribution(seen, known).get_actions(deterministic=deterministic)
+        actions: NDArray[Any] = chosen.cpu().numpy().reshape(-1, *(self.action_space.shape or ()))
+        if isinstance(self.action_space, Box):
+            actions = np.clip(actions, self.action_space.low, self.action_space.high)
+        return (actions if several else actions[0]), (memory.cpu().numpy(),)
+
+    def obs_to_tensor(self, observation: NDArray[Any] | dict[str, NDArray[Any]]) -> tuple[PyTorchObs, bool]:
+        """Return an observation as tensors, and whether there are several, see ``AsymmetricPolicy``."""
+        if has_critic_parts(self.observation_space) and not isinstance(observation, dict):
+            observation = {lone_name(self.observation_space): observation}
+        tensors, several = super().obs_to_tensor(observation)
+        return tensors, several
+
+    def _seen(self, obs: PyTorchObs) -> torch.Tensor:
+        return self._features(obs, self.pi_features_extractor)
+
+    def _features(self, obs: PyTorchObs, extractor: BaseFeaturesExtractor) -> torch.Tensor:
+        found: torch.Tensor = super(ActorCriticPolicy, self).extract_features(obs, extractor)
+        return found
+
+    def _remember(
+        self, seen: torch.Tensor, memory: torch.Tensor, starts: torch.Tensor
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        known, after = self.memory(seen[None], memory * (1.0 - starts)[None, :, None])
+        return known[0], after
+
+    def _distribution(self, seen: torch.Tensor, known: torch.Tensor) -> Distribution:
+        latent = self.mlp_extractor.forward_actor(torch.cat([seen, known], dim=1))
+        return self._get_action_dist_from_latent(latent)
+
+    def _values(self, obs: PyTorchObs, seen: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
+        shown = seen if self.share_features_extractor else self._features(obs, self.vf_features_extractor)
+        values: torch.Tensor = self.value_net(self.mlp_extractor.forward_critic(torch.cat([shown, known], dim=1)))
+        return values
+
+
+def _extractor_for(space: Space[Any]) -> type[BaseFeaturesExtractor]:
+    if isinstance(space, Dict):
+        return CombinedExtractor
+    return NatureCNN if is_image_space(space) else FlattenExtractor

@@ -1,0 +1,49 @@
+"""What docs/more_training.md shows: blocks in Python are run, the task is read, and the options of commands are looked up."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+import yaml
+from command_line import run
+
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks import load_task
+from irsim_gym.training.mixture import read_part
+
+PAGE = Path(__file__).parents[2] / "docs" / "more_training.md"
+
+
+def blocks(language: str) -> list[str]:
+    found = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    return [text for name, text in found if name == language]
+
+
+COMMANDS = [shlex.split(line)[1:] for block in blocks("") for line in block.splitlines() if line]
+
+
+@pytest.mark.filterwarnings("ignore:You have specified a mini-batch size")
+@pytest.mark.parametrize("block", blocks("python"))
+def test_blocks_in_python_run(block: str) -> None:
+    exec(compile(block, "docs/more_training.md", "exec"), {})
+
+
+@pytest.mark.parametrize("block", blocks("yaml"))
+def test_the_task_can_be_learnt(block: str, tmp_path: Path) -> None:
+    task = load_task(load_scenario("dense_room"), yaml.safe_load(block))
+    assert len(task.critic_observations) == 3
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_commands_exist(words: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    assert run(monkeypatch, words[0], "--help") == 0
+    shown = capsys.readouterr().out
+    assert [word for word in words if word.startswith("--") and word not in shown] == []
+    if "--mixture" in words:
+        names = words[2 : next((k for k, word in enumerate(words) if k > 1 and word.startswith("--")), len(words))]
+        for part in map(read_part, names):
+            load_scenario(part.scenario, part.parameters)
