@@ -18,6 +18,7 @@ DOCS_READY  := $(VENV)/.docs-ready
 MUTATE_READY := $(VENV)/.mutate-ready
 VERSIONS_READY := $(VENV)/.versions-ready
 LIBRARIES   := build/libraries
+LIBRARY_SETS := torchrl benchmarl zoo tianshou pufferlib sample_factory demonstrations agilerl rllib
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
 .PHONY: help demo install docs lessons lint ruff mypy test fast-tests test-slow test-bounds test-gui test-versions \
@@ -31,7 +32,7 @@ help:
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
-	@echo "make test-libraries  other libraries with our environments, in build/libraries"
+	@echo "make test-libraries  a dozen other libraries with our environments, in build/libraries (LIBRARY_SETS=zoo: some)"
 	@echo "make docs        the site, in build/site (ARGS=--no-pictures: quick, without new pictures)"
 	@echo "make lessons     run the notebooks of docs/lessons and keep their outputs (ARGS=NAME: one of them)"
 	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
@@ -73,10 +74,8 @@ test-gui: $(GUI_READY)
 test-versions: $(VERSIONS_READY)
 	PIP_ARGS="$(PIP_ARGS)" $(BIN)/python tests/versions/run.py $(ARGS)
 
-test-libraries: $(LIBRARIES)/torchrl/.ready $(LIBRARIES)/agilerl/.ready $(LIBRARIES)/rllib/.ready
-	$(LIBRARIES)/torchrl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
-	$(LIBRARIES)/agilerl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
-	$(LIBRARIES)/rllib/bin/python -m pytest -m libraries tests/libraries $(ARGS)
+test-libraries: $(LIBRARY_SETS:%=$(LIBRARIES)/%/.ready)
+	set -e; for set in $(LIBRARY_SETS); do $(LIBRARIES)/$$set/bin/python -m pytest -m libraries tests/libraries $(ARGS); done
 
 docs: $(DOCS_READY)
 	$(BIN)/python docs/build.py $(ARGS)
@@ -125,15 +124,26 @@ $(VERSIONS_READY): $(TESTS_READY)
 	$(INSTALL) -e ".[test,versions]"
 	@touch $@
 
-# They want conflicting versions of tensordict; AgileRL's trainers import peft, which its package does not ask for.
+# They want conflicting versions of tensordict and others, so each set has its own environment. AgileRL's trainers import
+# peft, which its package does not ask for. imitation and Sample Factory refuse Gymnasium 1 and NumPy 2 in their metadata
+# and work with both: they are installed without their dependencies, and those that they import by name.
 REQUIRED_torchrl := torchrl==0.14.1 skrl==2.1.1 supersuit==3.11.0
+REQUIRED_benchmarl := benchmarl==1.5.2 torchrl==0.11.1
+REQUIRED_zoo := rl_zoo3==2.9.2 sbx-rl==0.28.0
+REQUIRED_tianshou := tianshou==2.0.1
+REQUIRED_pufferlib := pufferlib-core==3.0.19
+REQUIRED_sample_factory := "signal-slot-mp<2" faster-fifo "huggingface-hub<1" opencv-python-headless pyglet tensorboardx wandb
+REQUIRED_demonstrations := "minari[hdf5]==0.5.4" datasets huggingface_sb3 sacred scikit-learn
 REQUIRED_agilerl := agilerl==2.58.0 peft==0.21.0
 EXTRA_rllib := rllib
+ALONE_sample_factory := sample-factory==2.1.1
+ALONE_demonstrations := imitation==1.0.1
 
 $(LIBRARIES)/%/.ready: pyproject.toml constraints.txt Makefile
 	$(PYTHON) -m venv --clear $(@D)
 	$(@D)/bin/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS) \
 		-e ".[$(or $(EXTRA_$*),train)]" pytest hypothesis $(REQUIRED_$*)
+	$(if $(ALONE_$*),$(@D)/bin/python -m pip install --disable-pip-version-check --no-deps $(PIP_ARGS) $(ALONE_$*))
 	@touch $@
 
 $(MUTATE_READY): $(TESTS_READY)

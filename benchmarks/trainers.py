@@ -65,7 +65,7 @@ def reached(rows: list[list[float]]) -> float | None:
 def _in_a_process(trainer: str, seed: int, steps: int | None) -> list[list[float]]:
     more = [] if steps is None else ["--steps", str(steps)]
     command = [sys.executable, __file__, "--child", "--trainers", trainer, "--seeds", str(seed), *more]
-    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
     rows: list[list[float]] = json.loads(said.splitlines()[-1])
     return rows
 
@@ -140,14 +140,18 @@ def same_settings(steps: int | None) -> tuple[dict[str, Any], int, int]:
 
 
 class Predict:
-    """A policy of Stable-Baselines3 as a function of observations."""
+    """The mean actions of a policy of Stable-Baselines3, whose distribution cannot be copied."""
 
     def __init__(self, policy: Any) -> None:
-        self.policy = policy
+        self.layers = policy.mlp_extractor.policy_net, policy.action_net
 
     def __call__(self, observations: Any) -> Any:
-        """Return the mean actions."""
-        return self.policy.predict(observations, deterministic=True)[0]
+        """Return the actions."""
+        import torch
+
+        with torch.no_grad():
+            hidden, last = self.layers
+            return last(hidden(torch.as_tensor(observations))).numpy()
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, version
 
-import pages
+import library_pages as pages
 import pytest
 
 PACKAGES = {"sbx": "sbx-rl", "sample_factory": "sample-factory", "pufferlib": "pufferlib-core", "own_loops": "torch"}

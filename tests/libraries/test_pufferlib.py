@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import library_pages as pages
 import numpy as np
-import pages
 import pytest
 from scenes import ENDS, LIMIT, paid_alone, team
 

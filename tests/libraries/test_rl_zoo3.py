@@ -5,8 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import library_pages as pages
 import numpy as np
-import pages
 import pytest
 
 ID = "irsim_gym/empty_goal-v0"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import library_pages as pages
 import numpy as np
-import pages
 import pytest
 
 import irsim_gym
@@ -12,31 +12,14 @@ LIMIT = 12
 
 
 @pytest.fixture(scope="module")
-def worlds_class():
+def page():
     pytest.importorskip("tianshou")
-    return pages.shown("tianshou")["Worlds"]
+    return pages.shown("tianshou")
 
 
 @pytest.fixture
-def envs(worlds_class):
-    return worlds_class(irsim_gym.make_batch("empty_goal", 3, max_steps=LIMIT, autoreset=False))
-
-
-def algorithm(envs):
-    from tianshou.algorithm import PPO
-    from tianshou.algorithm.modelfree.reinforce import ProbabilisticActorPolicy
-    from tianshou.algorithm.optim import AdamOptimizerFactory
-    from tianshou.utils.net.common import Net
-    from tianshou.utils.net.continuous import ContinuousActorProbabilistic, ContinuousCritic
-    from torch.distributions import Independent, Normal
-
-    seen, action = envs.observation_space[0], envs.action_space[0]
-    nets = [Net(state_shape=seen.shape, hidden_sizes=[16]) for _ in range(2)]
-    actor = ContinuousActorProbabilistic(preprocess_net=nets[0], action_shape=action.shape, unbounded=True)
-    policy = ProbabilisticActorPolicy(
-        actor=actor, dist_fn=lambda loc_scale: Independent(Normal(*loc_scale), 1), action_space=action
-    )
-    return PPO(policy=policy, critic=ContinuousCritic(preprocess_net=nets[1]), optim=AdamOptimizerFactory(lr=1e-3))
+def envs(page):
+    return page["Worlds"](irsim_gym.make_batch("empty_goal", 3, max_steps=LIMIT, autoreset=False))
 
 
 def test_steps_are_those_of_make_vec(envs):
@@ -56,10 +39,11 @@ def test_steps_are_those_of_make_vec(envs):
             np.testing.assert_array_equal(begun, plain.reset(options={"reset_mask": ended})[0][ended])
 
 
-def test_it_collects_and_learns(envs):
+def test_it_collects_and_learns(envs, page):
     from tianshou.data import Collector, VectorReplayBuffer
+    from tianshou.utils.torch_utils import policy_within_training_step
 
-    learner = algorithm(envs)
+    learner = page["learner"](envs)
     collector = Collector(learner, envs, VectorReplayBuffer(300, 3))
     collector.reset()
     found = collector.collect(n_step=3 * 2 * LIMIT)
@@ -67,15 +51,14 @@ def test_it_collects_and_learns(envs):
     assert found.lens.tolist() == [LIMIT] * 6
     assert collector.buffer.truncated.sum() == 6
     before = [one.detach().clone() for one in learner.policy.parameters()]
-    with_training = learner.policy.train()
-    learner.update(buffer=collector.buffer, batch_size=36, repeat=1)
-    assert with_training is learner.policy
+    with policy_within_training_step(learner.policy):
+        learner.update(buffer=collector.buffer, batch_size=36, repeat=1)
     assert any((one != other).any() for one, other in zip(before, learner.policy.parameters(), strict=True))
 
 
-def test_a_number_of_episodes_leaves_worlds_that_are_done_alone(envs):
+def test_a_number_of_episodes_leaves_worlds_that_are_done_alone(envs, page):
     from tianshou.data import Collector, VectorReplayBuffer
 
-    collector = Collector(algorithm(envs), envs, VectorReplayBuffer(300, 3))
+    collector = Collector(page["learner"](envs), envs, VectorReplayBuffer(300, 3))
     collector.reset()
     assert collector.collect(n_episode=4).lens.tolist() == [LIMIT] * 4

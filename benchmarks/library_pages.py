@@ -1,4 +1,4 @@
-"""The pages of docs/libraries: what they show is what is tested."""
+"""The pages of docs/libraries: what they show is what is tested and measured."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-FOLDER = Path(__file__).parents[2] / "docs" / "libraries"
+FOLDER = Path(__file__).parents[1] / "docs" / "libraries"
 HEAD = re.compile(r"^# (.+?)(?: ([\d.]+))?\n")
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -26,8 +26,9 @@ def blocks(name: str) -> list[str]:
     return BLOCK.findall(text_of(name))
 
 
-def shown(name: str, number: int = 0) -> dict[str, Any]:
-    """Run a block of a page, and return what it defines."""
+def shown(name: str) -> dict[str, Any]:
+    """Run what the first block of a page defines, up to where it is used, and return it."""
+    definitions = re.split(r"^(?:if __name__|envs = |experiment = )", blocks(name)[0], flags=re.MULTILINE)[0]
     found: dict[str, Any] = {"__name__": f"page_{name}"}
-    exec(compile(blocks(name)[number], f"{name}.md", "exec", dont_inherit=True), found)
+    exec(compile(definitions, f"{name}.md", "exec", dont_inherit=True), found)
     return found
