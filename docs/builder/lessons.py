@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import nbformat
+import nbformat.v4
 from nbclient import NotebookClient
 from PIL import Image
 
@@ -44,10 +44,10 @@ def run(file: Path, folder: Path) -> Any:
     Raises:
         nbclient.exceptions.CellExecutionError: A cell, or a command in it, fails.
     """
-    book = nbformat.read(file, as_version=4)
+    book: Any = nbformat.read(file, as_version=4)  # type: ignore[no-untyped-call]
     beside = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     kernel = {**os.environ, "PATH": beside, "COLUMNS": "100", "TERM": "dumb", "NO_COLOR": "1"}
-    book.cells.insert(0, nbformat.v4.new_code_cell(STRICT))
+    book.cells.insert(0, nbformat.v4.new_code_cell(STRICT))  # type: ignore[no-untyped-call]
     client = NotebookClient(book, timeout=CELL_S, resources={"metadata": {"path": str(folder)}})
     client.execute(env=kernel)
     del book.cells[0]
@@ -96,5 +96,5 @@ def write(book: Any, file: Path) -> None:
                 if "execution_count" in output:
                     output.execution_count = None
     unfinished = file.with_suffix(".unfinished")
-    nbformat.write(book, unfinished)
+    nbformat.write(book, unfinished)  # type: ignore[no-untyped-call]
     unfinished.replace(file)
