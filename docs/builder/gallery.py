@@ -57,7 +57,7 @@ def _index(files: dict[str, Path], have: dict[str, drawn.Pictures]) -> str:
     parts = ["# Scenarios\n\nEvery shipped world, with what a robot observes, does and is paid for in it.\n"]
     suite = set(benchmark_names())
     for title, chosen in (
-        ("Worlds to learn in", [name for name in files if name not in suite]),
+        ("Worlds", [name for name in files if name not in suite]),
         ("Benchmarks", [name for name in files if name in suite]),
     ):
         parts.append(f"## {title}\n\n" + "\n".join(["````{container} gallery", *_tiles(chosen, have), "````"]) + "\n")
