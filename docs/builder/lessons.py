@@ -7,6 +7,7 @@ import io
 import os
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,8 @@ from nbclient import NotebookClient
 from PIL import Image
 
 FOLDER = Path(__file__).parents[1] / "lessons"
-CELL_S = 300
-"""A whole lesson takes no longer than that [s] on two cores, and so does no cell."""
+CELL_S = 900
+"""A cell that takes longer than that [s] hangs: a whole lesson takes less than 300 s on two cores."""
 STRICT = """
 def _strictly(shell=get_ipython(), run=get_ipython().system):
     def system(command):
@@ -53,17 +54,28 @@ def run(file: Path, folder: Path) -> Any:
     del book.cells[0]
     for cell in book.cells:
         if cell.cell_type == "code":
-            cell.outputs = [output for output in map(small, cell.outputs) if output is not None]
+            cell.outputs = [output for output in map(small, joined(cell.outputs)) if output is not None]
             cell.metadata = {}
     book.metadata = {"kernelspec": book.metadata["kernelspec"], "language_info": LANGUAGE}
     return book
 
 
+def joined(outputs: Iterable[Any]) -> list[Any]:
+    """Return outputs with neighbouring parts of what a cell prints as one; a progress bar comes in many parts."""
+    kept: list[Any] = []
+    for output in outputs:
+        if output.output_type == "stream" and output.name == "stderr":
+            continue
+        if kept and kept[-1].output_type == output.output_type == "stream":
+            kept[-1].text += output.text
+        else:
+            kept.append(output)
+    return kept
+
+
 def small(output: Any) -> Any:
-    """Return an output with few colours and lines, or None for what only progress writes."""
+    """Return an output with few colours and lines, or None where nothing is left."""
     if output.output_type == "stream":
-        if output.name == "stderr":
-            return None
         output.text = shortened(output.text)
         return output if output.text else None
     data = output.get("data", {})
