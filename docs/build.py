@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from builder import check, gallery, language, pictures, reference, stage
+from builder import check, gallery, language, pictures, reference, source_pages, stage
 from sphinx.cmd.build import build_main
 
 HERE = Path(__file__).parent
@@ -30,6 +30,7 @@ def main() -> int:
     options = ["-W", "--keep-going", "-q", "-j", "auto", "-b", "html", "-c", str(HERE)]
     if status := build_main([*options, "-d", str(ROOT / "build" / "site-doctrees"), str(source), str(asked.out)]):
         return int(status)
+    source_pages.mend(asked.out)
     broken = check.broken_links(asked.out)
     print("\n".join(broken) or f"{asked.out / 'index.html'}")
     return int(bool(broken))

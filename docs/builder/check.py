@@ -51,6 +51,11 @@ def broken_links(site: Path) -> list[str]:
     return wrong
 
 
+def anchors(file: Path) -> set[str]:
+    """Return the names on a page that a link may lead to."""
+    return _read(file).anchors
+
+
 def _problem(file: Path, link: str, is_loaded: bool, pages: dict[Path, Page]) -> str:
     parts = urlsplit(link)
     if parts.scheme or parts.netloc:

@@ -9,6 +9,7 @@ from pathlib import Path
 import irsim_gym
 from builder import pictures as drawn
 from builder import tables
+from irsim_gym.envs.description import Description
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.library import benchmark_names, every_scenario, references_file
 from irsim_gym.scenario.load import load_scenario
@@ -56,7 +57,7 @@ def _index(files: dict[str, Path], have: dict[str, drawn.Pictures]) -> str:
     parts = ["# Scenarios\n\nEvery shipped world, with what a robot observes, does and is paid for in it.\n"]
     suite = set(benchmark_names())
     for title, chosen in (
-        ("Worlds to learn in", [name for name in files if name not in suite]),
+        ("Worlds", [name for name in files if name not in suite]),
         ("Benchmarks", [name for name in files if name in suite]),
     ):
         parts.append(f"## {title}\n\n" + "\n".join(["````{container} gallery", *_tiles(chosen, have), "````"]) + "\n")
@@ -93,7 +94,8 @@ def _parameters(file: Path) -> Iterator[str]:
     rows = []
     for name, entry in given.items():
         one = ParameterSpec(**entry)
-        span = ", ".join(map(str, one.choices)) if one.choices else f"{one.min} to {one.max}"
+        ends = [tables.number(end) for end in (one.min, one.max) if end is not None]
+        span = ", ".join(map(str, one.choices)) if one.choices else " to ".join(ends)
         rows.append((f"`{name}`", one.default, one.unit, span, one.meaning))
     if rows:
         yield "## Parameters\n\n" + tables.table(("name", "default", "unit", "range", "meaning"), rows)
@@ -109,7 +111,7 @@ def _learned(name: str) -> Iterator[str]:
     except IrsimGymError as error:
         yield f"No robot can learn here as it stands: {str(error).splitlines()[-1].strip()}"
         return
-    told = env.unwrapped.describe()
+    told: Description = env.get_wrapper_attr("describe")()
     env.close()
     yield f"## Observation\n\nOf `{told.agent}`, with the task `{told.task}`.\n\n{tables.observation(told)}"
     yield f"## Action\n\n{tables.action(told.action)}"

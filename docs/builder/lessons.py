@@ -7,16 +7,17 @@ import io
 import os
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import nbformat
+import nbformat.v4
 from nbclient import NotebookClient
 from PIL import Image
 
 FOLDER = Path(__file__).parents[1] / "lessons"
-CELL_S = 300
-"""A whole lesson takes no longer than that [s] on two cores, and so does no cell."""
+CELL_S = 900
+"""A cell that takes longer than that [s] hangs: a whole lesson takes less than 300 s on two cores."""
 STRICT = """
 def _strictly(shell=get_ipython(), run=get_ipython().system):
     def system(command):
@@ -44,26 +45,37 @@ def run(file: Path, folder: Path) -> Any:
     Raises:
         nbclient.exceptions.CellExecutionError: A cell, or a command in it, fails.
     """
-    book = nbformat.read(file, as_version=4)
+    book: Any = nbformat.read(file, as_version=4)  # type: ignore[no-untyped-call]
     beside = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     kernel = {**os.environ, "PATH": beside, "COLUMNS": "100", "TERM": "dumb", "NO_COLOR": "1"}
-    book.cells.insert(0, nbformat.v4.new_code_cell(STRICT))
+    book.cells.insert(0, nbformat.v4.new_code_cell(STRICT))  # type: ignore[no-untyped-call]
     client = NotebookClient(book, timeout=CELL_S, resources={"metadata": {"path": str(folder)}})
     client.execute(env=kernel)
     del book.cells[0]
     for cell in book.cells:
         if cell.cell_type == "code":
-            cell.outputs = [output for output in map(small, cell.outputs) if output is not None]
+            cell.outputs = [output for output in map(small, joined(cell.outputs)) if output is not None]
             cell.metadata = {}
     book.metadata = {"kernelspec": book.metadata["kernelspec"], "language_info": LANGUAGE}
     return book
 
 
+def joined(outputs: Iterable[Any]) -> list[Any]:
+    """Return outputs with neighbouring parts of what a cell prints as one; a progress bar comes in many parts."""
+    kept: list[Any] = []
+    for output in outputs:
+        if output.output_type == "stream" and output.name == "stderr":
+            continue
+        if kept and kept[-1].output_type == output.output_type == "stream":
+            kept[-1].text += output.text
+        else:
+            kept.append(output)
+    return kept
+
+
 def small(output: Any) -> Any:
-    """Return an output with few colours and lines, or None for what only progress writes."""
+    """Return an output with few colours and lines, or None where nothing is left."""
     if output.output_type == "stream":
-        if output.name == "stderr":
-            return None
         output.text = shortened(output.text)
         return output if output.text else None
     data = output.get("data", {})
@@ -96,5 +108,5 @@ def write(book: Any, file: Path) -> None:
                 if "execution_count" in output:
                     output.execution_count = None
     unfinished = file.with_suffix(".unfinished")
-    nbformat.write(book, unfinished)
+    nbformat.write(book, unfinished)  # type: ignore[no-untyped-call]
     unfinished.replace(file)

@@ -67,9 +67,9 @@ def stage(root: Path, out: Path, generated: Mapping[str, str]) -> None:
     for file in _files_of(root / "docs"):
         if file.suffix not in (".md", ".ipynb", ".py"):
             written.add(_copy(file, out / file.relative_to(root / "docs")))
-    for place in sorted(written):
-        if place.suffix == ".md":
-            written |= set(_linked_files(root, out, place))
+    for page in sorted(written):
+        if page.suffix == ".md":
+            written |= set(_linked_files(root, out, page))
     _remove_all_but(out, written)
 
 

@@ -17,10 +17,10 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def number(value: float) -> str:
-    """Return a number with up to six digits; infinity as a word."""
+    """Return a number with up to four decimals; infinity as a word."""
     if math.isinf(value):
         return "infinity" if value > 0 else "-infinity"
-    return f"{value:g}"
+    return f"{round(value, 4):g}"
 
 
 def observation(description: Description) -> str:

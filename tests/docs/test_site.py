@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from builder import check, gallery, language, links, reference, stage, tables
+from builder import check, gallery, language, links, reference, source_pages, stage, tables
 
 import irsim_gym
 from irsim_gym.scenario.library import every_scenario
@@ -101,6 +101,19 @@ def test_broken_links_of_a_site_are_found(tmp_path: Path) -> None:
         "a.html: https://a.b/c.png: loaded from elsewhere",
         "a.html: b.html: no alternative text",
     ]
+
+
+def test_links_of_sources_lead_back_to_the_names_of_the_reference(tmp_path: Path) -> None:
+    (tmp_path / "_modules").mkdir()
+    (tmp_path / "page.html").write_text('<dt id="public.Arena"></dt><dt id="public.Arena.rows"></dt>', encoding="utf-8")
+    back = '<a class="viewcode-back" href="../page.html#{}">[docs]</a>'
+    source = tmp_path / "_modules" / "arena.html"
+    names = "public.Arena", "inner.Arena.rows", "inner.gone"
+    source.write_text("".join(map(back.format, names)), encoding="utf-8")
+    source_pages.mend(tmp_path)
+    wanted = "public.Arena", "public.Arena.rows"
+    assert source.read_text(encoding="utf-8") == "".join(map(back.format, wanted)) + back.replace("#{}", "")
+    assert check.broken_links(tmp_path) == []
 
 
 @pytest.mark.parametrize("file", sorted((ROOT / "docs" / "lessons").glob("*.ipynb")), ids=lambda file: file.stem)
