@@ -109,7 +109,9 @@ def test_extras_are_those_of_the_project_file() -> None:
     def brought(extra: str) -> set[str]:
         found: set[str] = set()
         for one in map(Requirement, project[extra]):
-            found |= {name for other in one.extras for name in brought(other)} if one.name == "irsim_gym" else {one.name}
+            found |= (
+                {name for other in one.extras for name in brought(other)} if one.name == "irsim_gym" else {one.name}
+            )
         return found
 
     assert {extra: {packages.get(name, name) for name in names} for extra, names in extras.EXTRAS.items()} == {
