@@ -144,40 +144,6 @@ def _sums(errors: Floats, ends: Flags, factor: float) -> Floats:
     return found
 
 
-@dataclass(frozen=True)
-class Sequences:
-    """A fragment with one more row after each cut, which holds the observation that follows.
-
-    Attributes:
-        source: The row of the fragment that each row is, ``(n,)``; of an added one the row before it.
-        is_step: Rows of the fragment, ``(n,)``; the others are added.
-        observation: ``(n, ...)``.
-    """
-
-    source: Ints
-    is_step: Flags
-    observation: Observation
-
-
-def with_following(fragment: Fragment) -> Sequences:
-    """Return the rows of a fragment with the observation after each cut behind it, as V-trace reads them."""
-    after = np.flatnonzero(fragment.cut)
-    source = np.insert(np.arange(len(fragment)), after + 1, after)
-    is_step = np.insert(np.ones(len(fragment), np.bool_), after + 1, False)
-
-    def put(array: NDArray[Any], added: NDArray[Any]) -> NDArray[Any]:
-        rows = array[source]
-        rows[~is_step] = added
-        return rows
-
-    seen, following = fragment.observation, fragment.following
-    if isinstance(seen, dict):
-        assert isinstance(following, dict)
-        return Sequences(source, is_step, {name: put(seen[name], following[name]) for name in seen})
-    assert not isinstance(following, dict)
-    return Sequences(source, is_step, put(seen, following))
-
-
 class FragmentWriter:
     """Collects the steps of rows (world, slot), which are then put one after the other for each row.
 

@@ -16,7 +16,7 @@ from ray.rllib.core.learner.training_data import TrainingData
 from ray.rllib.evaluation.postprocessing import Postprocessing
 from ray.rllib.policy.sample_batch import MultiAgentBatch, SampleBatch
 
-from irsim_gym.envs.fragments import Fragment, advantages, joined, on_each, with_following
+from irsim_gym.envs.fragments import Fragment, advantages, joined, on_each
 from irsim_gym.envs.spaces import Observation
 
 
@@ -49,7 +49,7 @@ class ArrayAPPOLearner(APPOTorchLearner):  # type: ignore[misc]
         training_data.solve_refs()
         if training_data.episodes is not None:
             module = self.module[DEFAULT_MODULE_ID].unwrapped()
-            training_data = TrainingData(batch=sequence_batch(module, training_data.episodes))
+            training_data = TrainingData(batch=sequence_batch(module, training_data.episodes, self.config.gamma))
         return super().update(training_data=training_data, **kwargs)
 
 
@@ -87,24 +87,30 @@ def advantage_batch(module: Any, fragments: Sequence[Fragment], gamma: float, la
     return _batch(seen, columns, len(fragment), device)
 
 
-def sequence_batch(module: Any, fragments: Sequence[Fragment]) -> MultiAgentBatch:
-    """Return what APPO learns from: rows in their order, and behind each cut one whose value is that of what follows.
+def sequence_batch(module: Any, fragments: Sequence[Fragment], gamma: float) -> MultiAgentBatch:
+    """Return what APPO learns from: rows in their order; after a cut nothing follows but what its reward already holds.
+
+    The value of what follows a cut is added to the reward there, because the V-trace of RLlib takes it away again from
+    rows that are appended for it.
 
     Args:
-        module: That learns.
+        module: Whose ``compute_values`` knows what a state is worth.
         fragments: What was experienced.
+        gamma: Discount.
     """
     fragment, device = joined(fragments), _device(module)
-    rows = with_following(fragment)
+    reward = fragment.reward.copy()
+    with torch.no_grad():
+        reward[fragment.cut] += np.float32(gamma) * _values(module, _tensors(fragment.following, device))
     columns = {
-        Columns.ACTIONS: fragment.action[rows.source],
-        Columns.ACTION_LOGP: fragment.log_probability[rows.source],
-        Columns.ACTION_DIST_INPUTS: fragment.distribution[rows.source],
-        Columns.REWARDS: np.where(rows.is_step, fragment.reward[rows.source], np.float32(0.0)),
-        Columns.TERMINATEDS: fragment.terminated[rows.source],
-        Columns.LOSS_MASK: rows.is_step,
+        Columns.ACTIONS: fragment.action,
+        Columns.ACTION_LOGP: fragment.log_probability,
+        Columns.ACTION_DIST_INPUTS: fragment.distribution,
+        Columns.REWARDS: reward,
+        Columns.TERMINATEDS: fragment.terminated | fragment.cut,
+        Columns.LOSS_MASK: np.ones(len(fragment), np.bool_),
     }
-    return _batch(_tensors(rows.observation, device), columns, len(fragment), device)
+    return _batch(_tensors(fragment.observation, device), columns, len(fragment), device)
 
 
 def _batch(seen: Any, columns: dict[str, NDArray[Any]], n_steps: int, device: torch.device) -> MultiAgentBatch:

@@ -153,7 +153,7 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
     def _begin(self) -> None:
         assert self.env is not None
         first = self.config.env_config.get("first_level")
-        if first is None or _started_again():
+        if first is None or (self.worker_index and _started_again()):
             seed = None
         else:
             seed = first + max((self.worker_index or 0) - 1, 0) * self.env.num_envs
@@ -230,9 +230,7 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
 
 
 def _started_again() -> bool:
-    """Return whether this process took the place of a worker that had died."""
-    if not ray.is_initialized():
-        return False
+    """Return whether this worker took the place of one that had died."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the property itself calls one that Ray has deprecated
         return bool(ray.get_runtime_context().was_current_actor_reconstructed)

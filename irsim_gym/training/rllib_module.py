@@ -25,8 +25,8 @@ PREFIX = "policy."
 class PolicyModule(TorchRLModule, ValueFunctionAPI, TargetNetworkAPI):  # type: ignore[misc]
     """The networks of an actor-critic policy of Stable-Baselines3.
 
-    The configuration of the model has ``policy``, the class, ``arguments`` of it, and ``weights``, its first state as
-    arrays; the weights are the same in every process then.
+    The configuration of the model has ``policy``, the class, ``arguments`` of it, and may have ``weights``, its first
+    state as arrays.
     """
 
     def setup(self) -> None:
@@ -35,8 +35,9 @@ class PolicyModule(TorchRLModule, ValueFunctionAPI, TargetNetworkAPI):  # type: 
         kind: type[ActorCriticPolicy] = config["policy"]
         seen = channels_first(self.observation_space)
         self.policy = kind(seen, self.action_space, lambda _: 0.0, **config["arguments"])
-        state = {name: torch.from_numpy(np.array(array)) for name, array in config["weights"].items()}
-        self.policy.load_state_dict(state)
+        if config.get("weights") is not None:
+            state = {name: torch.from_numpy(np.array(array)) for name, array in config["weights"].items()}
+            self.policy.load_state_dict(state)
 
     def make_target_networks(self) -> None:
         """Copy the networks, for APPO."""
