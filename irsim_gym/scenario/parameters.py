@@ -83,8 +83,8 @@ class ParameterSpec:
         meaning="Value if none is given. It sets the type: a whole number (a number if min, max or a choice is "
         "not whole), a number, true or false, or text."
     )
-    min: float | None = option(None, meaning="Least value, for numbers.")
-    max: float | None = option(None, meaning="Greatest value, for numbers.")
+    min: float | None = option(None, meaning="Minimum value, for numbers.")
+    max: float | None = option(None, meaning="Maximum value, for numbers.")
     choices: tuple[bool | int | float | str, ...] | None = option(
         None, min_length=1, meaning="The allowed values; replaces min and max."
     )
