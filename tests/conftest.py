@@ -17,8 +17,13 @@ from irsim_gym.training import trial
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # The first example of a test may compile a kernel, and the machine may be busy.
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
+settings.register_profile("fast", deadline=None, max_examples=30)
+settings.register_profile("whole", deadline=None, max_examples=100)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Play all examples of properties only where slow tests run, too."""
+    settings.load_profile("fast" if "not slow" in config.getoption("markexpr") else "whole")
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -34,10 +34,10 @@ class HybridAstar(RenewsGoals):
     reads_neighbors: ClassVar[bool] = False
 
     target_roles: Literal["all", "robot", "obstacle"] = option(
-        "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
+        "all", meaning="Moving bodies that it stops for; bodies that stand are part of the map."
     )
     clearance: float = option(
-        0.1, gt=0.0, unit="m", meaning="Nearer to an obstacle than this time counts more, up to three times."
+        0.1, gt=0.0, unit="m", meaning="Closer to obstacles than this, time costs more, up to three times as much."
     )
     change_cost: float = option(
         0.5, ge=0.0, unit="s", meaning="Cost of a change between driving ahead, back and turning on the spot."

@@ -55,12 +55,12 @@ class Pursuit(RenewsGoals):
         meaning="Cell size of the grid on which ways are found; default: half the radius of the body.",
         consequence="Large: ways through narrow gaps are missed.",
     )
-    speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Greatest speed; by default the drive's.")
+    speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")
     lookahead_time: float = option(
         0.6, ge=0.0, unit="s", meaning="The point aimed at is as far ahead as the body drives in this time."
     )
-    lookahead_min: float = option(0.3, gt=0.0, unit="m", meaning="Least distance of that point.")
-    lookahead_max: float | None = option(None, gt=0.0, unit="m", meaning="Greatest distance of that point.")
+    lookahead_min: float = option(0.3, gt=0.0, unit="m", meaning="Minimum distance of that point.")
+    lookahead_max: float | None = option(None, gt=0.0, unit="m", meaning="Maximum distance of that point.")
     min_radius: float = option(
         0.5, ge=0.0, unit="m", meaning="Curves of a smaller radius are driven slower, in proportion to the radius."
     )
@@ -78,7 +78,7 @@ class Pursuit(RenewsGoals):
         unit="m",
         meaning="From here on it slows down for the goal, in proportion to what is left.",
     )
-    approach_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Least speed at the goal.")
+    approach_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Minimum speed at the goal.")
     turn_angle: float = option(
         0.785, gt=0.0, unit="rad", meaning="A differential drive turns on the spot for a point ahead beyond this angle."
     )

@@ -35,7 +35,7 @@ class Recorded:
 
     file: str = option(
         min_length=1,
-        meaning="Text file of rows time, id, x, y, beside the scenario or shipped, e.g. those of ETH and UCY.",
+        meaning="Text file with rows time, id, x, y, like those of ETH and UCY; beside the scenario or a shipped one.",
     )
     time_unit: float = option(
         1.0, gt=0.0, unit="s", meaning="Duration of one unit of the first column, e.g. 0.04 for frames at 25 Hz."

@@ -35,13 +35,13 @@ class Rvo(RenewsGoals):
     reads_neighbors: ClassVar[bool] = True
 
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
-    vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in x.")
-    vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in y.")
+    vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Maximum sampled velocity in x.")
+    vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Maximum sampled velocity in y.")
     acce: float = option(
         1.0,
         gt=0.0,
         unit="m/s",
-        meaning="Greatest change of each sampled velocity in a step.",
+        meaning="Maximum change of each sampled velocity in a step.",
         consequence="The samples lie 0.05 m/s apart: below 0.025 a single one is left, the lowest.",
     )
     factor: float = option(1.0, ge=0.0, meaning="Weight of the time to collision where every sample collides.")

@@ -26,7 +26,7 @@ ANGULAR = option(2.0, ge=0.0, meaning="Decay of the sideways force with the angl
 VELOCITY = option(3.0, ge=0.0, meaning="Decay of the braking force with the angle.")
 RELAXATION = option(0.5, gt=0.0, unit="s", meaning="Time in which the desired velocity is taken up.")
 NEIGHBORS = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
-SPEED = option(1.5, gt=0.0, unit="m/s", meaning="Desired and greatest speed.")
+SPEED = option(1.5, gt=0.0, unit="m/s", meaning="Desired and maximum speed.")
 SAFETY = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.")
 
 INTERACTION = option(

@@ -60,7 +60,7 @@ class SocialForceGroup(RenewsMembersGoals):
     force_factor_coherence: float = option(2.0, ge=0.0, meaning="Weight of the pull to the others of the list.")
     force_factor_group_repulsion: float = option(1.0, ge=0.0, meaning="Weight of the push from those too near.")
     group_repulsion_threshold: float | None = option(
-        None, ge=0.0, unit="m", meaning="Who is nearer than this is too near; by default when the bodies touch."
+        None, ge=0.0, unit="m", meaning="A member closer than this is too near; default: when the bodies touch."
     )
     force_factor_gaze: float = option(3.0, ge=0.0, meaning="Weight of the force that keeps the others in sight.")
     gaze_vision_angle: float = option(

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,7 +154,7 @@ def _one_group(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list
     return [group]
 
 
-def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy) -> Any:
+def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy) -> object:
     """Return a body's options: those given, beside its own or the best defaults with the speeds of its drive."""
     own, kind = getattr(episodes.simulation.scenario.bodies[body], family), policy.kind
     if isinstance(own, kind):

@@ -23,7 +23,7 @@ def kind_name(source: str | Path) -> str:
     return str(source).partition(":")[0]
 
 
-def read_options(source: str) -> dict[str, Any]:
+def read_options(source: str) -> dict[str, object]:
     """Return the options in ``NAME:OPTION=VALUE:OPTION=VALUE``, with their types; none for a name alone.
 
     Raises:

@@ -37,7 +37,7 @@ class Perception:
         """Names of the observations, in order."""
         return [str(item["name"]) for item in self.observations]
 
-    def to_plain(self) -> dict[str, Any]:
+    def to_plain(self) -> dict[str, object]:
         """Return it as JSON holds it."""
         return {**vars(self), "observations": [dict(item) for item in self.observations]}
 
@@ -132,11 +132,11 @@ class Perceived:
         return made
 
 
-def _as_data(family: Registry, item: object) -> dict[str, Any]:
+def _as_data(family: Registry, item: object) -> dict[str, object]:
     """Return a kind as it is written in a task, with all options."""
     options = {key: getattr(item, key) for key in option_fields(type(item))} | more_options(item)
     return {"name": family.name_of(type(item)), **{key: _as_list(value) for key, value in options.items()}}
 
 
-def _as_list(value: object) -> Any:
+def _as_list(value: object) -> object:
     return [_as_list(part) for part in value] if isinstance(value, list | tuple) else value

@@ -116,7 +116,7 @@ def _strata(scores: Scores) -> list[Floats]:
     return strata
 
 
-def _mean_of_means(*samples: Floats, axis: int = -1) -> Any:
+def _mean_of_means(*samples: Floats, axis: int = -1) -> object:
     return np.mean([sample.mean(axis=axis) for sample in samples], axis=0)
 
 

@@ -256,7 +256,7 @@ _READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
 )
 
 
-def _rounded(value: object) -> Any:
+def _rounded(value: object) -> object:
     """Shorten a float to the micrometre or microsecond; NaN becomes an empty cell."""
     if not isinstance(value, float):
         return value

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
@@ -145,12 +144,12 @@ def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
     return table
 
 
-def _agent_cells(agent: AgentRow) -> dict[str, Any]:
+def _agent_cells(agent: AgentRow) -> dict[str, object]:
     own = {name: getattr(agent.episode, name) for name in EPISODE_COLUMNS}
     return {**own, "agent": agent.agent, **{name: getattr(agent, name) for name in AGENT_COLUMNS}}
 
 
-def _level_cells(level: TeamRow) -> dict[str, Any]:
+def _level_cells(level: TeamRow) -> dict[str, object]:
     return {
         "level": level.level,
         "agents": len(level.agents),

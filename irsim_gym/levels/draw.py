@@ -61,7 +61,7 @@ def draw_levels(
     return replace(levels, splits=firsts, about=about(simulation.scenario))
 
 
-def about(scenario: Scenario) -> dict[str, Any]:
+def about(scenario: Scenario) -> dict[str, object]:
     """Return what a file of levels says about the scenario that drew it."""
     shipped = library.every_scenario().get(Path(scenario.file).stem)
     is_shipped = shipped is not None and shipped.resolve() == Path(scenario.file).resolve()

@@ -96,7 +96,7 @@ def read_pickle(file: Path) -> Any:
         raise ScenarioError(str(file), [Problem(0, "", f"cannot be read as a pickle of numbers: {error}")]) from None
 
 
-def _device_array(function: Any, arguments: tuple[Any, ...], state: Any, *_: object) -> Any:
+def _device_array(function: Any, arguments: tuple[Any, ...], state: Any, *_: object) -> object:
     """Return an array of JAX as one of NumPy: ``function`` is one of ``_KNOWN``."""
     made = function(*arguments)
     made.__setstate__(state)
@@ -108,7 +108,7 @@ def _empty(*_: object) -> NDArray[Any]:
     return np.ndarray((0,), np.int8)
 
 
-def _scalar(dtype: object, content: bytes = b"") -> Any:
+def _scalar(dtype: object, content: bytes = b"") -> object:
     if not isinstance(dtype, np.dtype) or dtype.hasobject:
         raise pickle.UnpicklingError("a scalar of objects")
     return np.frombuffer(content, dtype, 1)[0]
@@ -133,7 +133,7 @@ _KNOWN: Mapping[tuple[str, str], Any] = {
 }
 
 
-def _refuse(cls: object) -> Any:
+def _refuse(cls: object) -> object:
     raise pickle.UnpicklingError(f"an object of {cls}")
 
 

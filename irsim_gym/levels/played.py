@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
@@ -58,7 +57,7 @@ class PlayedLevels:
             return None
         return self.certificate.quarters(self.count)
 
-    def conditions(self) -> dict[str, Any]:
+    def conditions(self) -> dict[str, object]:
         """Return what a published figure has to name."""
         certificate = self.certificate
         return {

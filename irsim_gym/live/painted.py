@@ -99,7 +99,7 @@ class PaintedBeams:
                     piece.arrays[key][:] = reading
 
 
-def _coloured(options: Any, colour: str, alpha: float) -> Any:
+def _coloured(options: Any, colour: str, alpha: float) -> object:
     """Return a sensor's options with another look of its beams."""
     changed = replace(options, color=colour, alpha=alpha)
     plot = getattr(options, "plot", None)

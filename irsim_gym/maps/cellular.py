@@ -30,12 +30,12 @@ class CellularMap(LevelMap):
         (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."
     )
     rounds: tuple[int, int] = option((4, 4), meaning="Bounds of how often all cells are smoothed, at most 100.")
-    fill_from: int = option(5, ge=1, le=9, meaning="A cell with so many occupied neighbours, or more, is occupied.")
+    fill_from: int = option(5, ge=1, le=9, meaning="A cell with at least this many occupied neighbours is occupied.")
     clear_to: int = option(
         3,
         ge=-1,
         le=8,
-        meaning="A cell with so many occupied neighbours, or fewer, is free; all others stay as they are.",
+        meaning="A cell with at most this many occupied neighbours is free; other cells do not change.",
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:

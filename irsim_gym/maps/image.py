@@ -29,7 +29,7 @@ class ImageMap:
 
     path: str = option(
         min_length=1,
-        meaning="Image file (PNG, JPEG, ...), searched as given, beside the scenario, among the shipped maps, "
+        meaning="Image file (PNG, JPEG, ...). It is looked for as given, beside the scenario, among the shipped maps, "
         "then among those of an installed ir-sim.",
     )
     disc_radius: float | None = disc_option()

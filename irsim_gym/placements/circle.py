@@ -77,15 +77,15 @@ class CirclePlacement:
     )
     turn: bool = option(False, meaning="Turn the whole circle by another angle in each level.")
     scatter: bool = option(
-        False, meaning="Each body gets a place of its own on the circle, drawn in each level, instead of even ones."
+        False, meaning="Each level draws the places on the circle; by default they are evenly spaced."
     )
     mirror: bool = option(
         False,
-        meaning="Each goal is its start's mirror image in the centre, and nobody starts at the goal of another; by "
-        "default goals are shifted by themselves.",
+        meaning="Each goal is the mirror image of its start about the centre, and no body starts at another's goal; by "
+        "default, goals are shifted independently.",
     )
     clearance: float = option(
-        0.05, ge=0.0, unit="m", meaning="What shifted or scattered starts, and goals, keep between the outlines."
+        0.05, ge=0.0, unit="m", meaning="Minimum distance between outlines, for shifted or scattered starts and goals."
     )
 
     @property

@@ -84,16 +84,16 @@ def length_option(name: str) -> Any:
             0.0,
             ge=0.0,
             unit="m",
-            meaning="Least length of the shortest way from start to goal, past the map and static bodies.",
+            meaning="Minimum length of the shortest way from start to goal, past the map and static bodies.",
             consequence="Longer than any way: an error that names the body.",
         )
     return option(
         None,
         gt=0.0,
         unit="m",
-        meaning="Greatest length of that way, as it is found over cells half as wide as the body's reach: some 3 % "
-        "longer than the shortest at most. Default: any.",
-        consequence="Little more than the least one: levels take long to draw, or cannot be.",
+        meaning="Maximum length of that way. It is measured over cells half as wide as the body's reach, which may "
+        "add 3 %. Default: any.",
+        consequence="Little more than the minimum: levels take long to draw, or cannot be drawn.",
     )
 
 

@@ -54,8 +54,8 @@ class RandomPlacement:
         None,
         ge=0.0,
         unit="m",
-        meaning="Least distance between the origins (and between the goals) of one entry; by default 1 m, or 0 "
-        "where so many have no room for that.",
+        meaning="Minimum distance between the origins (and between the goals) of one entry. Default: 1 m, or 0 "
+        "if there is no room for that.",
         consequence="As clearance.",
     )
     clearance: float = option(
@@ -69,7 +69,7 @@ class RandomPlacement:
         0.0,
         ge=0.0,
         unit="m",
-        meaning="Least distance from start to goal.",
+        meaning="Minimum distance from start to goal.",
         consequence="Larger than the world: an error that names the body.",
     )
     reachable: bool = option(

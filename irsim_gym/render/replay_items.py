@@ -70,7 +70,7 @@ def css(ink: Ink) -> str:
     return "#" + bytes([*parts, round(255.0 * opacity)]).hex().removesuffix("ff" if opacity >= 1.0 else "")
 
 
-def _given(thing: Any, shared: SharedItems) -> dict[str, Any]:
+def _given(thing: Any, shared: SharedItems) -> dict[str, object]:
     """Return the fields of a primitive, a pen or a shape as JSON, without those that are at their defaults."""
     data = {}
     for name, value in thing._asdict().items():
@@ -80,7 +80,7 @@ def _given(thing: Any, shared: SharedItems) -> dict[str, Any]:
     return data
 
 
-def _plain(value: object, shared: SharedItems) -> Any:
+def _plain(value: object, shared: SharedItems) -> object:
     match value:
         case Ink():
             return css(value)

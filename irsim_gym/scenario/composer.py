@@ -195,7 +195,7 @@ class _Expansion:
         if self._count > MAX_VALUES:
             raise Fatal(line, f"more than {MAX_VALUES} values (after aliases are expanded)")
 
-    def _mapping(self, node: _Node, place: Place) -> dict[str, Any]:
+    def _mapping(self, node: _Node, place: Place) -> dict[str, object]:
         data: dict[str, Any] = {}
         first: dict[str, int] = {}
         last: dict[str, tuple[_Node, int]] = {}

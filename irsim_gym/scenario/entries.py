@@ -118,7 +118,7 @@ def _read_number(entry: BodyEntry, report: Report) -> None:
     entry.number_range, entry.count = bounds, high
 
 
-def _read_placement(raw: RawEntry, report: Report) -> Any:
+def _read_placement(raw: RawEntry, report: Report) -> object:
     data, place = raw.data.get("distribution"), (*raw.place, "distribution")
     if data is None or data == {}:
         return PLACEMENTS.entry("manual").kind()
@@ -150,7 +150,7 @@ def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, P
     return lambda value, place, report: read_field(FIELDS[key], value, place, report)
 
 
-def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
+def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
     if value is None or value == {}:
         return None
     name = value.get("name") if isinstance(value, Mapping) else None
@@ -172,7 +172,7 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
     return BAD if made is None else made
 
 
-def _read_sensors(value: object, place: Place, report: Report) -> Any:
+def _read_sensors(value: object, place: Place, report: Report) -> object:
     items = [value] if isinstance(value, Mapping) else value
     if not isinstance(items, list):
         report.add(place, f"must be a list of sensors such as [{{name: lidar2d}}], got {show(value)}")
@@ -182,14 +182,14 @@ def _read_sensors(value: object, place: Place, report: Report) -> Any:
     return BAD if any(sensor is None for sensor in made) else tuple(made)
 
 
-def _read_sensor(item: object, place: Place, report: Report) -> Any:
+def _read_sensor(item: object, place: Place, report: Report) -> object:
     if isinstance(item, Mapping) and item.get("name", item.get("type")) == CONTACT_SENSOR:
         report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
         return None
     return build_named(SENSORS, item, place, report, default="lidar2d", synonym="type")
 
 
-def _read_goal(value: Any, place: Place, report: Report) -> Any:
+def _read_goal(value: Any, place: Place, report: Report) -> object:
     if value is None:
         return ()
     levels = depth(value)
@@ -201,7 +201,7 @@ def _read_goal(value: Any, place: Place, report: Report) -> Any:
     return BAD if any(goal is BAD for goal in read) else tuple(read)
 
 
-def _read_waypoint(value: object, place: Place, report: Report) -> Any:
+def _read_waypoint(value: object, place: Place, report: Report) -> object:
     numbers = read_field(FIELDS["state"], value, place, report)
     if numbers is BAD:
         return BAD
@@ -212,31 +212,31 @@ def _read_waypoint(value: object, place: Place, report: Report) -> Any:
     return waypoint
 
 
-def _read_plot(value: Any, shared: Mapping[str, Any], place: Place, report: Report) -> Any:
+def _read_plot(value: Any, shared: Mapping[str, Any], place: Place, report: Report) -> object:
     own = build(ObjectPlot, value, place, report)
     if own is None or not shared:
         return BAD if own is None else own
     return build(ObjectPlot, {**shared, **value}, place, Report(report.source)) or own
 
 
-def _read_role(value: object, role: str, place: Place, report: Report) -> Any:
+def _read_role(value: object, role: str, place: Place, report: Report) -> object:
     if value != role:
         report.add(place, f"must be '{role}' in this section (or left out), got {show(value)}")
         return BAD
     return value
 
 
-def _read_seen_by(value: object, place: Place, report: Report) -> Any:
+def _read_seen_by(value: object, place: Place, report: Report) -> object:
     if value == EVERYONE:
         return None
     return read_field(FIELDS["seen_by"], [value] if isinstance(value, str) else value, place, report)
 
 
-def _read_color(value: object, place: Place, report: Report) -> Any:
+def _read_color(value: object, place: Place, report: Report) -> object:
     return value if value == "cycle" else read_color(FIELDS["color"], value, place, report)
 
 
-def _read_description(value: object, place: Place, report: Report) -> Any:
+def _read_description(value: object, place: Place, report: Report) -> object:
     image = read_field(FIELDS["description"], value, place, report)
     problem = "" if image is BAD or image is None else image_problem(image, report.source.file)
     if problem:

@@ -165,7 +165,7 @@ def _world(data: object, place: Place, source: Source, report: Report) -> WorldS
     return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
 
 
-def _collision_mode(mode: object, place: Place, report: Report) -> Any:
+def _collision_mode(mode: object, place: Place, report: Report) -> object:
     """Return the mode that a file's stands for; None for one that is refused."""
     where = (*place, "collision_mode")
     if mode == "contact":

@@ -83,8 +83,8 @@ class ParameterSpec:
         meaning="Value if none is given. It sets the type: a whole number (a number if min, max or a choice is "
         "not whole), a number, true or false, or text."
     )
-    min: float | None = option(None, meaning="Least value, for numbers.")
-    max: float | None = option(None, meaning="Greatest value, for numbers.")
+    min: float | None = option(None, meaning="Minimum value, for numbers.")
+    max: float | None = option(None, meaning="Maximum value, for numbers.")
     choices: tuple[bool | int | float | str, ...] | None = option(
         None, min_length=1, meaning="The allowed values; replaces min and max."
     )
@@ -303,14 +303,14 @@ class _Filler:
                 filled[name] = section if name == SECTION else self._known(section, (*place, name), name == "custom")
         return filled
 
-    def _known(self, value: object, place: Place, is_custom: bool) -> Any:
+    def _known(self, value: object, place: Place, is_custom: bool) -> object:
         """Return a value filled in; None, as if it were not given, where it cannot be worked out."""
         filled = self._value(value, place, is_custom)
         if filled is BAD:
             self.unknown.add(place)
         return None if filled is BAD else filled
 
-    def _value(self, value: object, place: Place, is_custom: bool) -> Any:
+    def _value(self, value: object, place: Place, is_custom: bool) -> object:
         if isinstance(value, Mapping):
             return {key: self._known(item, (*place, key), is_custom) for key, item in value.items()}
         if isinstance(value, list):
@@ -325,7 +325,7 @@ class _Filler:
             self.origins[place] = value
         return filled
 
-    def _text(self, text: str, place: Place, is_custom: bool) -> Any:
+    def _text(self, text: str, place: Place, is_custom: bool) -> object:
         """Return what a text with ``$`` in it stands for; BAD after telling why it cannot be."""
         within, names = _WITHIN.findall(text), names_in(text)
         bare = [name for name in _BARE.findall(text) if name in self._declared]
@@ -346,7 +346,7 @@ class _Filler:
             self._report.add(place, f"is not an expression; within text, write ${{{bare[0]}}}, got {show(text)}")
         return text
 
-    def _expression(self, text: str, names: tuple[str, ...], place: Place) -> Any:
+    def _expression(self, text: str, names: tuple[str, ...], place: Place) -> object:
         if text.strip() == f"${names[0]}":
             return self._values[names[0]]
         for name in names:

@@ -112,7 +112,7 @@ def _with_expressions(schema: object) -> Any:
     }
 
 
-def _color_or(key: str, schema: Any) -> Any:
+def _color_or(key: str, schema: Any) -> object:
     """Let numbers from 0 to 1 stand wherever a colour may."""
     choices = schema.get("anyOf", [schema])
     if not key.endswith("color") or not any(one.get("type") == "string" for one in choices):

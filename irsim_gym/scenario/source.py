@@ -150,7 +150,7 @@ def read_mapping(data: Mapping[str, object]) -> Source:
     return Source("", plain, {}, tuple(problems))
 
 
-def _plain(value: object, place: Place, problems: list[Problem], budget: list[int]) -> Any:
+def _plain(value: object, place: Place, problems: list[Problem], budget: list[int]) -> object:
     budget[0] -= 1
     if len(place) > MAX_DEPTH or budget[0] < 0:
         limit = f"nested deeper than {MAX_DEPTH} levels" if budget[0] >= 0 else f"more than {MAX_VALUES} values"
@@ -171,7 +171,7 @@ def _plain(value: object, place: Place, problems: list[Problem], budget: list[in
     return None
 
 
-def _plain_mapping(value: Mapping[Any, Any], place: Place, problems: list[Problem], budget: list[int]) -> Any:
+def _plain_mapping(value: Mapping[Any, Any], place: Place, problems: list[Problem], budget: list[int]) -> object:
     plain = {}
     for key, item in value.items():
         if isinstance(key, str):

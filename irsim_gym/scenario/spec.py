@@ -113,7 +113,7 @@ class BodyOptions:
         consequence="If they do not fit at random, an error names the body.",
     )
     number_range: tuple[int, int] | None = option(
-        None, meaning="Least and greatest number of bodies, drawn anew in each level; replaces number."
+        None, meaning="Minimum and maximum number of bodies, drawn anew in each level; replaces number."
     )
     distribution: Any = option(None, meaning="How starts and goals are chosen; default: as given (manual).")
     name: str | None = option(
@@ -152,19 +152,19 @@ class BodyOptions:
     vel_min: tuple[float, ...] | None = option(
         None,
         unit="m/s or rad/s",
-        meaning="Least velocities; default: -1 each.",
+        meaning="Minimum velocities; default: -1 each.",
         consequence="If above 0, the body cannot stand still.",
     )
     vel_max: tuple[float, ...] | None = option(
         None,
         unit="m/s or rad/s",
-        meaning="Greatest velocities; default: 1 each.",
+        meaning="Maximum velocities; default: 1 each.",
         consequence="For acker, the second is the largest steering angle [rad]; near pi/2, the car spins.",
     )
     acce: tuple[Limit, ...] | None = option(
         None,
         unit="m/s2 or rad/s2",
-        meaning="Greatest change of each velocity per second; default: no limit (.inf).",
+        meaning="Maximum change of each velocity per second; default: no limit (.inf).",
         consequence="If small, the body cannot brake in time and overshoots its goal.",
     )
     angle_range: tuple[float, float] = option(
@@ -211,14 +211,14 @@ class BodyOptions:
     speed_range: tuple[float, float] | None = option(
         None,
         unit="m/s",
-        meaning="Bounds of the body's greatest speed, drawn anew in each level; it replaces the speeds of vel_max.",
+        meaning="Bounds of the body's maximum speed, which each level draws; it replaces the speeds of vel_max.",
     )
     party: int = option(
         1,
         ge=1,
         le=100,
-        meaning="So many bodies of the entry, one after another, walk together: a circle puts them side by side, and "
-        "those that wander share the goals of the first.",
+        meaning="Number of successive bodies of the entry that walk together. A circle places them side by side; if "
+        "they wander, they share the goals of the first.",
     )
     unyielding: float = option(
         0.0,

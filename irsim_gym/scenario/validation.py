@@ -267,13 +267,13 @@ def _tell(error: ValidationError, info: FieldInfo, value: object, place: Place, 
         report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
 
 
-def _branches(hint: object) -> list[Any]:
+def _branches(hint: object) -> list[object]:
     if get_origin(hint) in (Union, types.UnionType):
         return [arg for arg in get_args(hint) if arg is not type(None)]
     return [hint]
 
 
-def _hint_at(hint: object, inner: tuple[int, ...]) -> Any:
+def _hint_at(hint: object, inner: tuple[int, ...]) -> object:
     """Return the type declared for an element of a list."""
     hint = _branches(hint)[0]
     if hasattr(hint, "__metadata__"):
@@ -305,7 +305,7 @@ def prepare(hint: object, value: object, place: Place, report: Report) -> Any:
     return frozen(value)
 
 
-def _prepare_tuple(hint: object, value: list[Any] | tuple[Any, ...], place: Place, report: Report) -> Any:
+def _prepare_tuple(hint: object, value: list[Any] | tuple[Any, ...], place: Place, report: Report) -> object:
     args = get_args(hint)
     if len(args) == 2 and args[1] is Ellipsis:
         hints = [args[0]] * len(value)

@@ -53,7 +53,7 @@ class FmcwLidar2D:
     range_min: float = option(
         0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
     )
-    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Greatest range; a beam that hits nothing reports this.")
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Maximum range; a beam that hits nothing reports this.")
     scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
     noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
     std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")

@@ -116,7 +116,7 @@ def _play_member(
 
 def _play_policy(
     source: str, worlds: Perceived, levels: int, optima: Optima, path: Path, bar: Progress, line: TaskID
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Play one policy, write its rows, and return its entry in the record."""
     begun, policy = time.process_time(), load_policy(source)
     try:

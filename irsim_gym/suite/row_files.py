@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from irsim_gym.evaluation import tables
 from irsim_gym.evaluation.metrics import EpisodeRow
@@ -31,6 +30,6 @@ def read_rows(path: Path) -> list[TeamRow]:
     return read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow))
 
 
-def _cells(level: TeamRow, agent: AgentRow) -> dict[str, Any]:
+def _cells(level: TeamRow, agent: AgentRow) -> dict[str, object]:
     own = {name: getattr(agent.episode, name) for name in EPISODE}
     return {**own, **{name: getattr(agent, name) for name in AGENT}, "limit": level.limit}

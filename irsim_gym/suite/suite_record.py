@@ -94,7 +94,7 @@ def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]
     return changed
 
 
-def _scenario(member: Member) -> dict[str, Any]:
+def _scenario(member: Member) -> dict[str, object]:
     digest = take_snapshot(member.scenario, None, member.parameters).digest
     own = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
     return {**own, "differs": member.differs, "sha256": digest}

@@ -63,7 +63,7 @@ class DiscreteAction:
 
     only_kernels: ClassVar[bool] = True
 
-    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the greatest.")
+    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the maximum.")
     lateral: int = option(
         1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: only its middle."
     )

@@ -140,7 +140,7 @@ def _term_name(term: object) -> str:
     return type(term).__name__
 
 
-def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report: Report) -> list[Any]:
+def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report: Report) -> list[object]:
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
     given = getattr(item, "without_sensor", "")  # kinds from outside may have no such option
     names = [given] if isinstance(given, str) else given

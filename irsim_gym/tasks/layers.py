@@ -145,7 +145,7 @@ def _named(node: Node) -> Node:
     return Node(node.layer, node.place, {"name": node}) if isinstance(node.value, str) else node
 
 
-def _name(node: Node) -> Any:
+def _name(node: Node) -> object:
     named = node.value.get("name") if isinstance(node.value, dict) else None
     return named.value if named is not None else None
 

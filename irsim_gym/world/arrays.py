@@ -108,7 +108,7 @@ class Arrays(Struct):
         return cls(**arrays | cls._side_by_side(arrays))
 
     @classmethod
-    def _side_by_side(cls, arrays: Mapping[str, Any]) -> dict[str, Any]:
+    def _side_by_side(cls, arrays: Mapping[str, Any]) -> dict[str, object]:
         """Return the fields of ``together`` in one piece of memory."""
         groups = [(names, arrays[names[0]]) for names in cls.together]
         starts, end = [], 0

@@ -132,7 +132,7 @@ def test_the_page_says_who_did_what(found: charts.Found) -> None:
     assert "- ir-sim 2.12.0, `s1_single`: circles have corners." in text
     assert "- vmas is missing: no wheel." in text
     assert "19 rounds were run; 5 were rejected as disturbed, 2 kept although disturbed" in text
-    assert "calibrating loop was 1000 to 1100 us" in text
+    assert "calibrating loop was 1000 to 1100 us" in " ".join(text.split())
     assert "`s2_rvo`: irsim's robots end at most 2e-15 m from ours." in text
     assert f"| {TARGETS[0].text} | 200 | 150 | 500 | reached |" in text
     assert "| ORCA, an agent of 10,000 over one of 100 | 2 | 1.5 | 1.1 | **missed** |" in text

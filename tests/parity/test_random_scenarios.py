@@ -58,7 +58,7 @@ def compare_many(examples: int, folder: Path, phases: list[Phase]) -> None:
 
 
 def test_random_scenarios_step_as_in_ir_sim(tmp_path: Path) -> None:
-    compare_many(100, tmp_path, [Phase.generate])
+    compare_many(40, tmp_path, [Phase.generate])
 
 
 @pytest.mark.slow

@@ -94,7 +94,7 @@ SCENARIOS = st.fixed_dictionaries(
     },
 )
 pytestmark = pytest.mark.filterwarnings("ignore::irsim_gym.errors.ScenarioWarning")
-QUICK = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+QUICK = settings(max_examples=3 * settings().max_examples // 2, suppress_health_check=list(HealthCheck))
 
 
 def outcome(data: Any) -> Scenario | ScenarioError:

@@ -63,7 +63,7 @@ class FreeTravel:
     needs_scan: ClassVar[bool] = True
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Greatest distance; farther obstacles are ignored.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
     code: Code = option("inverse", meaning="How to encode a distance; see scan.")
     near: float = option(

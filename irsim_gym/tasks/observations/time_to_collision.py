@@ -63,8 +63,8 @@ class TimeToCollision:
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     speeds: int = option(1, ge=1, le=16, meaning="Number of speeds in each direction, up to ``speed``, evenly spaced.")
-    speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Greatest speed; default: the agent's own.")
-    horizon: float = option(5.0, gt=0.0, unit="s", meaning="Greatest time; later collisions are ignored.")
+    speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; default: the agent's own.")
+    horizon: float = option(5.0, gt=0.0, unit="s", meaning="Maximum time; later collisions are ignored.")
     range: float | None = option(
         None, gt=0.0, unit="m", meaning="Bodies whose surface is farther from the agent's origin are not seen."
     )
