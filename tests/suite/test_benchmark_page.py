@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import re
 import runpy
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 
+from irsim_gym.scenario.library import references_file
 from irsim_gym.suite.listing import reference_figures
 from irsim_gym.suite.members import shipped_suite
+from irsim_gym.suite.suite_record import SuiteRecord
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "benchmarks.md"
@@ -38,3 +42,30 @@ def test_the_picture_of_a_benchmark_is_what_its_script_draws(tmp_path: Path) -> 
     )
     assert drawn.shape == shown.shape
     assert np.abs(drawn - shown).mean() < LARGEST_DIFFERENCE
+
+
+def test_a_run_takes_the_place_of_the_rows_of_its_benchmarks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    take_over = runpy.run_path(str(DOCS / "benchmark_page.py"))["take_over"]
+    copy = tmp_path / "references.json"
+    copy.write_bytes(references_file().read_bytes())
+    monkeypatch.setitem(take_over.__globals__, "references_file", lambda: copy)
+    before = json.loads(copy.read_text())
+    run = SuiteRecord(**json.loads(copy.read_text()))
+    for rows in (run.members, run.runs, run.figures):
+        rows.update({"maze": rows.pop("maze")})
+        for name in set(rows) - {"maze"}:
+            del rows[name]
+    run.figures["maze"] = {"dash": run.figures["maze"]["dash"]}
+    run.methods = {"mine": [{"source": "mine", "sha256": None}]}
+    run.write(tmp_path / "run")
+    take_over(tmp_path / "run")
+    after = json.loads(copy.read_text())
+    assert list(after["figures"]) == list(before["figures"])
+    assert list(after["figures"]["maze"]) == ["dash"]
+    del after["figures"]["maze"], before["figures"]["maze"]
+    assert after["figures"] == before["figures"]
+    assert list(after["methods"]) == [*before["methods"], "mine"]
+    run.levels = 10
+    run.write(tmp_path / "run")
+    with pytest.raises(SystemExit, match="holds 10 test levels, not 1000 test levels"):
+        take_over(tmp_path / "run")
