@@ -181,7 +181,7 @@ class Run:
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        own = {"task": None, "parameters": {}, "mixture": ()}
+        own: dict[str, Any] = {"task": None, "parameters": {}, "mixture": ()}
         files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
         if settings.mixture:
             parts = zip(settings.mixture, files, strict=True)
