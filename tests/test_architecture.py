@@ -72,7 +72,7 @@ ONLY_FILES = {
     "pettingzoo": "envs/parallel",
     "stable_baselines3": "envs/sb3",
     "sb3_contrib": "envs/sb3_recurrent",
-    "torch": "envs/torch_rows",
+    "torch": ("envs/sb3_gru", "envs/sb3_memory", "envs/torch_rows"),
     "wrapt": "envs/registration",
     "rich": "envs/description_text",
 }

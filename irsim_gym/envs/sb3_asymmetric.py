@@ -20,10 +20,18 @@ class AsymmetricPolicy(MultiInputActorCriticPolicy):
     gives. It takes the arguments of ``MultiInputPolicy``; actor and critic never share an extractor.
     """
 
-    def __init__(self, *args: Any, share_features_extractor: bool = False, **kwargs: Any) -> None:
+    def __init__(
+        self,
+        observation_space: Dict,
+        action_space: Space[Any],
+        lr_schedule: Any,
+        *,
+        share_features_extractor: bool = False,
+        **kwargs: Any,
+    ) -> None:
         if share_features_extractor:
             raise ValueError("share_features_extractor must be false: the critic sees more than the actor")
-        super().__init__(*args, share_features_extractor=False, **kwargs)
+        super().__init__(observation_space, action_space, lr_schedule, share_features_extractor=False, **kwargs)
 
     def _build_mlp_extractor(self) -> None:
         """Make the extractor of the actor for its part of the observation, and networks for features of both sizes."""

@@ -91,7 +91,7 @@ class GruPPO(PPO):
     def _within(self, actions: NDArray[Any]) -> NDArray[Any]:
         """Return actions as the environment takes them."""
         if isinstance(self.action_space, Box):
-            return np.clip(actions, self.action_space.low, self.action_space.high)
+            actions = np.clip(actions, self.action_space.low, self.action_space.high)
         return actions
 
     def _add_what_followed(self, rewards: NDArray[Any], dones: Flags, infos: Sequence[dict[str, Any]]) -> None:
@@ -169,7 +169,7 @@ class DictSequenceBuffer(DictRolloutBuffer):
         _note(self, memory, acted)
         super().add(*args)
 
-    def get(self, batch_size: int | None = None) -> Generator[Any, None, None]:  # type: ignore[override]
+    def get(self, batch_size: int | None = None) -> Generator[Any, None, None]:
         """Return shuffled minibatches of sequences; ``observations`` are ``Sequences``."""
         if not self.generator_ready:
             _cut(self)
@@ -216,7 +216,7 @@ def _cut(buffer: Any) -> None:
 
 def _minibatches(buffer: Any, batch_size: int | None) -> Iterator[tuple[Ints, torch.Tensor, torch.Tensor]]:
     """Yield shuffled sequences of about ``batch_size`` rows: their rows step by step, as ``Sequences`` has them."""
-    order = np.random.permutation(len(buffer.starts))  # noqa: NPY002  (as the buffers of Stable-Baselines3)
+    order = torch.randperm(len(buffer.starts)).numpy()
     ends = np.cumsum(buffer.lengths[order])
     n_rows = int(ends[-1])
     n_parts = 1 if batch_size is None else -(-n_rows // batch_size)

@@ -90,8 +90,9 @@ class GruPolicy(ActorCriticPolicy):
         n_seen = self.pi_features_extractor.features_dim
         self.memory = nn.GRU(n_seen, self.memory_size)
         if self.ortho_init:
-            for weight in (self.memory.weight_ih_l0, self.memory.weight_hh_l0):
-                nn.init.orthogonal_(weight)
+            for name, weight in self.memory.named_parameters():
+                if name.startswith("weight"):
+                    nn.init.orthogonal_(weight)
         shape: dict[str, Any] = {"net_arch": self.net_arch, "activation_fn": self.activation_fn, "device": self.device}
         self.mlp_extractor = MlpExtractor(n_seen + self.memory_size, **shape)
         critic = MlpExtractor(self.vf_features_extractor.features_dim + self.memory_size, **shape)

@@ -103,7 +103,8 @@ class MixtureVecEnv(VecEnv):
         for batch in self._batches:
             batch.statistics_asked = self.statistics_asked
         self.statistics_asked = False
-        return _stacked([batch.reset() for batch in self._batches])
+        first: Any = [batch.reset() for batch in self._batches]
+        return _stacked(first)
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Take the actions ``(n_slots, ...)`` for the next ``step_wait``."""
@@ -191,20 +192,20 @@ def _stacked(observations: Sequence[Observation]) -> Observation:
     """Return observations of several batches as those of one."""
     first = observations[0]
     if isinstance(first, dict):
-        return {name: np.concatenate([one[name] for one in observations]) for name in first}  # type: ignore[index]
+        return {name: np.concatenate([one[name] for one in observations]) for name in first}
     return np.concatenate(observations)  # type: ignore[arg-type]
 
 
-def _joined(spaces: Sequence[Space[Any]]) -> Space[Any]:
+def _joined(spaces: Sequence[Any]) -> Space[Any]:
     """Return a space that holds the observations of several spaces of one form."""
-    first = spaces[0]
+    first: Space[Any] = spaces[0]
     if isinstance(first, Dict):
-        return Dict({name: _joined([space[name] for space in spaces]) for name in first.spaces})  # type: ignore[index]
+        return Dict({name: _joined([space[name] for space in spaces]) for name in first.spaces})
     if not isinstance(first, Box):
         return first
-    low = np.min([space.low for space in spaces], axis=0)  # type: ignore[attr-defined]
-    high = np.max([space.high for space in spaces], axis=0)  # type: ignore[attr-defined]
-    return Box(low, high, dtype=first.dtype.type)  # type: ignore[arg-type, union-attr]
+    low = np.min([space.low for space in spaces], axis=0)
+    high = np.max([space.high for space in spaces], axis=0)
+    return Box(low, high, dtype=first.dtype.type)
 
 
 def _check_alike(parts: Mapping[str, NativeVecEnv]) -> None:

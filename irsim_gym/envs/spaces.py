@@ -56,8 +56,9 @@ class ObservationLayout:
             seen: What agents perceive.
             place: An index into the axes of the agents: whose observations; by default all.
         """
+        rows: NDArray[Any] = seen.observation[place]
         if self.plain:
-            return seen.observation[place].copy()
+            return rows.copy()
         if not self.critic:
             return self._own(seen, place)
         own = self._own(seen, place)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
@@ -45,6 +45,35 @@ class Perception:
 def perception_from(data: Mapping[str, Any]) -> Perception:
     """Make it from what ``to_plain`` returned."""
     return Perception(tuple(data["observations"]), data["action"], data["observation_form"])
+
+
+def perception_differences(perceptions: Mapping[str, Perception]) -> list[str]:
+    """Return in words where perceptions differ from the first one; nothing where all are alike.
+
+    Args:
+        perceptions: What is compared, by the name of whoever perceives so.
+    """
+    (first, one), *others = perceptions.items()
+    return [f"{first} has {text}" for name, other in others for text in _differences(one, name, other)]
+
+
+def _differences(one: Perception, name: str, other: Perception) -> Iterator[str]:
+    ours, theirs = (
+        {str(item["name"]): item for item in (perception.action, *perception.observations)}
+        for perception in (one, other)
+    )
+    if lacking := [kind for kind in ours if kind not in theirs]:
+        yield f"{', '.join(lacking)}, which {name} has not"
+    if further := [kind for kind in theirs if kind not in ours]:
+        yield f"no {', '.join(further)}, which {name} has"
+    for kind in (kind for kind in ours if kind in theirs):
+        for key, value in ours[kind].items():
+            if theirs[kind].get(key) != value:
+                yield f"{kind}.{key} {value}, {name} {theirs[kind].get(key)}"
+    if one.observation_form != other.observation_form:
+        yield f"observation_form {one.observation_form}, {name} {other.observation_form}"
+    if set(ours) == set(theirs) and one.names != other.names:
+        yield f"the order {', '.join(one.names)}, {name} {', '.join(other.names)}"
 
 
 @runtime_checkable

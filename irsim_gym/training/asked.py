@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.perception import perception_differences
 from irsim_gym.families import ACTIONS
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.tasks import Task, load_task
@@ -21,6 +22,7 @@ from irsim_gym.training.mixture import MixturePart, read_part
 from irsim_gym.training.policies import policy_names
 from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
 from irsim_gym.training.snapshot import listed
+from irsim_gym.training.trained_perception import perception_in
 
 FEW = 2
 Parameters = Mapping[str, object] | None
@@ -96,6 +98,11 @@ class Asked:
             raise IrsimGymError("--engine rllib trains in one scenario, not in a mixture: leave out one of them")
         if found[0].hyperparameters.curriculum is not None:
             raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
+        mixed_up = perception_differences({one.scenario: perception_in(one) for one in found})
+        if mixed_up:
+            raise IrsimGymError(
+                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"
+            )
         pairs = zip(parts, found, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
         return replace(found[0], mixture=mixed)

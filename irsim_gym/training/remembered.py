@@ -121,8 +121,8 @@ def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
     try:
         settings = json.loads(run.config.read_text())["settings"]
         parts = settings.get("mixture") or [settings]
-        same = [one for one in parts if one["scenario"] == lasting(scenario_name(scenario))]
-        return dict(same[0].get("parameters", {})) if len(same) == 1 else {}
+        alike = [one for one in parts if one["scenario"] == lasting(scenario_name(scenario))]
+        return dict(alike[0].get("parameters", {})) if len(alike) == 1 else {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return {}
 

@@ -66,8 +66,10 @@ class Settings:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the scenarios in tables, with the values of their parameters, all different."""
-        named = [f"{Path(one.scenario).stem}{_values(one.parameters)}" for one in self.parts()]
+        """Names of the scenarios in tables, all different: with the values of parameters where one is there twice."""
+        stems = [Path(one.scenario).stem for one in self.parts()]
+        values = [_values(one.parameters) for one in self.parts()]
+        named = [f"{stem}{own}" if stems.count(stem) > 1 else stem for stem, own in zip(stems, values, strict=True)]
         return tuple(f"{name}-{k}" if name in named[: k - 1] else name for k, name in enumerate(named, start=1))
 
     def snapshot(self) -> Snapshot:
@@ -184,7 +186,7 @@ class Run:
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        own = {"task": None, "parameters": {}, "mixture": ()}
+        own: dict[str, Any] = {"task": None, "parameters": {}, "mixture": ()}
         files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
         if settings.mixture:
             parts = zip(settings.mixture, files, strict=True)

@@ -17,15 +17,18 @@ from rich.console import Console
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from irsim_gym import sb3
+from irsim_gym.envs.sb3_gru import SequenceBuffer
 from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.training.cards import read_card
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.exported_network import export_network
+from irsim_gym.training.exporting import export
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.models import new_model
 from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.shelf import ShelfPolicy
+from irsim_gym.training.shelf import ShelfPolicy, read_policy
 from irsim_gym.training.train import TrainingInterruptedError, train
 
 QUIET = Console(file=io.StringIO())
@@ -186,8 +189,6 @@ def test_a_cut_episode_is_worth_what_would_have_followed() -> None:
 
 def test_minibatches_hold_each_row_once() -> None:
     """Two slots of five steps; the first begins an episode at step 2, the second waits at steps 1 and 2."""
-    from irsim_gym.envs.sb3_gru import SequenceBuffer
-
     buffer = SequenceBuffer(5, Box(-1, 1, (1,)), Box(-1, 1, (1,)), "cpu", n_envs=2, sequence_length=2)
     begins = np.array([[1, 1], [0, 0], [1, 0], [0, 1], [0, 0]], np.float32)
     acts = np.array([[1, 1], [1, 0], [1, 0], [1, 1], [1, 1]], bool)
@@ -295,3 +296,19 @@ def test_shipped_hyperparameters_and_what_they_may_say(tmp_path: Path) -> None:
             load_hyperparameters("gru_ppo", "irsim_gym/cluttered_room-v0", file=file)
     with pytest.raises(Exception, match="sequence_length must be >= 1, got 0"):
         new_model(settings(rollout_buffer_kwargs={"sequence_length": 0}))
+
+
+def test_a_run_becomes_a_file_of_the_shelf(task: str, tmp_path: Path) -> None:
+    """What is read back from the file drives as the run does; the card says what it remembers with."""
+    run = train(settings(task=task), tmp_path / "run", console=QUIET)
+    file = export(run.folder, "remembers", tmp_path / "shelf", levels=4, console=QUIET)
+    shelf, card = read_policy(file), read_card(file)
+    assert shelf.memory_shape == (1, 1, 8)
+    assert card is not None
+    assert "memory: gru 8" in card.network.layers
+    assert card.network.weights == 8 * 3 * (88 + 8 + 2) + 17 * 2 + (96 + 1) * 16
+    rows = [
+        evaluate(policy, make_episodes("cluttered_room", n_worlds=4), 4, "dev")
+        for policy in (load_policy(run.folder), load_policy(file))
+    ]
+    assert [one.outcome for one in rows[0]] == [one.outcome for one in rows[1]]

@@ -34,6 +34,7 @@ PPO: dict[str, Any] = {
     "n_timesteps": 768, "n_envs": 6, "n_steps": 16, "batch_size": 48, "n_epochs": 2, "checkpoint_every": 384,
     "policy_kwargs": {"net_arch": [16]},
 }  # fmt: skip
+CONFIGS = Path(__file__).parents[2] / "configs" / "scenarios"
 TWO = (MixturePart("cluttered_room"), MixturePart("dense_room", share=2.0))
 
 
@@ -216,6 +217,26 @@ def test_the_command_line_trains_a_mixture(
 def test_what_does_not_go_with_a_mixture(asked: dict[str, Any], told: str) -> None:
     with pytest.raises(IrsimGymError, match=told):
         Asked("cluttered_room", mixture=("cluttered_room", "dense_room"), **asked).settings()
+
+
+def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written(tmp_path: Path) -> None:
+    """The room shows the same sizes in another code, the empty one has no lidar."""
+    file = tmp_path / "coded.yaml"
+    room = yaml.safe_load((CONFIGS / "dense_room.yaml").read_text())
+    room["task"] = {**room.get("task", {}), "observations": [{"name": "scan", "code": "linear"}]}
+    file.write_text(yaml.safe_dump(room))
+    with pytest.raises(IrsimGymError, match=r"cluttered_room has scan.code inverse, .*coded.yaml linear; --task"):
+        Asked("cluttered_room", mixture=("cluttered_room", str(file))).settings()
+    with pytest.raises(
+        IrsimGymError, match=r"cluttered_room has scan, free_travel, which empty_goal has not; .*no nearest_bodies"
+    ):
+        Asked("cluttered_room", mixture=("cluttered_room", "empty_goal")).settings()
+
+
+def test_names_are_short_and_differ() -> None:
+    two = MixturePart("random_swap", {"n_robots": 2}), MixturePart("random_swap", {"n_robots": 3}), MixturePart("maze")
+    assert settings(two).names == ("random_swap n_robots=2", "random_swap n_robots=3", "maze")
+    assert settings((two[2], two[2])).names == ("maze", "maze-2")
 
 
 def test_the_parameters_of_each_are_remembered(tmp_path: Path) -> None:

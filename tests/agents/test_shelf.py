@@ -185,7 +185,7 @@ def with_form(name: str, **changed: Any) -> io.BytesIO:
 def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "later.npz"
     for changed, said in (
-        ({"format": 2}, "its format is 2, and this version of irsim_gym reads 1"),
+        ({"format": 3}, "its format is 3, and this version of irsim_gym reads 1 and 2"),
         ({"trunk": [{"kind": "lineer"}]}, "no step of a network is named 'lineer' \\(did you mean 'linear'"),
         ({"output": "soft"}, "output must be one of clip, squash, argmax, got 'soft'"),
     ):

@@ -1,4 +1,4 @@
-"""What docs/more_training.md shows: blocks in Python are run, the task is read, and the options of commands are looked up."""
+"""What docs/more_training.md shows: Python blocks run, the task is read, and options of commands are looked up."""
 
 from __future__ import annotations
 

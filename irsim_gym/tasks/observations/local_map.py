@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -57,12 +57,11 @@ class LocalMap:
 
     def arrays(self, simulation: Simulation, agents: Ints) -> CellPicture:
         """Return the pictures, and what they are painted with."""
-        shape = {"pixels": self.cells, "metres": self.metres, "rotated": self.rotated, "bodies": self.bodies}
-        painted = Bound(agents, 0, records([OccupancyImage(**shape, goal_channel=False)]))
+        size: dict[str, Any] = {"pixels": self.cells, "metres": self.metres}
+        painted = OccupancyImage(**size, rotated=self.rotated, bodies=self.bodies, goal_channel=False)
         paints = Paints.of(simulation, self.cells, self.cells, [[0.0, 1.0], [255.0, 1.0]])
-        return CellPicture(
-            painted, paints, aligned((simulation.n_worlds, len(agents), self.cells, self.cells, 1), np.uint8)
-        )
+        image = aligned((simulation.n_worlds, len(agents), self.cells, self.cells, 1), np.uint8)
+        return CellPicture(Bound(agents, 0, records([painted])), paints, image)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the shares."""
