@@ -85,6 +85,8 @@ def make_config(settings: Settings, engine: Engine, model: BaseAlgorithm, steps_
 def _place(config: Config, engine: Engine, learning: Mapping[str, Any]) -> None:
     """Say where it learns, and that workers which die are started again."""
     cards = engine.learner_gpus or 0
+    if cards > 1:
+        config.training(train_batch_size_per_learner=config.train_batch_size_per_learner // cards)
     config.learners(
         num_learners=cards if cards > 1 else 0,
         num_gpus_per_learner=1 if cards else 0,

@@ -15,6 +15,7 @@ from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
+from irsim_gym.extras import require
 from irsim_gym.sb3 import LearnabilityCallback
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.checkpoint_files import (
@@ -88,11 +89,8 @@ def train(
         return run
     used = run.own_settings() if goes_on else settings
     newest = newest_checkpoint(run.checkpoints) if goes_on else None
-    check_engine(used)
-    if used.engine is not None:
-        prepare(address)
+    _check_engine(used, address)
     model, progress = _model(used, newest, device, screen)
-    curriculum = None if used.engine is not None else curriculum_of(used, newest)
     if not goes_on:
         if run.exists():
             run.clear()
@@ -100,9 +98,9 @@ def train(
     _tidy(run)
     try:
         if used.engine is None:
-            _learn(run, settings, model, progress, curriculum, screen, on_checkpoint)
+            _learn(run, settings, model, progress, curriculum_of(used, newest), screen, on_checkpoint)
         else:
-            from irsim_gym.training.rllib_train import learn  # imports Ray, which prepare has to come before
+            from irsim_gym.training.rllib_train import learn
 
             learn(run, used, model, progress, newest, screen, on_checkpoint, address)
     finally:
@@ -111,6 +109,14 @@ def train(
         if env is not None:
             env.close()
     return run
+
+
+def _check_engine(settings: Settings, address: str | None) -> None:
+    """Make sure that the engine can train this, and prepare what has to come before Ray is imported."""
+    check_engine(settings)
+    if settings.engine is not None:
+        require("rllib", "--engine rllib")
+        prepare(address)
 
 
 def _tidy(run: Run) -> None:
