@@ -53,7 +53,8 @@ def configure(
     """Let a configuration of PPO or APPO learn in the worlds of a scenario.
 
     It chooses the runner, the learner, the spaces, and how much is sampled for an update; RLlib's connectors, which
-    take episodes, are left out. All else may be set before and after. Robots of a team are rows of one policy; rows that wait are not learned from.
+    take episodes, are left out. All else may be set before and after. Robots of a team are rows of one policy; rows
+    that wait are not learned from.
 
     Args:
         config: The configuration; it is changed.
