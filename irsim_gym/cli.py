@@ -30,7 +30,7 @@ from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new
 from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
-from irsim_gym.cli_train import train, tune
+from irsim_gym.cli_train import sweep, train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
@@ -129,6 +129,7 @@ def schema() -> None:
 
 app.command()(train)
 app.command()(tune)
+app.command()(sweep)
 
 
 @app.command()

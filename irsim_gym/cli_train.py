@@ -140,3 +140,24 @@ def tune(
         scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device, None, curriculum
     )
     run_tuning(asked, trials, space=space, out=out, overwrite=overwrite, dev_levels=dev_levels)
+
+
+def sweep(
+    file: Annotated[Path, typer.Argument(metavar="SWEEP.yaml", help="What is trained, see docs/rllib.md.")],
+    out: Annotated[Path | None, typer.Option(help="Folder of the sweep (default: runs/sweep-NAME).")] = None,
+    workers: Annotated[int, typer.Option(min=1, max=10_000, help="Trainings at a time on this machine.")] = 1,
+    address: Address = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the sweep in the folder.")] = False,
+    modules: Imports = None,
+) -> None:
+    """Train every combination of seeds, hyper-parameters, rewards, scenarios and parameters in a file, by Ray Tune.
+
+    The same command goes on where it was stopped. One table at the end sums the seeds up.
+    """
+    require("rllib", "irsim-gym sweep")
+    from irsim_gym.training.ray_session import prepare
+
+    prepare(address)
+    from irsim_gym.training.sweep import run_sweep
+
+    run_sweep(file, out=out, workers=workers, address=address, overwrite=overwrite, modules=modules or ())

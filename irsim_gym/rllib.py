@@ -50,10 +50,11 @@ def configure(
     strict: bool = True,
     parameters: Mapping[str, object] | None = None,
 ) -> Config:
-    """Let a configuration of PPO, APPO or IMPALA learn in the worlds of a scenario.
+    """Let a configuration of PPO or APPO learn in the worlds of a scenario.
 
-    It chooses the runner, the spaces, how much is sampled for an update, and connectors that take whole arrays. All
-    else may be set before and after. Robots of a team are rows of one policy; rows that wait are not learned from.
+    It chooses the runner, the learner, the spaces, and how much is sampled for an update; RLlib's connectors, which
+    take episodes, are left out. All else may be set before and after. Robots of a team are rows of one policy; rows
+    that wait are not learned from.
 
     Args:
         config: The configuration; it is changed.
@@ -76,21 +77,20 @@ def configure(
     chosen: dict[str, Any] = {"scenario": scenario, "task": task, "max_steps": max_steps, "team": team}
     chosen |= {"first_level": first_level, "reward_scale": reward_scale, "strict": strict}
     chosen["parameters"] = dict(parameters or {})
-    rows = make_rows(1, chosen)
-    n_agents = rows.n_rows
+    config.environment("irsim_gym/World-v0", env_config=chosen)
+    _take_arrays(config, workers, worlds_per_worker, steps)
+    return config
+
+
+def _take_arrays(config: PPOConfig | APPOConfig, workers: int, worlds: int, steps: int) -> None:
+    """Choose runner, learner, spaces and the size of what is sampled for an update."""
+    rows, is_ppo = make_rows(1, config.env_config), isinstance(config, PPOConfig)
     rows.close()
-    is_ppo = isinstance(config, PPOConfig)
-    batch = steps * worlds_per_worker * (n_agents * max(workers, 1) if is_ppo else 1)
-    config.environment(
-        "irsim_gym/World-v0",
-        env_config=chosen,
-        observation_space=rows.single_observation_space,
-        action_space=rows.single_action_space,
-    )
+    config.environment(observation_space=rows.single_observation_space, action_space=rows.single_action_space)
     config.env_runners(
         env_runner_cls=ArrayEnvRunner,
         num_env_runners=workers,
-        num_envs_per_env_runner=worlds_per_worker,
+        num_envs_per_env_runner=worlds,
         rollout_fragment_length=steps,
     )
     config.learners(
@@ -98,8 +98,8 @@ def configure(
         add_default_connectors_to_learner_pipeline=False,
         num_aggregator_actors_per_learner=0,
     )
-    config.training(train_batch_size_per_learner=batch)
-    return config
+    sampled = rows.n_rows * max(workers, 1) if is_ppo else 1
+    config.training(train_batch_size_per_learner=steps * worlds * sampled)
 
 
 def register_environments(*ids: str) -> None:

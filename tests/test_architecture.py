@@ -20,10 +20,11 @@ PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
 
 # Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
-COMMON = {"errors", "registry", "families", "arraytypes", "contract"}
+COMMON = {"errors", "extras", "registry", "families", "arraytypes", "contract"}
 KIND = {"jit", "rng", "structs", "geometry", "world", "scenario.options"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
+    "extras": set(),
     "registry": set(),
     "families": set(),
     "arraytypes": set(),
@@ -64,6 +65,7 @@ ALLOWED: dict[str, set[str]] = {
     "controls": {"render", "pynput"},
     "live": {"engine", "scenario", "world", "paths", "render", "controls"},
     "sb3": {"envs"},
+    "rllib": {"envs", "gymnasium", "ray"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
 COMPOSERS = {"training", "arenas", "suite", "cli", "__main__", "__init__", "irsim", "plugins"}
@@ -72,7 +74,8 @@ ONLY_FILES = {
     "pettingzoo": "envs/parallel",
     "stable_baselines3": "envs/sb3",
     "sb3_contrib": "envs/sb3_recurrent",
-    "torch": ("envs/sb3_gru", "envs/sb3_memory", "envs/torch_rows"),
+    "ray": "envs/rllib",
+    "torch": ("envs/rllib", "envs/sb3_gru", "envs/sb3_memory", "envs/torch_rows"),
     "wrapt": "envs/registration",
     "rich": "envs/description_text",
 }

@@ -87,7 +87,7 @@ COLUMNS = ("action", "log_probability", "distribution", "reward", "terminated")
 """Arrays of a fragment with a row for each step, beside observations and cuts."""
 
 
-def _joined(parts: Sequence[Observation]) -> Any:
+def _joined(parts: Sequence[Any]) -> Any:
     """Return observations one after the other."""
     if isinstance(parts[0], dict):
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

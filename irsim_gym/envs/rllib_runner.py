@@ -84,7 +84,7 @@ def make_rows(n_worlds: int, chosen: Mapping[str, Any]) -> Rows:
     return Rows(Batch(worlds, respawn=chosen.get("team") == "respawn"))
 
 
-class ArrayEnvRunner(SingleAgentEnvRunner):
+class ArrayEnvRunner(SingleAgentEnvRunner):  # type: ignore[misc]
     """Samples the worlds of a scenario with one policy, and returns a ``Fragment`` in place of episodes.
 
     World ``w`` of the worker with number ``i`` (from 1 on) begins with level ``first_level + (i - 1) * n_worlds + w``
@@ -115,7 +115,7 @@ class ArrayEnvRunner(SingleAgentEnvRunner):
         explore: bool | None = None,
         random_actions: bool = False,
         force_reset: bool = False,
-    ) -> list[Fragment]:  # type: ignore[override]
+    ) -> list[Fragment]:
         """Take steps in all worlds.
 
         Args:

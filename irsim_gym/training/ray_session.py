@@ -14,6 +14,7 @@ from irsim_gym.errors import IrsimGymError
 QUIET = {
     "RAY_USAGE_STATS_ENABLED": "0",  # Ray sends nothing to its makers
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # workers without a card leave CUDA_VISIBLE_DEVICES alone
+    "RAY_AIR_NEW_OUTPUT": "0",  # Tune shows no table of its own
     "RAY_BACKEND_LOG_LEVEL": "fatal",
 }
 SILENT: dict[str, Any] = {"logging_level": logging.ERROR, "log_to_driver": False}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ray.rllib.algorithms.appo import APPOConfig
 from ray.rllib.algorithms.ppo import PPOConfig
@@ -17,7 +17,10 @@ from irsim_gym.training.hyperparameters import Linear
 from irsim_gym.training.rllib_module import PolicyModule, policy_state
 from irsim_gym.training.run import SEED_STRIDE, Settings
 
-Config = PPOConfig | APPOConfig
+if TYPE_CHECKING:
+    Config = Any  # mypy does not follow Ray
+else:
+    Config = PPOConfig | APPOConfig
 SLOWEST_S = 300.0
 """A fragment for which a worker needs longer than this [s] is given up."""
 RESTARTS = 1_000_000
@@ -34,7 +37,7 @@ def make_config(settings: Settings, engine: Engine, model: BaseAlgorithm, steps_
         steps_before: Steps that were taken before, in a run that goes on.
     """
     wanted = settings.hyperparameters
-    given = {"gamma": 0.99, "ent_coef": 0.0, "vf_coef": 0.5, "max_grad_norm": 0.5, "clip_range": 0.2}
+    given: dict[str, Any] = {"gamma": 0.99, "ent_coef": 0.0, "vf_coef": 0.5, "max_grad_norm": 0.5, "clip_range": 0.2}
     given |= {"learning_rate": 3e-4, "n_steps": 2048, "batch_size": 64, "n_epochs": 10, "gae_lambda": 0.95}
     given |= wanted.algorithm_arguments()
     config: Config = PPOConfig() if settings.algorithm == "ppo" else APPOConfig()
@@ -85,6 +88,8 @@ def make_config(settings: Settings, engine: Engine, model: BaseAlgorithm, steps_
 def _place(config: Config, engine: Engine, learning: Mapping[str, Any]) -> None:
     """Say where it learns, and that workers which die are started again."""
     cards = engine.learner_gpus or 0
+    if cards > 1:
+        config.training(train_batch_size_per_learner=config.train_batch_size_per_learner // cards)
     config.learners(
         num_learners=cards if cards > 1 else 0,
         num_gpus_per_learner=1 if cards else 0,

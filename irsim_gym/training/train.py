@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import torch
@@ -15,7 +16,7 @@ from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
-from irsim_gym.sb3 import LearnabilityCallback
+from irsim_gym.extras import require
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
@@ -88,29 +89,37 @@ def train(
         return run
     used = run.own_settings() if goes_on else settings
     newest = newest_checkpoint(run.checkpoints) if goes_on else None
-    check_engine(used)
-    if used.engine is not None:
-        prepare(address)
+    _check_engine(used, address)
     model, progress = _model(used, newest, device, screen)
-    curriculum = None if used.engine is not None else curriculum_of(used, newest)
+    if run.exists() and not goes_on:
+        run.clear()
     if not goes_on:
-        if run.exists():
-            run.clear()
         run.begin(settings, now)
     _tidy(run)
     try:
-        if used.engine is None:
-            _learn(run, settings, model, progress, curriculum, screen, on_checkpoint)
-        else:
-            from irsim_gym.training.rllib_train import learn  # imports Ray, which prepare has to come before
-
-            learn(run, used, model, progress, newest, screen, on_checkpoint, address)
+        _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
     finally:
         _write_log(run, progress)
-        env = model.get_env()
-        if env is not None:
+        if (env := model.get_env()) is not None:
             env.close()
     return run
+
+
+def _learn_with(settings: Settings, address: str | None) -> Callable[..., None]:
+    """Return what learns, with the engine of a run."""
+    if settings.engine is None:
+        return _learn
+    from irsim_gym.training.rllib_train import learn
+
+    return partial(learn, address=address)
+
+
+def _check_engine(settings: Settings, address: str | None) -> None:
+    """Make sure that the engine can train this, and prepare what has to come before Ray is imported."""
+    check_engine(settings)
+    if settings.engine is not None:
+        require("rllib", "--engine rllib")
+        prepare(address)
 
 
 def _tidy(run: Run) -> None:
@@ -161,14 +170,15 @@ def _learn(
     settings: Settings,
     model: BaseAlgorithm,
     progress: RunProgress,
-    curriculum: LearnabilityCallback | None,
+    newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], None] | None,
 ) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint."""
+    curriculum = curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
-    for partial in run.checkpoints.glob(f"{PARTIAL}*"):
-        shutil.rmtree(partial)
+    for unfinished in run.checkpoints.glob(f"{PARTIAL}*"):
+        shutil.rmtree(unfinished)
     model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
 
     def save() -> Path:

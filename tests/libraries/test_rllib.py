@@ -205,6 +205,37 @@ def test_targets_agree_with_stable_baselines():
     np.testing.assert_allclose(batch["value_targets"].reshape(n_worlds, steps).T, buffer.returns, atol=1e-4)
 
 
+def test_fragments_are_shared_out_among_learners():
+    from ray.rllib.utils.minibatch_utils import ShardEpisodesIterator
+
+    sampler = runner("cluttered_room", worlds_per_worker=5, steps=31)
+    fragments = [*sampler.sample(), *sampler.sample()]
+    shards = list(ShardEpisodesIterator(fragments, num_shards=3, len_lookback_buffer=1))
+    lengths = [sum(map(len, shard)) for shard in shards]
+    assert sum(lengths) == 2 * 5 * 31
+    assert max(lengths) - min(lengths) <= 1
+    for shard in shards:
+        for fragment in shard:
+            assert (fragment.terminated | fragment.cut)[-1]
+            assert len(fragment.following) == fragment.cut.sum()
+
+
+@pytest.mark.parametrize("mode", ["sync", "vector_entry_point"])
+def test_registered_environments_work_with_rllibs_own_runner(mode):
+    from ray.rllib.algorithms.ppo import PPOConfig
+    from ray.rllib.env.single_agent_env_runner import SingleAgentEnvRunner
+
+    from irsim_gym import rllib
+
+    rllib.register_environments("irsim_gym/empty_goal-v0")
+    config = PPOConfig().environment("irsim_gym/empty_goal-v0", env_config={"max_steps": 7})
+    config.env_runners(num_envs_per_env_runner=3, gym_env_vectorize_mode=mode)
+    sampler = SingleAgentEnvRunner(config=config, worker_index=None)
+    episodes = sampler.sample(num_timesteps=60)
+    assert sum(map(len, episodes)) >= 60
+    assert max(map(len, episodes)) == 7
+
+
 def settings(folder: Path, **own: Any) -> Any:
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.engines import Engine
