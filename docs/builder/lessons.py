@@ -29,6 +29,8 @@ _strictly()
 """
 """Run before a notebook: a command that fails is an error, which Jupyter passes over."""
 COLORS = 64
+SIDE = 480
+"""Longer side of a picture, at most [pixels]."""
 MOST_LINES = 60
 LANGUAGE = {"name": "python", "pygments_lexer": "ipython3"}
 TEXT = "text/plain"
@@ -74,13 +76,14 @@ def joined(outputs: Iterable[Any]) -> list[Any]:
 
 
 def small(output: Any) -> Any:
-    """Return an output with few colours and lines, or None where nothing is left."""
+    """Return an output with small pictures and few lines, or None where nothing is left."""
     if output.output_type == "stream":
         output.text = shortened(output.text)
         return output if output.text else None
     data = output.get("data", {})
     if "image/png" in data:
         picture = Image.open(io.BytesIO(base64.b64decode(data["image/png"]))).convert("RGB")
+        picture.thumbnail((SIDE, SIDE))
         packed = io.BytesIO()
         picture.quantize(COLORS).save(packed, "png", optimize=True)
         output.data = {"image/png": base64.b64encode(packed.getvalue()).decode(), TEXT: "a picture"}

@@ -47,6 +47,17 @@ def test_patterns_in_lists_of_pages_are_expanded() -> None:
     assert stage.expanded(text, places) == "a *\n```{toctree}\n:hidden:\n\nfirst\nlib/b\nlibrary\n```\n"
 
 
+def test_every_page_of_the_repository_is_staged_and_every_link_leads_somewhere(tmp_path: Path) -> None:
+    (tmp_path / "old.md").write_text("of last year", encoding="utf-8")
+    stage.stage(ROOT, tmp_path, {"options/made.md": "# Made\n"})
+    placed = {file.relative_to(tmp_path).as_posix() for file in tmp_path.rglob("*") if file.is_file()}
+    assert {"index.md", "start.md", "design.md", "agents.md", "project/changelog.md", "decisions.md"} <= placed
+    assert {"options/made.md", "lessons/teams.ipynb", "cluttered_room.png", "files/benchmarks/twin/s1.c"} <= placed
+    assert not {"old.md", "README.md", "builder/stage.py"} & placed
+    text = (tmp_path / "decisions.md").read_text(encoding="utf-8")
+    assert text.count("\n(decision-") == len(stage.decisions(ROOT)) > 150
+
+
 def test_every_option_is_on_a_page() -> None:
     pages = "\n".join(language.pages().values())
     for title, rows in option_tables():

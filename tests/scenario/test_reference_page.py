@@ -19,7 +19,7 @@ from irsim_gym.engine import compile
 from irsim_gym.errors import IrsimGymError, Problem, ScenarioWarning
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.notes import notes
-from irsim_gym.scenario.option_tables import MARKER, rewritten
+from irsim_gym.scenario.option_tables import MARKER, markdown, rewritten
 from irsim_gym.tasks import load_task
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -82,7 +82,7 @@ def test_the_example_of_memory_is_a_task() -> None:
 
 
 def test_the_keys_of_a_task_are_shown() -> None:
-    section = re.search(r"^### task\n(.*?)^### ", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    section = re.search(r"^### task\n(.*?)^### ", markdown(), re.DOTALL | re.MULTILINE)
     assert section is not None
     keys = ["name", "agents", "max_steps", "observation_form", "ended", "team_reward", "deadlock_speed"]
     keys += ["deadlock_time", "audit", "action", "observations", "critic_observations", "rewards", "endings"]
@@ -100,7 +100,7 @@ def test_the_page_lists_the_parameters_of_teams() -> None:
 
 
 def test_each_row_has_all_cells() -> None:
-    rows = [line for line in PAGE.read_text(encoding="utf-8").split(MARKER)[1].splitlines() if line.startswith("| `")]
+    rows = [line for line in markdown().splitlines() if line.startswith("| `")]
     assert len(rows) > 200
     assert {len(re.split(r"(?<!\\)\|", row)) for row in rows} == {8}
 
