@@ -12,11 +12,10 @@ from collections.abc import Callable
 import numpy as np
 import torch
 from torch import Tensor, nn
-from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 import irsim_gym
 
-STEPS, RATE, N_WORLDS, N_STEPS = 800_000, 3e-3, 256, 64
+STEPS, RATE, N_WORLDS, N_STEPS = 1_000_000, 3e-3, 256, 64
 GAMMA, LAMBDA, CLIP, ENTROPY, EPOCHS, PARTS = 0.99, 0.95, 0.2, 0.002, 3, 4
 
 
@@ -109,26 +108,24 @@ def learn(agent: Agent, optimizer: torch.optim.Optimizer, met: dict[str, Tensor]
 
 
 def train(scenario: str, steps: int = STEPS, seed: int = 0, on_update: Callable = lambda agent, done: None) -> Agent:
-    """Return the running average of an agent that learns; ``on_update`` gets it and the steps so far."""
+    """Return an agent that has learned for some steps of all worlds; ``on_update`` gets it and the steps so far."""
     torch.set_num_threads(1)  # more do not help networks of this size
     torch.manual_seed(seed)
     rows = irsim_gym.torch_rows(irsim_gym.make_vec(scenario, N_WORLDS, autoreset_mode="SameStep"))
     rows.reset(seed=seed)
     agent = Agent(rows.observation.shape[-1], rows.batch.action_space.shape[0])
     optimizer = torch.optim.Adam(agent.parameters(), eps=1e-5, fused=True)
-    average = AveragedModel(agent, multi_avg_fn=get_ema_multi_avg_fn(0.9))  # steadier than the latest weights
     arrived, updates = deque(maxlen=1000), -(-steps // (N_STEPS * N_WORLDS))
     for update in range(updates):
         optimizer.param_groups[0]["lr"] = RATE * (1 - update / updates)
         with torch.no_grad():
             met = collect(agent, rows, N_STEPS, arrived)
         learn(agent, optimizer, met)
-        average.update_parameters(agent)
         done = (update + 1) * N_STEPS * N_WORLDS
-        on_update(average.module, done)
+        on_update(agent, done)
         if update % 10 == 9 or update + 1 == updates:
             print(f"{done:>9,} steps: {np.mean(arrived):.1%} of the latest episodes arrive", flush=True)
-    return average.module
+    return agent
 
 
 if __name__ == "__main__":
