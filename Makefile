@@ -133,7 +133,7 @@ REQUIRED_zoo := rl_zoo3==2.9.2 sbx-rl==0.28.0
 REQUIRED_tianshou := tianshou==2.0.1
 REQUIRED_pufferlib := pufferlib-core==3.0.19
 REQUIRED_sample_factory := "signal-slot-mp<2" faster-fifo "huggingface-hub<1" opencv-python-headless pyglet tensorboardx wandb
-REQUIRED_demonstrations := "minari[hdf5]==0.5.4" datasets huggingface_sb3 sacred scikit-learn
+REQUIRED_demonstrations := "minari[create,hdf5]==0.5.4" datasets huggingface_sb3 sacred scikit-learn
 REQUIRED_agilerl := agilerl==2.58.0 peft==0.21.0
 EXTRA_rllib := rllib
 ALONE_sample_factory := sample-factory==2.1.1

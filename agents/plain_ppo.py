@@ -15,7 +15,7 @@ from torch import Tensor, nn
 
 import irsim_gym
 
-STEPS, RATE = 1_000_000, 3e-3
+STEPS, RATE, N_WORLDS, N_STEPS = 1_000_000, 3e-3, 256, 64
 GAMMA, LAMBDA, CLIP, ENTROPY, EPOCHS, PARTS = 0.99, 0.95, 0.2, 0.002, 3, 4
 
 
@@ -66,9 +66,9 @@ def collect(agent: Agent, rows, n_steps: int, arrived: deque) -> dict[str, Tenso
     """Drive, and return what was met: a row for each step of each world.
 
     Args:
-        agent: Who drives.
-        rows: What ``irsim_gym.torch_rows`` returned.
-        n_steps: Steps of each world.
+        agent: Who drives what ``irsim_gym.torch_rows`` returned.
+        rows: The worlds.
+        n_steps: Steps of each of them.
         arrived: Gets whether each episode that ended was successful.
     """
     columns, finals = [], []
@@ -88,8 +88,9 @@ def collect(agent: Agent, rows, n_steps: int, arrived: deque) -> dict[str, Tenso
     step, world, final = (torch.cat(column) for column in zip(*finals, strict=True))
     after[step, world] = agent.critic(final)[:, 0]  # the time limit is no end of the task
     advantage = advantages(value[:-1], after, reward, ended)
-    met = {"observed": observed, "action": action, "log_prob": log_prob, "advantage": advantage}
-    return {name: one.flatten(0, 1) for name, one in {**met, "target": advantage + value[:-1]}.items()}
+    names = "observed", "action", "log_prob", "advantage", "target"
+    met = observed, action, log_prob, advantage, advantage + value[:-1]
+    return {name: one.flatten(0, 1) for name, one in zip(names, met, strict=True)}
 
 
 def learn(agent: Agent, optimizer: torch.optim.Optimizer, met: dict[str, Tensor]) -> None:
@@ -106,28 +107,21 @@ def learn(agent: Agent, optimizer: torch.optim.Optimizer, met: dict[str, Tensor]
         optimizer.step()
 
 
-def train(
-    scenario: str,
-    steps: int = STEPS,
-    seed: int = 0,
-    n_worlds: int = 256,
-    n_steps: int = 64,
-    on_update: Callable[[Agent, int], None] = lambda agent, done: None,
-) -> Agent:
+def train(scenario: str, steps: int = STEPS, seed: int = 0, on_update: Callable = lambda agent, done: None) -> Agent:
     """Return an agent that has learned for some steps of all worlds; ``on_update`` gets it and the steps so far."""
     torch.set_num_threads(1)  # more do not help networks of this size
     torch.manual_seed(seed)
-    rows = irsim_gym.torch_rows(irsim_gym.make_vec(scenario, n_worlds, autoreset_mode="SameStep"))
+    rows = irsim_gym.torch_rows(irsim_gym.make_vec(scenario, N_WORLDS, autoreset_mode="SameStep"))
     rows.reset(seed=seed)
     agent = Agent(rows.observation.shape[-1], rows.batch.action_space.shape[0])
     optimizer = torch.optim.Adam(agent.parameters(), eps=1e-5, fused=True)
-    arrived, updates = deque(maxlen=1000), -(-steps // (n_steps * n_worlds))
+    arrived, updates = deque(maxlen=1000), -(-steps // (N_STEPS * N_WORLDS))
     for update in range(updates):
         optimizer.param_groups[0]["lr"] = RATE * (1 - update / updates)
         with torch.no_grad():
-            met = collect(agent, rows, n_steps, arrived)
+            met = collect(agent, rows, N_STEPS, arrived)
         learn(agent, optimizer, met)
-        done = (update + 1) * n_steps * n_worlds
+        done = (update + 1) * N_STEPS * N_WORLDS
         on_update(agent, done)
         if update % 10 == 9 or update + 1 == updates:
             print(f"{done:>9,} steps: {np.mean(arrived):.1%} of the latest episodes arrive", flush=True)

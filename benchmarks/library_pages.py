@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 FOLDER = Path(__file__).parents[1] / "docs" / "libraries"
@@ -27,8 +29,11 @@ def blocks(name: str) -> list[str]:
 
 
 def shown(name: str) -> dict[str, Any]:
-    """Run what the first block of a page defines, up to where it is used, and return it."""
+    """Run what the first block of a page defines, up to where it is used, and return it.
+
+    What it defines belongs to a module, since libraries pickle it.
+    """
     definitions = re.split(r"^(?:if __name__|envs = |experiment = )", blocks(name)[0], flags=re.MULTILINE)[0]
-    found: dict[str, Any] = {"__name__": f"page_{name}"}
-    exec(compile(definitions, f"{name}.md", "exec", dont_inherit=True), found)
-    return found
+    page = sys.modules[f"page_{name}"] = ModuleType(f"page_{name}")
+    exec(compile(definitions, f"{name}.md", "exec", dont_inherit=True), page.__dict__)
+    return page.__dict__

@@ -130,13 +130,13 @@ def same_settings(steps: int | None) -> tuple[dict[str, Any], int, int]:
     settings = {
         "learning_rate": lambda left: left * ours.RATE,
         "n_epochs": ours.EPOCHS,
-        "batch_size": 256 * 64 // ours.PARTS,
+        "batch_size": ours.N_WORLDS * ours.N_STEPS // ours.PARTS,
         "gamma": ours.GAMMA,
         "gae_lambda": ours.LAMBDA,
         "clip_range": ours.CLIP,
         "ent_coef": ours.ENTROPY,
     }
-    return {"n_steps": 64, **settings}, 256, steps or ours.STEPS
+    return {"n_steps": ours.N_STEPS, **settings}, ours.N_WORLDS, steps or ours.STEPS
 
 
 class Predict:

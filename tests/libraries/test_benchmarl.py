@@ -19,11 +19,14 @@ def test_the_group_is_the_team(task):
 
     env = task.get_env_fun(1, True, 0, "cpu")()
     assert task.group_map(env) == {"robot": list(ENDS)}
-    rows = env.rollout(LIMIT, lambda rows: rows.set(("robot", "action"), torch.zeros(3, 2)))
-    paid = rows["next", "robot", "reward"].squeeze(-1).sum(0)
-    np.testing.assert_allclose(paid.numpy(), list(paid_alone().values()), rtol=1e-5)
-    assert rows["next", "done"].flatten().tolist() == [False] * (LIMIT - 1) + [True]
-    assert rows["state"].shape == (LIMIT, 30)
+    row, paid, done = env.reset(), np.zeros(3), []
+    assert row["state"].shape == (30,)
+    for _ in range(LIMIT):
+        row = env.step(row.set(("robot", "action"), torch.zeros(3, 2)))["next"]
+        paid += row["robot", "reward"].squeeze(-1).numpy()
+        done.append(row["done"].item())
+    np.testing.assert_allclose(paid, list(paid_alone().values()), rtol=1e-5)
+    assert done == [False] * (LIMIT - 1) + [True]
 
 
 @pytest.mark.parametrize("name", ["MappoConfig", "IppoConfig"])

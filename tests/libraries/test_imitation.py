@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 
@@ -60,3 +62,5 @@ def test_an_adversary_trains_on_the_native_batch(transitions):
     )
     trainer.train(128)
     assert any((one != other).any() for one, other in zip(before, learner.policy.parameters(), strict=True))
+    del trainer
+    gc.collect()  # it leaves files of its logger open, which warns
