@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -314,6 +315,8 @@ def run(command: Callable[..., Any]) -> None:
 
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the code page of a redirected output may lack a character
+        sys.stdout.reconfigure(errors="replace")
     _guarded(app)
 
 

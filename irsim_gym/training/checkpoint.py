@@ -63,7 +63,7 @@ def save_checkpoint(
     if isinstance(model, OffPolicyAlgorithm):
         model.save_replay_buffer(partial / REPLAY_BUFFER)
     (partial / STATE).write_bytes(pickle.dumps({**_state(model), "levels": levels}))
-    (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))))
+    (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))), encoding="utf-8")
     shutil.rmtree(target, ignore_errors=True)
     partial.rename(target)
     for older in list_checkpoints(folder):
@@ -104,7 +104,7 @@ def newest_checkpoint(folder: Path) -> Path | None:
 
 def load_progress(checkpoint: Path) -> RunProgress:
     """Read how far a checkpoint is."""
-    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text()))
+    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text(encoding="utf-8")))
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:

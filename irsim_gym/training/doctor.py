@@ -8,24 +8,28 @@ import platform
 import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from irsim_gym import __version__
 
 PACKAGES = (
     *("numpy", "numba", "llvmlite", "gymnasium", "pettingzoo", "stable-baselines3", "torch", "pydantic"),
-    *("shapely", "matplotlib", "Pillow", "imageio", "moviepy"),
+    *("scipy", "shapely", "matplotlib", "Pillow", "imageio", "moviepy", "tensorboard"),
 )
 """Packages whose versions a report of a problem should name."""
 OPTIONAL = {
-    "sb3_contrib": ("train --algorithm tqc, recurrent_ppo", "pip install irsim_gym[contrib]"),
-    "optuna": ("tune", "pip install irsim_gym[tune]"),
-    "pynput": ("play: keys without the delay of a window", "pip install irsim_gym[play]"),
+    "sb3_contrib": ("train --algorithm tqc, recurrent_ppo", 'pip install "irsim_gym[contrib]"'),
+    "optuna": ("tune", 'pip install "irsim_gym[tune]"'),
+    "pynput": ("play, faster keys", 'pip install "irsim_gym[play]"'),
+    "wandb": ("train --log wandb", 'pip install "irsim_gym[wandb]"'),
+    "mlflow": ("train --log mlflow", 'pip install "irsim_gym[mlflow]"'),
 }
 """What some commands need beyond the package's own dependencies: module, commands, how to get it."""
+TOOLKITS = ("tkinter", "PySide6", "PyQt6", "PySide2", "PyQt5", "gi", "wx")
+"""Modules with which matplotlib opens windows."""
 
 
 @dataclass(frozen=True)
@@ -47,23 +51,27 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Return what is installed here, and what works. Nothing is changed, and nothing is compiled."""
-    return [_python(), *_packages(), _compiler(), _cache(), _threads(), _graphics_card(), _display(), *_optional()]
+    machine = [_compiler(), _cache(), _threads(), _graphics_card(), _display(), _films()]
+    return [*_versions(), *_packages(), *machine, *_optional()]
 
 
 def print_examination(console: Console | None = None) -> bool:
-    """Print what is found as a table, and return whether all that everybody needs works."""
-    findings = examine()
-    table = Table()
-    for head in ("", "found", "what to do"):
-        table.add_column(head, overflow="fold")
+    """Print what is found, a line each with advice below, and return whether all that everybody needs works."""
+    findings, screen = examine(), console or Console(highlight=False)
+    width = max(len(one.topic) for one in findings)
     for one in findings:
-        table.add_row(*map(Text, (one.topic, one.found, one.advice)), style="red" if one.is_wrong else "")
-    (console or Console()).print(table)
+        lines = [f"{one.topic:<{width}}  {one.found}"] + [f"{'':<{width}}  -> {one.advice}"] * bool(one.advice)
+        screen.print(Text("\n".join(lines), style="red" if one.is_wrong else ""), soft_wrap=True)
     return not any(one.is_wrong for one in findings)
 
 
-def _python() -> Finding:
-    return Finding("irsim_gym", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
+def _versions() -> list[Finding]:
+    place = Path(__file__).parents[1]
+    return [
+        Finding("irsim_gym", f"{__version__}, in {place}"),
+        Finding("Python", f"{platform.python_version()}, {sys.executable}"),
+        Finding("system", platform.platform()),
+    ]
 
 
 def _packages() -> list[Finding]:
@@ -98,12 +106,13 @@ def _cache() -> Finding:
         return Finding("cache of kernels", "no folder can be written", advice)
     files = [file.stat().st_size for file in folder.glob("*.nbc")]
     advice = "" if files else "irsim-gym warmup compiles beforehand"
-    return Finding("cache of kernels", f"{folder}: {len(files)} files, {sum(files) / 1e6:.0f} MB", advice)
+    return Finding("cache of kernels", f"{folder}: {len(files)} files, {sum(files) / 1e6:.1f} MB", advice)
 
 
 def _threads() -> Finding:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return Finding("processors", f"{usable} of {os.cpu_count()}: num_threads=0 uses {usable}")
+    share = f"; num_threads={usable} shares worlds among them" if usable > 1 else ""
+    return Finding("processors", f"{usable} of {os.cpu_count()}{share}")
 
 
 def _graphics_card() -> Finding:
@@ -111,16 +120,35 @@ def _graphics_card() -> Finding:
         return Finding("graphics card", "unknown without torch")
     import torch
 
-    if not torch.cuda.is_available():
-        return Finding("graphics card", "none for PyTorch; nothing needs one")
-    return Finding("graphics card", f"{torch.cuda.get_device_name(0)}: train --device cuda uses it")
+    if torch.cuda.is_available():
+        return Finding("graphics card", torch.cuda.get_device_name(0), "train --device cuda uses it")
+    if torch.backends.mps.is_available():
+        return Finding("graphics card", "Apple's, through Metal", "train --device mps uses it")
+    return Finding("graphics card", "none for PyTorch; nothing needs one")
 
 
 def _display() -> Finding:
-    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        return Finding("display", "there is one for windows")
-    advice = 'play and render_mode="human" need one; films, pictures and pages do not'
-    return Finding("display", "DISPLAY and WAYLAND_DISPLAY are not set", advice)
+    shown = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not shown:
+        advice = 'play and render_mode="human" need one; films, pictures and pages do not'
+        return Finding("display", "none: DISPLAY and WAYLAND_DISPLAY are not set", advice)
+    found = [name for name in TOOLKITS if importlib.util.find_spec(name) is not None]
+    if not found and sys.platform != "darwin":
+        advice = 'play and render_mode="human" need one: python3-tk of the system, or pip install pyside6'
+        return Finding("display", f"{shown or 'there is one'}, but no toolkit for windows", advice)
+    return Finding("display", f"{shown or 'there is one'}, with {found[0] if found else 'macosx'}")
+
+
+def _films() -> Finding:
+    if importlib.util.find_spec("imageio_ffmpeg") is None:
+        return Finding("films", "no ffmpeg", "pip install imageio-ffmpeg")
+    import imageio_ffmpeg
+
+    try:
+        return Finding("films", f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}")
+    except (RuntimeError, OSError) as error:
+        advice = "record --out film.gif needs none; for .mp4 install ffmpeg, or name it in IMAGEIO_FFMPEG_EXE"
+        return Finding("films", f"no ffmpeg: {str(error).splitlines()[0]}", advice)
 
 
 def _optional() -> list[Finding]:

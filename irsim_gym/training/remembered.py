@@ -119,7 +119,7 @@ def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
         return dict(card.scenario.parameters) if same else {}
     run = run_of(source)
     try:
-        settings = json.loads(run.config.read_text())["settings"]
+        settings = json.loads(run.config.read_text(encoding="utf-8"))["settings"]
         same = settings["scenario"] == lasting(scenario_name(scenario))
         return dict(settings.get("parameters", {})) if same else {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):

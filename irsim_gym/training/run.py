@@ -128,7 +128,7 @@ class Run:
             IrsimGymError: There is no run in the folder.
         """
         try:
-            return Settings.from_plain(json.loads(self.config.read_text())["settings"])
+            return Settings.from_plain(json.loads(self.config.read_text(encoding="utf-8"))["settings"])
         except (OSError, ValueError, KeyError) as error:
             raise IrsimGymError(f"{self.folder} holds no training run: {error}") from error
 
@@ -147,7 +147,7 @@ class Run:
     def snapshot(self) -> Snapshot | None:
         """Return the scenario and its task as they were when the run began; None for runs that kept no copy."""
         try:
-            file = json.loads(self.config.read_text())["copy"]["file"]
+            file = json.loads(self.config.read_text(encoding="utf-8"))["copy"]["file"]
         except (OSError, ValueError, KeyError, TypeError):
             return None
         return read_snapshot(self.copy, file)
@@ -217,7 +217,7 @@ def machine() -> dict[str, Any]:
 
 def _processor() -> str:
     try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return platform.processor()
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
