@@ -76,6 +76,12 @@ Origin = Annotated[
 Device = Annotated[
     str | None, typer.Option(help="Device of the networks: auto, cpu, cuda, cuda:1, mps (default: the file's).")
 ]
+Log = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Send the log to wandb or mlflow too; may be repeated. TensorBoard's is always in the run's folder."
+    ),
+]
 DevLevels = Annotated[
     int, typer.Option(min=0, help="Number of dev levels to score each checkpoint on; 0 skips scoring.")
 ]

@@ -17,6 +17,7 @@ from irsim_gym.cli_options import (
     Hyperparameters,
     Imports,
     Lenient,
+    Log,
     Origin,
     Resume,
     RunFolder,
@@ -51,6 +52,7 @@ def train(
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
+    log: Log = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
@@ -69,6 +71,7 @@ def train(
         device,
         origin,
         curriculum,
+        log=tuple(log or ()),
     )
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     if seeds is None:

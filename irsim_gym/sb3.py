@@ -1,4 +1,4 @@
-"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, and a curriculum."""
+"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, a curriculum and a log."""
 
 from irsim_gym.envs.sb3 import WorldVecEnv, make_vec_env
 from irsim_gym.envs.sb3_buffers import (
@@ -9,6 +9,7 @@ from irsim_gym.envs.sb3_buffers import (
 )
 from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
 from irsim_gym.envs.sb3_learnability import LearnabilityCallback
+from irsim_gym.envs.sb3_log import LogCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
@@ -16,6 +17,7 @@ from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_v
 __all__ = [
     "EndingHerReplayBuffer",
     "LearnabilityCallback",
+    "LogCallback",
     "MaskedA2C",
     "MaskedDictReplayBuffer",
     "MaskedDictRolloutBuffer",

@@ -72,6 +72,8 @@ ONLY_FILES = {
     "pettingzoo": "envs/parallel",
     "stable_baselines3": "envs/sb3",
     "sb3_contrib": "envs/sb3_recurrent",
+    "wandb": "envs/sb3_trackers",
+    "mlflow": "envs/sb3_trackers",
     "wrapt": "envs/registration",
     "rich": "envs/description_text",
 }

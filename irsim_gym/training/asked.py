@@ -40,6 +40,7 @@ class Asked:
         device: Where the networks are, in place of the file's.
         origin: A run's folder or a ``policy.zip`` to start from.
         curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
+        log: Where the log goes beside TensorBoard: ``"wandb"``, ``"mlflow"``.
     """
 
     scenario: str
@@ -54,6 +55,7 @@ class Asked:
     device: str | None = None
     origin: str | None = None
     curriculum: str | None = None
+    log: tuple[str, ...] = ()
 
     @property
     def overrides(self) -> dict[str, Any]:

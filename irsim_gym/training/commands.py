@@ -62,6 +62,7 @@ def run_training(
     for note in _notes(settings):
         console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
+    how["log"] = asked.log
     try:
         with ctrl_c_told("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)

@@ -21,7 +21,11 @@ from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.snapshot import Snapshot, read_snapshot, take_snapshot
 
 SEED_STRIDE = 1_000_000
-FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
+TRACKING = "tracking.json"
+FILES = (
+    *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
+    "config.json",
+)
 """Files that a run writes; the settings are the last to go."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""

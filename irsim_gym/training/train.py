@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -25,10 +25,14 @@ from irsim_gym.training.fine_tuning import take_weights
 from irsim_gym.training.folders import replaceable, setting_differences
 from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor
-from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.run import TRACKING, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
+from irsim_gym.training.tracking import begin_log, log_of
 
-WRITTEN = ("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
+WRITTEN = (
+    *("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png"),
+    TRACKING,
+)
 """Files in a run's folder that are written under another name first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
@@ -67,6 +71,7 @@ def train(
     device: str | None = None,
     console: Console | None = None,
     on_checkpoint: Callable[[Run], None] | None = None,
+    log: Sequence[str] = (),
 ) -> Run:
     """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
 
@@ -83,6 +88,7 @@ def train(
         console: Where progress is shown; None for standard error.
         on_checkpoint: Called after each checkpoint but the last, while the clock of the training stands. It changes
             nothing in what is learned; what it raises ends the run there, unfinished.
+        log: Where the log goes beside TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
         IrsimGymError: The folder holds another run, or one that should be resumed, or is a file.
@@ -102,6 +108,7 @@ def train(
         return run
     used = run.own_settings() if goes_on else settings
     newest = files.newest_checkpoint(run.checkpoints) if goes_on else None
+    logged = log_of(run, settings, log)
     model, progress = _model(used, newest, device, screen)
     curriculum = curriculum_of(used, newest)
     if not goes_on:
@@ -110,8 +117,10 @@ def train(
         run.begin(settings, now)
     _tidy(run)
     try:
-        _learn(run, settings, model, progress, curriculum, screen, on_checkpoint)
+        begin_log(run, logged)
+        _learn(run, settings, model, progress, [logged, *filter(None, [curriculum])], screen, on_checkpoint)
     finally:
+        logged.close()
         _write_log(run, progress)
         env = model.get_env()
         if env is not None:
@@ -165,7 +174,7 @@ def _learn(
     settings: Settings,
     model: BaseAlgorithm,
     progress: files.RunProgress,
-    curriculum: LearnabilityCallback | None,
+    others: Sequence[BaseCallback],
     console: Console,
     on_checkpoint: Callable[[Run], None] | None,
 ) -> None:
@@ -176,7 +185,7 @@ def _learn(
     model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
 
     def save() -> Path:
-        levels = None if curriculum is None else curriculum.levels
+        levels = next((one.levels for one in others if isinstance(one, LearnabilityCallback)), None)
         return files.save_checkpoint(run.checkpoints, model, progress, levels)
 
     def save_and_show() -> None:
@@ -186,11 +195,10 @@ def _learn(
             files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
-    callbacks: list[BaseCallback] = [watch] if curriculum is None else [watch, curriculum]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps
-            model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
+            model.learn(max(left, 0), callback=[watch, *others], reset_num_timesteps=False)
             watch.note()
         except StopLearningError:
             assert stop.signal is not None
