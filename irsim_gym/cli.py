@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym import cli_completion
 from irsim_gym.cli_arena import arena
 from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
@@ -36,7 +37,6 @@ from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -54,7 +54,12 @@ def list_shipped() -> None:
 
 @app.command()
 def check(
-    files: Annotated[list[str], typer.Argument(help="Scenario files, shipped names or environment ids.")],
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            help="Scenario files, shipped names or environment ids.", autocompletion=cli_completion.scenarios
+        ),
+    ],
     team: Annotated[
         bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
     ] = False,
@@ -138,7 +143,8 @@ def evaluate(
         list[str] | None,
         typer.Argument(
             help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of "
-            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training."
+            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training.",
+            autocompletion=cli_completion.policies,
         ),
     ] = None,
     levels: Levels = 1000,
@@ -172,7 +178,11 @@ app.command()(arena)
 def record(
     scenario: Scenario,
     policies: Annotated[
-        list[str], typer.Argument(help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.")
+        list[str],
+        typer.Argument(
+            help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.",
+            autocompletion=cli_completion.policies,
+        ),
     ],
     level: Annotated[
         list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="Number of a level; may be repeated (default: 0).")

@@ -7,16 +7,27 @@ from typing import Annotated
 
 import typer
 
+from irsim_gym import cli_completion
 from irsim_gym.cli_tools import import_modules
 
 LAST_SEED = 2**32 - 1  # of NumPy's generator, which Stable-Baselines3 seeds
 LAST_LEVEL = 2**53 - 1  # that an environment takes
 MOST_LEVELS = 10**9
 
-Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
-Task = Annotated[str | None, typer.Option(help="Shipped task or a file, instead of the scenario's own.")]
+Scenario = Annotated[
+    str,
+    typer.Argument(
+        help="Shipped name, environment id, or path of a YAML file.", autocompletion=cli_completion.scenarios
+    ),
+]
+Task = Annotated[
+    str | None,
+    typer.Option(help="Shipped task or a file, instead of the scenario's own.", autocompletion=cli_completion.tasks),
+]
 Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels.")]
-Split = Annotated[str, typer.Option(help="Split of the levels: train, dev or test.")]
+Split = Annotated[
+    str, typer.Option(help="Split of the levels: train, dev or test.", autocompletion=cli_completion.splits)
+]
 Steps = Annotated[
     int | None,
     typer.Option(min=1, help="Training steps over all worlds, instead of the file's; rounded up to whole rollouts."),
@@ -31,7 +42,11 @@ Seeds = Annotated[
 ]
 TestLevels = Annotated[int, typer.Option(min=1, help="Number of test levels that --seeds is summed up on.")]
 Reference = Annotated[
-    str, typer.Option(help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.")
+    str,
+    typer.Option(
+        help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.",
+        autocompletion=cli_completion.policies,
+    ),
 ]
 Given = Annotated[
     list[str] | None,
@@ -55,7 +70,11 @@ Imports = Annotated[
 ]
 
 Algorithm = Annotated[
-    str | None, typer.Option(help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo (default: ppo, or that of --from).")
+    str | None,
+    typer.Option(
+        help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo (default: ppo, or that of --from).",
+        autocompletion=cli_completion.algorithms,
+    ),
 ]
 RunFolder = Annotated[
     Path | None,
@@ -71,7 +90,12 @@ Resume = Annotated[bool, typer.Option("--resume", help="Continue the run in the 
 BeginAnew = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the folder.")]
 Origin = Annotated[
     str | None,
-    typer.Option("--from", metavar="RUN", help="Start with the weights of a run's folder or policy.zip."),
+    typer.Option(
+        "--from",
+        metavar="RUN",
+        help="Start with the weights of a run's folder or policy.zip.",
+        autocompletion=cli_completion.policies,
+    ),
 ]
 Device = Annotated[
     str | None, typer.Option(help="Device of the networks: auto, cpu, cuda, cuda:1, mps (default: the file's).")
@@ -79,7 +103,8 @@ Device = Annotated[
 Log = Annotated[
     list[str] | None,
     typer.Option(
-        help="Send the log to wandb or mlflow too; may be repeated. TensorBoard's is always in the run's folder."
+        help="Send the log to wandb or mlflow too; may be repeated. TensorBoard's is always in the run's folder.",
+        autocompletion=cli_completion.services,
     ),
 ]
 DevLevels = Annotated[

@@ -6,6 +6,7 @@ import re
 import sys
 from pathlib import Path
 
+import gymnasium
 import pytest
 from typer.testing import CliRunner
 
@@ -107,3 +108,48 @@ def test_doctor_says_how_kernels_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert said() == "Numba's plain way: IRSIM_GYM_PLAIN_NUMBA is set"
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert said() == "off: NUMBA_DISABLE_JIT is set"
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        ("train corridor_", ["corridor_two_way"]),
+        ("run multi_robot_", ["multi_robot_rvo"]),
+        ("check my", ["my_world.yaml"]),
+        ("draw worlds/", ["worlds/one.yaml"]),
+        ("train corridor --algorithm t", ["td3", "tqc"]),
+        ("train corridor --log w", ["wandb"]),
+        ("rollout corridor --split d", ["dev"]),
+        ("evaluate corridor --task image", ["image_navigation"]),
+        ("evaluate corridor runs", ["runs/corridor-ppo-0"]),
+        ("arena corridor da", ["dash"]),
+        ("polic", ["policies"]),
+        ("draw nothing_like_that", []),
+    ],
+)
+def test_the_shell_completes_names(
+    words: str, offered: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for file in ("my_world.yaml", "worlds/one.yaml", "runs/corridor-ppo-0/policy.zip", "runs/begun/config.json"):
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).touch()
+    line = f"irsim-gym {words}"
+    asked = {"_IRSIM_GYM_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(line.split()) - 1)}
+    said = CliRunner().invoke(app, prog_name="irsim-gym", env=asked).output
+    assert said.split() == offered
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
+def test_each_shell_has_a_script(shell: str) -> None:
+    said = CliRunner().invoke(app, prog_name="irsim-gym", env={"_IRSIM_GYM_COMPLETE": f"source_{shell}"}).output
+    assert "_IRSIM_GYM_COMPLETE" in said
+    assert "irsim-gym" in said
+
+
+def test_gymnasium_prints_all_ids_in_one_group(capsys: pytest.CaptureFixture[str]) -> None:
+    gymnasium.pprint_registry(num_cols=1)
+    groups = dict(re.findall(r"^===== (\S+) =====\n((?:(?!=====).*\n?)*)", capsys.readouterr().out, re.MULTILINE))
+    ours = [one for one in gymnasium.registry if one.startswith("irsim_gym/")]
+    assert groups["irsim_gym"].split() == sorted(ours)
+    assert not [name for name, ids in groups.items() if "irsim_gym/" in ids and name != "irsim_gym"]
