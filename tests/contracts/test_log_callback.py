@@ -116,7 +116,9 @@ def test_only_the_latest_episodes_count() -> None:
 
 
 def test_what_cannot_be_logged_is_said() -> None:
-    with pytest.raises(IrsimGymError, match=r"no log named 'wanbd' \(did you mean 'wandb'\?\); there are wandb and mlflow"):
+    with pytest.raises(
+        IrsimGymError, match=r"no log named 'wanbd' \(did you mean 'wandb'\?\); there are wandb and mlflow"
+    ):
         sb3.LogCallback("wanbd")
     with pytest.raises(IrsimGymError, match="mode: further arguments need exactly one service"):
         sb3.LogCallback(mode="offline")
