@@ -79,7 +79,8 @@ def compose(text: str) -> Document:
         root = _Composer(text).document()
     except yaml.MarkedYAMLError as error:
         if "nesting depth" in str(error.problem):  # a bound of newer parsers, met while they look ahead
-            raise Fatal(error.problem_mark.line + 1, f"nested deeper than {MAX_DEPTH} levels") from None
+            line = error.problem_mark.line + 1 if error.problem_mark else 0
+            raise Fatal(line, f"nested deeper than {MAX_DEPTH} levels") from None
         raise Fatal(*explain(error, text)) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1 if isinstance(error.position, int) else 0
@@ -223,7 +224,7 @@ class _Expansion:
         name = key.scalar
         if key.error or key.items is not None or key.pairs is not None or not isinstance(name, str):
             found = "a list or mapping" if key.items is not None or key.pairs is not None else show(name)
-            stands_alone = type(name) is int and value.scalar is value.items is value.pairs is None
+            stands_alone = type(name) is int and value.scalar is None and value.items is None and value.pairs is None
             hint = "; decimals have a point, as in 0.1" if stands_alone else ""
             self._document.problems.append((key.line, place, f"keys must be text, got {found}{hint}"))
             return False
