@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import platform
@@ -142,8 +143,7 @@ def _display() -> Finding:
 def _films() -> Finding:
     if importlib.util.find_spec("imageio_ffmpeg") is None:
         return Finding("films", "no ffmpeg", "pip install imageio-ffmpeg")
-    import imageio_ffmpeg
-
+    imageio_ffmpeg = importlib.import_module("imageio_ffmpeg")  # it has no types
     try:
         return Finding("films", f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}")
     except (RuntimeError, OSError) as error:

@@ -16,19 +16,20 @@ CHOSEN_BY = ("WANDB_PROJECT", "MLFLOW_EXPERIMENT_NAME")
 GROUP = "seed_"
 
 
-def log_of(run: Run, settings: Settings, services: Sequence[str]) -> LogCallback:
+def log_of(run: Run, settings: Settings, services: Sequence[str], *, goes_on: bool) -> LogCallback:
     """Return the callback that logs a run.
 
     Args:
-        run: The run; one that goes on continues its runs at these services.
+        run: The run.
         settings: What it trains, which is stored there.
         services: ``"wandb"`` and ``"mlflow"``, or none.
+        goes_on: It continues its runs at these services.
 
     Raises:
         IrsimGymError: There is no such service, or its package is not installed.
     """
     file = run.folder / TRACKING
-    run_ids = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    run_ids = json.loads(file.read_text(encoding="utf-8")) if goes_on and file.is_file() else {}
     project = None if any(os.environ.get(name) for name in CHOSEN_BY) else PROJECT
     folder = run.folder.resolve()
     name = f"{folder.parent.name}/{folder.name}" if folder.name.startswith(GROUP) else folder.name

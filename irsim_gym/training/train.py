@@ -108,13 +108,11 @@ def train(
         return run
     used = run.own_settings() if goes_on else settings
     newest = files.newest_checkpoint(run.checkpoints) if goes_on else None
-    logged = log_of(run, settings, log)
+    logged = log_of(run, settings, log, goes_on=goes_on)
     model, progress = _model(used, newest, device, screen)
     curriculum = curriculum_of(used, newest)
     if not goes_on:
-        if run.exists():
-            run.clear()
-        run.begin(settings, now)
+        _begin(run, settings, now)
     _tidy(run)
     try:
         begin_log(run, logged)
@@ -122,10 +120,16 @@ def train(
     finally:
         logged.close()
         _write_log(run, progress)
-        env = model.get_env()
-        if env is not None:
+        if (env := model.get_env()) is not None:
             env.close()
     return run
+
+
+def _begin(run: Run, settings: Settings, now: Snapshot) -> None:
+    """Write down the settings, in place of what another run left in the folder."""
+    if run.exists():
+        run.clear()
+    run.begin(settings, now)
 
 
 def _tidy(run: Run) -> None:

@@ -64,6 +64,10 @@ def test_an_interrupted_run_goes_on_at_the_service(
     run = train(settings(), tmp_path / "empty_goal-ppo-3", resume=True, log=["wandb"])
     assert (wandb.begun[1]["id"], wandb.begun[1]["resume"], wandb.begun[1]["project"]) == ("abc", "allow", None)
     assert (wandb.finished, wandb.steps[-1]) == (2, 512)
+    assert (run.folder / "tracking.json").is_file()
+    monkeypatch.setattr(sys.modules[TrainingInterruptedError.__module__], "_learn", lambda *_: None)
+    train(settings(), run.folder, overwrite=True, log=["wandb"])  # a new run there too
+    assert "id" not in wandb.begun[2]
     run.clear()
     assert not (run.folder / "tracking.json").exists()
 
