@@ -1,4 +1,4 @@
-"""The description that a package index shows: README.md with links that lead into the repository on the web."""
+"""What a package index shows: README.md with links that lead into the repository on the web, and where that is."""
 
 from __future__ import annotations
 
@@ -14,11 +14,25 @@ LINK = re.compile(r"(!?)\[([^\]]*)\]\((?!https?://|#)([^)\s]+)\)")
 
 
 class CustomMetadataHook(MetadataHookInterface):
-    """Write the description while a wheel or an sdist is built."""
+    """Write the description and the addresses while a wheel or an sdist is built."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        """Fill in ``readme``."""
+        """Fill in ``readme`` and ``urls``."""
         metadata["readme"] = {"content-type": "text/markdown", "text": description(Path(self.root))}
+        metadata["urls"] = addresses(Path(self.root))
+
+
+def addresses(root: Path) -> dict[str, str]:
+    """Return where the project is on the web, by label; those of an sdist were written when it was built."""
+    built = root / "PKG-INFO"
+    if built.is_file():
+        written = Parser().parsestr(built.read_text(encoding="utf-8")).get_all("Project-URL", [])
+        return dict(one.split(", ", 1) for one in written)
+    name = repository(root)
+    if name is None:
+        return {}
+    base = f"https://github.com/{name}"
+    return {"Source": base, "Issues": f"{base}/issues", "Changelog": f"{base}/blob/HEAD/CHANGELOG.md"}
 
 
 def description(root: Path) -> str:

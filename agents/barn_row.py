@@ -47,7 +47,7 @@ PATHS = {
 
 def run(levels: Path, path: str, world: int) -> tuple[str, float]:
     """Return how ``dwa`` ends in a world, and after which time [s]."""
-    data = yaml.safe_load((HERE.parent / "configs" / "benchmarks" / "barn.yaml").read_text())
+    data = yaml.safe_load((HERE.parent / "configs" / "benchmarks" / "barn.yaml").read_text(encoding="utf-8"))
     data["robot"][0]["behavior"] = {"name": "dwa", "path": path, **GIVEN, **OURS}
     data = {**data, "levels": str(levels), "world": {**data["world"], "name": "barn"}}
     data.pop("task")
@@ -111,7 +111,7 @@ def main(copy: Path) -> None:
         "published": PUBLISHED,
         "rows": rows,
     }
-    (HERE / "results" / "barn_dwa.json").write_text(json.dumps(record, indent=1) + "\n")
+    (HERE / "results" / "barn_dwa.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     for path, row in rows.items():
         print(path, {key: value for key, value in row.items() if key != "worlds"})
 

@@ -24,7 +24,7 @@ BEHAVIORS = {
 
 def play(scenario: str, n_robots: int, behavior: dict[str, object], levels: int = 1000, steps: int = 300) -> dict:
     """Return the shares of levels and of robots that succeed, and the mean time of the last arrival."""
-    data = yaml.safe_load((HERE.parent / "configs" / "scenarios" / f"{scenario}.yaml").read_text())
+    data = yaml.safe_load((HERE.parent / "configs" / "scenarios" / f"{scenario}.yaml").read_text(encoding="utf-8"))
     robots = {key: value for key, value in data["robot"][0].items() if key not in ("behavior", "sensors")}
     data = {**data, "robot": [{**robots, **behavior}], "world": {**data["world"], "name": scenario}}
     data.pop("task")
@@ -51,7 +51,7 @@ def main() -> None:
         for name, behavior in BEHAVIORS.items()
     ]
     (HERE / "results" / "behavior_baselines.json").write_text(
-        json.dumps({"split": "test", "rows": rows}, indent=1) + "\n"
+        json.dumps({"split": "test", "rows": rows}, indent=1) + "\n", encoding="utf-8"
     )
     for row in rows:
         print(f"{row['scenario']} {row['n_robots']} {row['behavior']}: CSR {row['cooperative_success']:.1%}")

@@ -146,12 +146,12 @@ def main() -> None:
         found = irsim_gym.evaluate(given.scenario, variants()[name], levels=given.levels, references=False)
         print(found)
         named = conditions(make_episodes(given.scenario), found.split, given.levels) | found.level_set.conditions()
-        rows = json.loads(given.results.read_text())
+        rows = json.loads(given.results.read_text(encoding="utf-8"))
         asked = f"--only {name} --levels {given.levels} --scenario {given.scenario}"
         command = f"python agents/crowd_nav_differences.py {asked}"
         figures = {"command": command, "conditions": named, "machine": machine(), "policies": found.summaries}
         rows[f"{Path(given.scenario).stem}_{name}"] = plain(figures)
-        given.results.write_text(json.dumps(rows, indent=1) + "\n")
+        given.results.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

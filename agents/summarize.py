@@ -29,7 +29,9 @@ def write(scenario: str, runs: Sequence[Path], tests: Sequence[Path], name: str 
         name: Of the files; None for the scenario's.
         out: Where results/ and policies/ are.
     """
-    summary = summarize_seeds(scenario, runs, [json.loads((test / "summary.json").read_text()) for test in tests])
+    summary = summarize_seeds(
+        scenario, runs, [json.loads((test / "summary.json").read_text(encoding="utf-8")) for test in tests]
+    )
     name = name or scenario
     write_seeds(out / "results", name, summary)
     (out / "policies").mkdir(parents=True, exist_ok=True)

@@ -41,9 +41,9 @@ def read_run(run: Path) -> dict[str, Any]:
     Raises:
         SystemExit: The run was evaluated elsewhere, on other levels, or its evaluation holds another policy.
     """
-    config = json.loads((run / "config.json").read_text())
-    last = json.loads((max((run / "checkpoints").iterdir()) / "progress.json").read_text())
-    test = json.loads((run / "dev" / "summary.json").read_text())
+    config = json.loads((run / "config.json").read_text(encoding="utf-8"))
+    last = json.loads((max((run / "checkpoints").iterdir()) / "progress.json").read_text(encoding="utf-8"))
+    test = json.loads((run / "dev" / "summary.json").read_text(encoding="utf-8"))
     if test["conditions"]["split"] != "dev" or [row["policy"] for row in test["policies"]] != [run.name]:
         raise SystemExit(f"{run}/dev is to hold this run alone, on `dev` levels")
     figures = test["policies"][0]
@@ -96,10 +96,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="*", type=Path)
     asked = parser.parse_args()
-    old = json.loads(RESULTS.read_text())["runs"] if RESULTS.exists() else []
+    old = json.loads(RESULTS.read_text(encoding="utf-8"))["runs"] if RESULTS.exists() else []
     rows = merged(old, [read_run(run) for run in asked.runs])
-    RESULTS.write_text(json.dumps({"runs": rows}, indent=1) + "\n")
-    PAGE.write_text(rewritten(PAGE.read_text(), rows))
+    RESULTS.write_text(json.dumps({"runs": rows}, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), rows), encoding="utf-8")
     print(table(rows))
 
 

@@ -68,7 +68,7 @@ _OF_IRSIM = (
     *("register_behavior", "register_behavior_class", "register_group_behavior", "register_group_behavior_class"),
 )
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "RecordReplay",

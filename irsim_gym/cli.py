@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym import cli_completion
 from irsim_gym.cli_arena import arena
 from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
@@ -36,7 +38,6 @@ from irsim_gym.extras import require
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -54,7 +55,12 @@ def list_shipped() -> None:
 
 @app.command()
 def check(
-    files: Annotated[list[str], typer.Argument(help="Scenario files, shipped names or environment ids.")],
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            help="Scenario files, shipped names or environment ids.", autocompletion=cli_completion.scenarios
+        ),
+    ],
     team: Annotated[
         bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
     ] = False,
@@ -139,7 +145,8 @@ def evaluate(
         list[str] | None,
         typer.Argument(
             help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of "
-            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training."
+            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training.",
+            autocompletion=cli_completion.policies,
         ),
     ] = None,
     levels: Levels = 1000,
@@ -173,7 +180,11 @@ app.command()(arena)
 def record(
     scenario: Scenario,
     policies: Annotated[
-        list[str], typer.Argument(help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.")
+        list[str],
+        typer.Argument(
+            help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.",
+            autocompletion=cli_completion.policies,
+        ),
     ],
     level: Annotated[
         list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="Number of a level; may be repeated (default: 0).")
@@ -317,6 +328,8 @@ def run(command: Callable[..., object]) -> None:
 
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the code page of a redirected output may lack a character
+        sys.stdout.reconfigure(errors="replace")
     _guarded(app)
 
 

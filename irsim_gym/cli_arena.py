@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_completion import policies as policies_that_begin
 from irsim_gym.cli_options import Given, Imports, Lenient, Levels, Scenario, Split, Task, Team
 from irsim_gym.cli_tools import read_parameters
 
@@ -15,7 +16,10 @@ def arena(
     scenario: Scenario,
     policies: Annotated[
         list[str] | None,
-        typer.Argument(help="Folders of runs, policy.zip files, random, behaviors such as dash, rvo, sfm, orca."),
+        typer.Argument(
+            help="Folders of runs, policy.zip files, random, behaviors such as dash, rvo, sfm, orca.",
+            autocompletion=policies_that_begin,
+        ),
     ] = None,
     levels: Levels = 1000,
     split: Split = "test",

@@ -7,15 +7,26 @@ from typing import Annotated
 
 import typer
 
+from irsim_gym import cli_completion
 from irsim_gym.cli_tools import import_modules
 
 LAST_SEED = 2**32 - 1  # of NumPy's generator, which Stable-Baselines3 seeds
 LAST_LEVEL = 2**53 - 1  # that an environment takes
 MOST_LEVELS = 10**9
 
-Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
+Scenario = Annotated[
+    str,
+    typer.Argument(
+        help="Shipped name, environment id, or path of a YAML file.", autocompletion=cli_completion.scenarios
+    ),
+]
 Scenarios = Annotated[
-    list[str], typer.Argument(metavar="SCENARIO", help="Shipped name, environment id, or path of a YAML file.")
+    list[str],
+    typer.Argument(
+        metavar="SCENARIO",
+        help="Shipped name, environment id, or path of a YAML file.",
+        autocompletion=cli_completion.scenarios,
+    ),
 ]
 Mixture = Annotated[
     bool,
@@ -24,9 +35,14 @@ Mixture = Annotated[
         help="Train one policy in several scenarios: SCENARIO[:share=WEIGHT][:PARAMETER=VALUE]... for each.",
     ),
 ]
-Task = Annotated[str | None, typer.Option(help="Shipped task or a file, instead of the scenario's own.")]
+Task = Annotated[
+    str | None,
+    typer.Option(help="Shipped task or a file, instead of the scenario's own.", autocompletion=cli_completion.tasks),
+]
 Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels.")]
-Split = Annotated[str, typer.Option(help="Split of the levels: train, dev or test.")]
+Split = Annotated[
+    str, typer.Option(help="Split of the levels: train, dev or test.", autocompletion=cli_completion.splits)
+]
 Steps = Annotated[
     int | None,
     typer.Option(min=1, help="Training steps over all worlds, instead of the file's; rounded up to whole rollouts."),
@@ -41,7 +57,11 @@ Seeds = Annotated[
 ]
 TestLevels = Annotated[int, typer.Option(min=1, help="Number of test levels that --seeds is summed up on.")]
 Reference = Annotated[
-    str, typer.Option(help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.")
+    str,
+    typer.Option(
+        help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.",
+        autocompletion=cli_completion.policies,
+    ),
 ]
 Given = Annotated[
     list[str] | None,
@@ -67,8 +87,9 @@ Imports = Annotated[
 Algorithm = Annotated[
     str | None,
     typer.Option(
-        help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, or "
-        "that of --from)."
+        help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, "
+        "or that of --from).",
+        autocompletion=cli_completion.algorithms,
     ),
 ]
 RunFolder = Annotated[
@@ -85,10 +106,22 @@ Resume = Annotated[bool, typer.Option("--resume", help="Continue the run in the 
 BeginAnew = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the folder.")]
 Origin = Annotated[
     str | None,
-    typer.Option("--from", metavar="RUN", help="Start with the weights of a run's folder or policy.zip."),
+    typer.Option(
+        "--from",
+        metavar="RUN",
+        help="Start with the weights of a run's folder or policy.zip.",
+        autocompletion=cli_completion.policies,
+    ),
 ]
 Device = Annotated[
     str | None, typer.Option(help="Device of the networks: auto, cpu, cuda, cuda:1, mps (default: the file's).")
+]
+Log = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Send the log to wandb or mlflow too; may be repeated. TensorBoard's is always in the run's folder.",
+        autocompletion=cli_completion.services,
+    ),
 ]
 DevLevels = Annotated[
     int, typer.Option(min=0, help="Number of dev levels to score each checkpoint on; 0 skips scoring.")

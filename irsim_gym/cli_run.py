@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_completion import scenarios
 from irsim_gym.cli_options import Given, Imports, Lenient
 from irsim_gym.cli_tools import progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 
 def run_by_itself(
-    scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.")],
+    scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.", autocompletion=scenarios)],
     steps: Annotated[
         int,
         typer.Option(min=1, help="Greatest number of steps; the run ends when all robots have arrived or collided."),

@@ -20,6 +20,7 @@ from irsim_gym.cli_options import (
     Imports,
     LearnerGpus,
     Lenient,
+    Log,
     Mixture,
     Origin,
     Resume,
@@ -66,6 +67,7 @@ def train(
     worlds_per_worker: WorldsPerWorker = None,
     learner_gpus: LearnerGpus = None,
     address: Address = None,
+    log: Log = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
@@ -90,6 +92,7 @@ def train(
         curriculum,
         tuple(scenario) if mixture else (),
         engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
+        log=tuple(log or ()),
     )
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:

@@ -1,4 +1,4 @@
-"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, and a curriculum."""
+"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, a curriculum and a log."""
 
 from irsim_gym.extras import require
 
@@ -15,6 +15,7 @@ from irsim_gym.envs.sb3_buffers import (
 from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
 from irsim_gym.envs.sb3_gru import GruPPO
 from irsim_gym.envs.sb3_learnability import LearnabilityCallback
+from irsim_gym.envs.sb3_log import LogCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
 from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.envs.sb3_mixture import MixtureVecEnv
@@ -27,6 +28,7 @@ __all__ = [
     "GruPPO",
     "GruPolicy",
     "LearnabilityCallback",
+    "LogCallback",
     "MaskedA2C",
     "MaskedDictReplayBuffer",
     "MaskedDictRolloutBuffer",

@@ -76,6 +76,8 @@ ONLY_FILES = {
     "sb3_contrib": "envs/sb3_recurrent",
     "ray": "envs/rllib",
     "torch": ("envs/rllib", "envs/sb3_gru", "envs/sb3_memory", "envs/torch_rows"),
+    "wandb": "envs/sb3_trackers",
+    "mlflow": "envs/sb3_trackers",
     "wrapt": "envs/registration",
     "rich": "envs/description_text",
 }

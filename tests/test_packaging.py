@@ -16,6 +16,8 @@ from typing import Any
 
 import pytest
 
+import irsim_gym
+
 ROOT = Path(__file__).parents[1]
 
 MAKE_AN_ENV = """
@@ -85,6 +87,8 @@ def test_the_sdist_holds_what_builds_and_tests(built: Path) -> None:
         "CHANGELOG.md",
         "CONTRIBUTING.md",
         "SECURITY.md",
+        "CITATION.cff",
+        "CODE_OF_CONDUCT.md",
     } <= names
     assert {"Makefile", "constraints.txt", "tests/test_packaging.py", "irsim_gym/py.typed"} <= names
     for folder in ("configs/scenarios", "configs/benchmarks"):
@@ -118,6 +122,49 @@ def test_an_index_shows_no_broken_links(origin: str | None, shown: str | None, t
     else:
         page = f"https://github.com/me/irsim_gym/blob/{commit}/DESIGN.md#6"
         assert written == f"![A robot]({shown.format(commit=commit)}) [design]({page}) {kept}"
+
+
+def test_an_index_leads_to_the_repository(tmp_path: Path) -> None:
+    hook = _build_hook()
+    _run("git", "-C", str(tmp_path), "init", "-q")
+    assert hook.addresses(tmp_path) == {}
+    _run("git", "-C", str(tmp_path), "remote", "add", "origin", "https://github.com/me/irsim_gym.git")
+    found = hook.addresses(tmp_path)
+    assert found["Issues"] == "https://github.com/me/irsim_gym/issues"
+    (tmp_path / "PKG-INFO").write_text(
+        "Metadata-Version: 2.4\n" + "".join(f"Project-URL: {label}, {url}\n" for label, url in found.items()), "utf-8"
+    )
+    _run("git", "-C", str(tmp_path), "remote", "remove", "origin")
+    assert hook.addresses(tmp_path) == found
+
+
+def test_an_index_accepts_both(built: Path) -> None:
+    pytest.importorskip("twine", reason="the extra `release` has it")
+    _run(sys.executable, "-m", "twine", "check", "--strict", *map(str, built.iterdir()))
+
+
+def test_the_wheel_stays_small(built: Path) -> None:
+    """Two thirds are certificates of levels, policies and pictures, which are compressed already (decision 230)."""
+    (wheel,) = built.glob("*.whl")
+    assert wheel.stat().st_size < 3.8e6
+
+
+@pytest.mark.slow
+def test_a_bare_environment_needs_nothing_else(built: Path, tmp_path: Path) -> None:
+    """With the dependencies that the wheel names, and nothing of the present environment."""
+    _run(sys.executable, "-m", "venv", str(tmp_path / "bare"))
+    python = str(_python(tmp_path / "bare"))
+    (wheel,) = built.glob("*.whl")
+    constraints = str(ROOT / "constraints.txt")
+    _run(python, "-m", "pip", "install", "--disable-pip-version-check", "-c", constraints, str(wheel), most_s=3000)
+    assert "No broken requirements" in _run(python, "-m", "pip", "check")
+    command = str(Path(python).parent / "irsim-gym")
+    assert irsim_gym.__version__ in _run(command, "--version")
+    _run(command, "doctor", cwd=tmp_path)
+    _run(command, "new", "first.yaml", cwd=tmp_path)
+    _run(command, "check", "first.yaml", cwd=tmp_path, most_s=600)
+    _run(command, "train", "first.yaml", "--steps", "2000", "--dev-levels", "10", cwd=tmp_path, most_s=900)
+    assert (tmp_path / "runs" / "first-ppo-0-steps=2000" / "policy.zip").is_file()
 
 
 def test_wheel_and_sdist_describe_the_package_alike(built: Path) -> None:
@@ -180,10 +227,10 @@ def _python(environment: Path) -> Path:
     return environment / ("Scripts" if os.name == "nt" else "bin") / "python"
 
 
-def _run(*command: str, cwd: Path | None = None, **variables: str) -> str:
+def _run(*command: str, cwd: Path | None = None, most_s: float = 300, **variables: str) -> str:
     outside = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     result = subprocess.run(
-        command, cwd=cwd, env=outside | variables, capture_output=True, text=True, check=False, timeout=300
+        command, cwd=cwd, env=outside | variables, capture_output=True, text=True, check=False, timeout=most_s
     )
     assert result.returncode == 0, f"{' '.join(command)}\n{result.stdout}\n{result.stderr}"
     return result.stdout

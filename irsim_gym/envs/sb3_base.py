@@ -13,7 +13,7 @@ from gymnasium import Space
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Record
 from irsim_gym.envs.sb3_keywords import MonitorFiles
@@ -79,6 +79,14 @@ class NativeVecEnv(VecEnv):
     def no_infos(self) -> list[dict[str, Any]]:
         """Return a separate dict for each slot, because wrappers may write into them."""
         return list(map(dict.copy, repeat({}, self.num_envs)))
+
+    def reward_terms(self) -> Floats:
+        """Return what each reward term paid in the latest step, ``(n_envs, n_terms)``, fresh; 0 where a slot has begun.
+
+        The names of the columns are ``worlds.episodes.reward_names``.
+        """
+        terms = self.worlds.episodes.view.reward_terms
+        return terms.reshape(self.num_envs, terms.shape[-1]).copy()
 
     def describe(self) -> Description:
         """Return the meaning of observations, actions, rewards, endings and infos in each slot; it prints as tables."""

@@ -78,6 +78,9 @@ def compose(text: str) -> Document:
     try:
         root = _Composer(text).document()
     except yaml.MarkedYAMLError as error:
+        if "nesting depth" in str(error.problem):  # a bound of newer parsers, met while they look ahead
+            line = error.problem_mark.line + 1 if error.problem_mark else 0
+            raise Fatal(line, f"nested deeper than {MAX_DEPTH} levels") from None
         raise Fatal(*explain(error, text)) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1 if isinstance(error.position, int) else 0
@@ -203,7 +206,7 @@ class _Expansion:
         for key, value, value_line in node.pairs or ():
             if key.is_merge:
                 merged.extend(value.items if value.items is not None else [value])
-            elif self._accept_key(key, place):
+            elif self._accept_key(key, value, place):
                 if key.scalar in first:
                     message = f"given twice (first in line {first[key.scalar]})"
                     repeat = (key.line, (*place, key.scalar), message, value.holds_keys)
@@ -217,11 +220,13 @@ class _Expansion:
             self._merge(other, place, data)
         return data
 
-    def _accept_key(self, key: _Node, place: Place) -> bool:
+    def _accept_key(self, key: _Node, value: _Node, place: Place) -> bool:
         name = key.scalar
         if key.error or key.items is not None or key.pairs is not None or not isinstance(name, str):
             found = "a list or mapping" if key.items is not None or key.pairs is not None else show(name)
-            self._document.problems.append((key.line, place, f"keys must be text, got {found}"))
+            stands_alone = type(name) is int and value.scalar is None and value.items is None and value.pairs is None
+            hint = "; decimals have a point, as in 0.1" if stands_alone else ""
+            self._document.problems.append((key.line, place, f"keys must be text, got {found}{hint}"))
             return False
         return True
 

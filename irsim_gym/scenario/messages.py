@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import types
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Union, get_args, get_origin
@@ -10,6 +11,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from irsim_gym.errors import suggestion
 
 LONGEST = 40
+NUMBERS = re.compile(r"[-+.\d]+(\s+[-+.\d]+)+")
 CONTACT_KEYS = {
     "world": {"gravity", "friction", "restitution", "drive_tau"},
     "body": {"mass", "friction", "inertia", "restitution"},
@@ -137,4 +139,6 @@ def literal_values(hint: object) -> tuple[Any, ...]:
 def _hint(value: object) -> str:
     if isinstance(value, str) and value.lower().lstrip("+-") in ("inf", "infinity"):
         return " (infinity is written .inf)"
+    if isinstance(value, str) and NUMBERS.fullmatch(value):
+        return " (numbers of a list are divided by commas)"
     return ""

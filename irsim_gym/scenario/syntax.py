@@ -31,7 +31,8 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     if found is not None and problem.startswith("mapping values are not allowed"):
         return last, f"not valid YAML: {_colon(rows, last, found.column)}"
     if opened is not None and found is not None and "flow" in context:
-        return first, f"not valid YAML: {_unclosed(context, last)}{_parameter_hint(rows[first - 1 : last])}"
+        unclosed = _unclosed(context, "the end of the file" if found.line >= len(rows) else f"line {last}")
+        return first, f"not valid YAML: {unclosed}{_parameter_hint(rows[first - 1 : last])}"
     if opened is not None and found is not None and "block" in context:
         row = rows[found.line] if found.line < len(rows) else ""
         return last, f"not valid YAML: {_misfit(row, found.column, opened.column, first)}"
@@ -50,9 +51,9 @@ def _colon(rows: list[str], line: int, column: int) -> str:
     return f"indented deeper than line {above[-1]}, whose key already has a value"
 
 
-def _unclosed(context: str, last: int) -> str:
+def _unclosed(context: str, where: str) -> str:
     bracket = "{" if "mapping" in context else "["
-    return f"the '{bracket}' that opens here is not closed, or a comma is missing, before line {last}"
+    return f"the '{bracket}' that opens here is not closed, or a comma is missing, before {where}"
 
 
 def _misfit(row: str, column: int, expected: int, first: int) -> str:

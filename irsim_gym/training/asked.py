@@ -47,6 +47,7 @@ class Asked:
         curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
         mixture: All scenarios that are learnt together, as ``read_part`` takes them; ``scenario`` is the first one's.
         engine: How Ray RLlib runs it; None for Stable-Baselines3.
+        log: Where the log goes beside TensorBoard: ``"wandb"``, ``"mlflow"``.
     """
 
     scenario: str
@@ -63,6 +64,7 @@ class Asked:
     curriculum: str | None = None
     mixture: tuple[str, ...] = ()
     engine: Engine | None = None
+    log: tuple[str, ...] = ()
 
     @property
     def overrides(self) -> dict[str, Any]:

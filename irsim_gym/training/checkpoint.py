@@ -66,7 +66,7 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     if isinstance(model, OffPolicyAlgorithm):
         model.save_replay_buffer(partial / REPLAY_BUFFER)
     (partial / STATE).write_bytes(pickle.dumps(dict(state)))
-    (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))))
+    (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))), encoding="utf-8")
     shutil.rmtree(target, ignore_errors=True)
     partial.rename(target)
     for older in list_checkpoints(folder):

@@ -73,6 +73,7 @@ def run_training(
         console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
     how["address"] = address
+    how["log"] = asked.log
     try:
         with ctrl_c_told("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)

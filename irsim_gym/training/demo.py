@@ -71,7 +71,7 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
     _say(screen, 4, "filming it beside dash", filmed)
     if not filmed:
         record_film(scenario, [policy, "dash"], FILMED, film, names=["ppo", "dash"], console=screen)
-    print((folder / FILES["table"]).read_text())
+    print((folder / FILES["table"]).read_text(encoding="utf-8"))
     held = reached(points, 0.95)
     if held is not None:
         print(f"95 % success after {held['training_seconds']:.1f} s of training ({held['steps']:,.0f} steps)")
@@ -91,7 +91,7 @@ def _evaluated(folder: Path, levels: int) -> bool:
     """Return whether there is a table for as many levels that is not older than the policy."""
     table = folder / FILES["table"]
     try:
-        found = json.loads((folder / FILES["summary"]).read_text())
+        found = json.loads((folder / FILES["summary"]).read_text(encoding="utf-8"))
         fresh = table.stat().st_mtime >= (folder / FILES["policy"]).stat().st_mtime
     except (OSError, ValueError):
         return False

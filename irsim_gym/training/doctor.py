@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import platform
@@ -9,9 +10,9 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
+from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from irsim_gym import __version__
@@ -19,7 +20,7 @@ from irsim_gym.extras import EXTRAS, missing, pip_command
 
 PACKAGES = (
     *("numpy", "numba", "llvmlite", "gymnasium", "pettingzoo", "pydantic"),
-    *("shapely", "matplotlib", "Pillow", "imageio", "moviepy"),
+    *("scipy", "shapely", "matplotlib", "Pillow", "imageio", "moviepy"),
 )
 """Packages whose versions a report of a problem should name."""
 OPTIONAL = {
@@ -27,9 +28,13 @@ OPTIONAL = {
     "contrib": "train --algorithm tqc, recurrent_ppo",
     "tune": "tune",
     "rllib": "train --engine rllib, sweep",
-    "play": "play: keys without the delay of a window",
+    "wandb": "train --log wandb",
+    "mlflow": "train --log mlflow",
+    "play": "play, faster keys",
 }
 """Commands that need an extra."""
+TOOLKITS = ("tkinter", "PySide6", "PyQt6", "PySide2", "PyQt5", "gi", "wx")
+"""Modules with which matplotlib opens windows."""
 
 
 @dataclass(frozen=True)
@@ -51,23 +56,27 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Return what is installed here, and what works. Nothing is changed, and nothing is compiled."""
-    return [_python(), *_packages(), _compiler(), _cache(), _threads(), _graphics_card(), _display(), *_optional()]
+    machine = [_compiler(), _cache(), _threads(), _graphics_card(), _display(), _films()]
+    return [*_versions(), *_packages(), *machine, *_optional()]
 
 
 def print_examination(console: Console | None = None) -> bool:
-    """Print what is found as a table, and return whether all that everybody needs works."""
-    findings = examine()
-    table = Table()
-    for head in ("", "found", "what to do"):
-        table.add_column(head, overflow="fold")
+    """Print what is found, a line each with advice below, and return whether all that everybody needs works."""
+    findings, screen = examine(), console or Console(highlight=False)
+    width = max(len(one.topic) for one in findings)
     for one in findings:
-        table.add_row(*map(Text, (one.topic, one.found, one.advice)), style="red" if one.is_wrong else "")
-    (console or Console()).print(table)
+        lines = [f"{one.topic:<{width}}  {one.found}"] + [f"{'':<{width}}  -> {one.advice}"] * bool(one.advice)
+        screen.print(Text("\n".join(lines), style="red" if one.is_wrong else ""), soft_wrap=True)
     return not any(one.is_wrong for one in findings)
 
 
-def _python() -> Finding:
-    return Finding("irsim_gym", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
+def _versions() -> list[Finding]:
+    place = Path(__file__).parents[1]
+    return [
+        Finding("irsim_gym", f"{__version__}, in {place}"),
+        Finding("Python", f"{platform.python_version()}, {sys.executable}"),
+        Finding("system", platform.platform()),
+    ]
 
 
 def _packages() -> list[Finding]:
@@ -102,12 +111,13 @@ def _cache() -> Finding:
         return Finding("cache of kernels", "no folder can be written", advice)
     files = [file.stat().st_size for file in folder.glob("*.nbc")]
     advice = "" if files else "irsim-gym warmup compiles beforehand"
-    return Finding("cache of kernels", f"{folder}: {len(files)} files, {sum(files) / 1e6:.0f} MB", advice)
+    return Finding("cache of kernels", f"{folder}: {len(files)} files, {sum(files) / 1e6:.1f} MB", advice)
 
 
 def _threads() -> Finding:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return Finding("processors", f"{usable} of {os.cpu_count()}: num_threads=0 uses {usable}")
+    share = f"; num_threads={usable} shares worlds among them" if usable > 1 else ""
+    return Finding("processors", f"{usable} of {os.cpu_count()}{share}")
 
 
 def _graphics_card() -> Finding:
@@ -115,28 +125,46 @@ def _graphics_card() -> Finding:
         return Finding("graphics card", "unknown without torch")
     import torch
 
-    if not torch.cuda.is_available():
-        return Finding("graphics card", "none for PyTorch; nothing needs one")
-    return Finding("graphics card", f"{torch.cuda.get_device_name(0)}: train --device cuda uses it")
+    if torch.cuda.is_available():
+        return Finding("graphics card", torch.cuda.get_device_name(0), "train --device cuda uses it")
+    if torch.backends.mps.is_available():
+        return Finding("graphics card", "Apple's, through Metal", "train --device mps uses it")
+    return Finding("graphics card", "none for PyTorch; nothing needs one")
 
 
 def _display() -> Finding:
-    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        return Finding("display", "there is one for windows")
-    advice = 'play and render_mode="human" need one; films, pictures and pages do not'
-    return Finding("display", "DISPLAY and WAYLAND_DISPLAY are not set", advice)
+    shown = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not shown:
+        advice = 'play and render_mode="human" need one; films, pictures and pages do not'
+        return Finding("display", "none: DISPLAY and WAYLAND_DISPLAY are not set", advice)
+    found = [name for name in TOOLKITS if importlib.util.find_spec(name) is not None]
+    if not found and sys.platform != "darwin":
+        advice = 'play and render_mode="human" need one: python3-tk of the system, or pip install pyside6'
+        return Finding("display", f"{shown or 'there is one'}, but no toolkit for windows", advice)
+    return Finding("display", f"{shown or 'there is one'}, with {found[0] if found else 'macosx'}")
+
+
+def _films() -> Finding:
+    if importlib.util.find_spec("imageio_ffmpeg") is None:
+        return Finding("films", "no ffmpeg", "pip install imageio-ffmpeg")
+    imageio_ffmpeg = importlib.import_module("imageio_ffmpeg")  # it has no types
+    try:
+        return Finding("films", f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}")
+    except (RuntimeError, OSError) as error:
+        advice = "record --out film.gif needs none; for .mp4 install ffmpeg, or name it in IMAGEIO_FFMPEG_EXE"
+        return Finding("films", f"no ffmpeg: {str(error).splitlines()[0]}", advice)
 
 
 def _optional() -> list[Finding]:
     found = []
     for extra, commands in OPTIONAL.items():
         absent = missing(extra)
-        told = f"{', '.join(absent)} not found" if absent else _versions(EXTRAS[extra])
+        told = f"{', '.join(absent)} not found" if absent else _packages_of(EXTRAS[extra])
         found.append(Finding(f"{extra}: {commands}", told, pip_command(extra) if absent else ""))
     return found
 
 
-def _versions(modules: Sequence[str]) -> str:
+def _packages_of(modules: Sequence[str]) -> str:
     """Return modules with the versions of their packages, where they are known."""
     packages = packages_distributions()
     names = [packages.get(module, [module])[0] for module in modules]

@@ -158,7 +158,7 @@ def _of_run(source: Path) -> dict[str, Any] | None:
     checkpoints = list_checkpoints(run.checkpoints)
     if not run.finished() or not checkpoints:
         raise IrsimGymError(f"{run.folder} is not finished: resume it, then export its policy")
-    config, progress = json.loads(run.config.read_text()), load_progress(checkpoints[-1])
+    config, progress = json.loads(run.config.read_text(encoding="utf-8")), load_progress(checkpoints[-1])
     cost = {name: getattr(progress, name) for name in ("steps", "training_seconds", "cpu_seconds")}
     return {"settings": config["settings"], "machine": config["machine"], **cost}
 

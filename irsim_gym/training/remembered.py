@@ -119,7 +119,7 @@ def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
         return dict(card.scenario.parameters) if same else {}
     run = run_of(source)
     try:
-        settings = json.loads(run.config.read_text())["settings"]
+        settings = json.loads(run.config.read_text(encoding="utf-8"))["settings"]
         parts = settings.get("mixture") or [settings]
         alike = [one for one in parts if one["scenario"] == lasting(scenario_name(scenario))]
         return dict(alike[0].get("parameters", {})) if len(alike) == 1 else {}

@@ -23,7 +23,11 @@ from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, take_snapshot
 
 SEED_STRIDE = 1_000_000
-FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
+TRACKING = "tracking.json"
+FILES = (
+    *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
+    "config.json",
+)
 """Files that a run writes; the settings are the last to go."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""
@@ -153,7 +157,7 @@ class Run:
             IrsimGymError: There is no run in the folder.
         """
         try:
-            return Settings.from_plain(json.loads(self.config.read_text())["settings"])
+            return Settings.from_plain(json.loads(self.config.read_text(encoding="utf-8"))["settings"])
         except (OSError, ValueError, KeyError) as error:
             raise IrsimGymError(f"{self.folder} holds no training run: {error}") from error
 
@@ -176,7 +180,7 @@ class Run:
     def snapshot(self) -> Snapshot | None:
         """Return the scenario and its task as they were when the run began; None for runs that kept no copy."""
         try:
-            file = json.loads(self.config.read_text())["copy"]["file"]
+            file = json.loads(self.config.read_text(encoding="utf-8"))["copy"]["file"]
         except (OSError, ValueError, KeyError, TypeError):
             return None
         return read_snapshot(self.copy, file)
@@ -277,7 +281,7 @@ def _installed(name: str) -> str:
 
 def _processor() -> str:
     try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return platform.processor()
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]

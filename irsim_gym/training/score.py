@@ -84,7 +84,7 @@ def score_run(
 def read_curve(run: Run) -> list[Point]:
     """Return the scores found so far."""
     try:
-        points: list[Point] = json.loads(run.curve.read_text())["points"]
+        points: list[Point] = json.loads(run.curve.read_text(encoding="utf-8"))["points"]
     except (OSError, ValueError, KeyError):
         return []
     return points

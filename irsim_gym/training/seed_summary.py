@@ -75,7 +75,7 @@ def label(conditions: Figures, every: Sequence[Figures]) -> str:
 
 def read_seed(run: Path, tests: Mapping[str, Figures]) -> Figures:
     """Return what one run came to: its curve, the seconds to each mark, and its row in each test."""
-    config, curve = (json.loads((run / file).read_text()) for file in ("config.json", "curve.json"))
+    config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
     last = curve["points"][-1]
     return {
         "run": run.name,

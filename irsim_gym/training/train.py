@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
 from irsim_gym.extras import require
+from irsim_gym.sb3 import LogCallback
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
@@ -35,10 +36,14 @@ from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor
 from irsim_gym.training.ray_session import prepare
-from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.run import TRACKING, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
+from irsim_gym.training.tracking import begin_log, log_of
 
-WRITTEN = ("config.json", "training.csv", NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
+WRITTEN = (
+    *("config.json", "training.csv", NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png"),
+    TRACKING,
+)
 """Files in a run's folder that are written under another name first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
@@ -53,6 +58,7 @@ def train(
     console: Console | None = None,
     on_checkpoint: Callable[[Run], None] | None = None,
     address: str | None = None,
+    log: Sequence[str] = (),
 ) -> Run:
     """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
 
@@ -70,6 +76,7 @@ def train(
         on_checkpoint: Called after each checkpoint but the last, while the clock of the training stands. It changes
             nothing in what is learned; what it raises ends the run there, unfinished.
         address: A Ray cluster, for a run with RLlib; None for this machine.
+        log: Where the log goes beside TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
         IrsimGymError: The folder holds another run, or one that should be resumed, or is a file.
@@ -89,35 +96,44 @@ def train(
         return run
     used = run.own_settings() if goes_on else settings
     newest = newest_checkpoint(run.checkpoints) if goes_on else None
-    _check_engine(used, address)
+    _check_engine(used, address, log)
+    logged = log_of(run, settings, log, goes_on=goes_on)
     model, progress = _model(used, newest, device, screen)
-    if run.exists() and not goes_on:
-        run.clear()
     if not goes_on:
-        run.begin(settings, now)
+        _begin(run, settings, now)
     _tidy(run)
     try:
-        _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
+        _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
     finally:
+        logged.close()
         _write_log(run, progress)
         if (env := model.get_env()) is not None:
             env.close()
     return run
 
 
-def _learn_with(settings: Settings, address: str | None) -> Callable[..., None]:
+def _begin(run: Run, settings: Settings, now: Snapshot) -> None:
+    """Write down the settings, in place of what another run left in the folder."""
+    if run.exists():
+        run.clear()
+    run.begin(settings, now)
+
+
+def _learn_with(settings: Settings, address: str | None, logged: LogCallback) -> Callable[..., None]:
     """Return what learns, with the engine of a run."""
     if settings.engine is None:
-        return _learn
+        return partial(_learn, logged=logged)
     from irsim_gym.training.rllib_train import learn
 
     return partial(learn, address=address)
 
 
-def _check_engine(settings: Settings, address: str | None) -> None:
+def _check_engine(settings: Settings, address: str | None, log: Sequence[str]) -> None:
     """Make sure that the engine can train this, and prepare what has to come before Ray is imported."""
     check_engine(settings)
     if settings.engine is not None:
+        if log:
+            raise IrsimGymError("--log is for Stable-Baselines3: with --engine rllib read training.csv and the curve")
         require("rllib", "--engine rllib")
         prepare(address)
 
@@ -173,8 +189,11 @@ def _learn(
     newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], None] | None,
+    *,
+    logged: LogCallback,
 ) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint."""
+    begin_log(run, logged)
     curriculum = curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
     for unfinished in run.checkpoints.glob(f"{PARTIAL}*"):
@@ -192,7 +211,7 @@ def _learn(
             files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
-    callbacks: list[BaseCallback] = [watch] if curriculum is None else [watch, curriculum]
+    callbacks: list[BaseCallback] = [watch, logged, *filter(None, [curriculum])]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps

@@ -27,6 +27,7 @@ TRIAL_STEPS = 30
 """At most, in each way."""
 LONGEST_S = 2.0
 """A file is played no longer than this in each way [s], apart from the first step."""
+WINDOWS_ERRORS = 0xC0000000
 WAIT_MESSAGE_S = 5.0
 """After this time [s] a message says what the command waits for."""
 PACKAGE = str(Path(__file__).parents[1])
@@ -102,7 +103,8 @@ def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
 def _end(status: int, trace: str) -> str:
     """Return how a process ended that should have gone on, with what to do about it."""
     known = {int(one): one.name for one in signal.Signals}
-    how = f"by signal {known.get(-status, -status)}" if status < 0 else f"with status {status}"
+    number = f"{status:#010x}" if status >= WINDOWS_ERRORS else status  # there, Windows tells how a process crashed
+    how = f"by signal {known.get(-status, -status)}" if status < 0 else f"with status {number}"
     shown = "".join(f"\n    {line}" for line in trace.strip().splitlines()[:12])
     return (
         f"the process that played it for some steps ended {how}.\n"
@@ -199,7 +201,10 @@ def main(folder: Path) -> None:
     plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
     reading = Reading(**plan["reading"])
     warnings.simplefilter("ignore", ScenarioWarning)  # they are reported as notes
-    with (folder / "crash").open("w") as crash, (folder / "results").open("w", encoding="utf-8") as results:
+    with (
+        (folder / "crash").open("w", encoding="utf-8") as crash,
+        (folder / "results").open("w", encoding="utf-8") as results,
+    ):
         faulthandler.enable(crash, all_threads=False)
         from irsim_gym.cli_tools import import_modules
 

@@ -182,7 +182,9 @@ def _differences(before: object, now: object, place: tuple[str, ...]) -> list[st
 def _study(tuning: Tuning) -> Any:
     """Return the study on disk; a new one begins with the present settings, where the space has them."""
     optuna, states = tuning.optuna, tuning.optuna.trial.TrialState
-    journal = optuna.storages.journal.JournalFileBackend(str(tuning.folder / JOURNAL))
+    backends, file = optuna.storages.journal, str(tuning.folder / JOURNAL)
+    # Its own choice is a lock by symbolic links, which Windows allows to few users.
+    journal = backends.JournalFileBackend(file, lock_obj=backends.JournalFileOpenLock(file))
     study = optuna.create_study(
         study_name="tune",
         storage=optuna.storages.JournalStorage(journal),

@@ -145,7 +145,9 @@ def test_what_a_run_leaves(tmp_path: Path) -> None:
     assert config["settings"]["seed"] == 3
     assert config["machine"]["versions"]["torch"]
     assert (run.folder / "training.csv").read_text().startswith("steps,training_seconds,")
-    assert list((run.folder / "tensorboard").iterdir())
+    (log,) = (run.folder / "tensorboard").iterdir()
+    for name in (b"outcome/success", b"reward/progress", b"rollout/success_rate"):
+        assert name in log.read_bytes()
     assert not list(run.folder.rglob(".*"))
 
 

@@ -51,6 +51,14 @@ KEYS = {
         "1 world: must be a mapping of options, got [a mapping, a mapping] (leave the '-' out)",
     ),
     "a number that is none": ("robot: {state: [1, 1, 2 * pie]}", "1 robot.state[2]: must be a number, got '2 * pie'"),
+    "no commas": (
+        "robot: {state: [1 -1.5 0]}",
+        "1 robot.state[0]: must be a number, got '1 -1.5 0' (numbers of a list are divided by commas)",
+    ),
+    "a decimal comma": (
+        "world: {name: a, step_time: 2,5}",
+        "1 world: keys must be text, got 5; decimals have a point, as in 0.1",
+    ),
 }
 SYNTAX = {
     "a key further in": (
@@ -84,6 +92,10 @@ SYNTAX = {
     "an open bracket": (
         "robot:\n  - state: [1, 1\n    goal: [2, 2]",
         "2 not valid YAML: the '[' that opens here is not closed, or a comma is missing, before line 3",
+    ),
+    "a bracket that is open at the end": (
+        "robot:\n  - state: [1, 1\n",
+        "2 not valid YAML: the '[' that opens here is not closed, or a comma is missing, before the end of the file",
     ),
     "a bracket too many": (
         "robot:\n  - state: [1, 1]]\n    goal: [2, 2]",
