@@ -4,8 +4,9 @@
 
 COPY is a user's own copy of BARN's worlds, an ``.npz`` as ``irsim-gym levels import barn`` reads it, with
 ``path_length`` (300,) [m] beside the cylinders. The worlds are 0, 6, ..., 294. Nothing is random here, so each is
-driven once where the original drives it ten times. The score of a run is success * OT / clip(AT, 2 OT, 8 OT), where OT
-is the path length divided by 2 m/s and AT the time it takes.
+driven once where the original drives it ten times. Further rows leave out how BARN's DWA goes on where no way ahead
+is free. The score of a run is success * OT / clip(AT, 2 OT, 8 OT), where OT is the path length divided by 2 m/s and AT
+the time it takes.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -32,23 +32,29 @@ SPEED, LIMIT, JOBS = 0.5, 100.0, 2
 GIVEN: dict[str, Any] = {
     "samples": [6, 20], "sim_time": 2.0, "sim_granularity": 0.02, "min_speed": 0.1, "obstacle_weight": 0.1,
     "path_weight": 0.75, "goal_weight": 1.0, "footprint_padding": 0.1, "obstacle_range": 2.5, "inflation_radius": 0.3,
+    "min_turn_rate": 0.314, "escape_speed": -0.5, "oscillation_distance": 0.05,
 }  # fmt: skip
-"""As published with BARN."""
-OURS: dict[str, Any] = {
-    "free_time": 2.0, "min_turn_rate": 0.314, "forward_point": 0.325, "cost_scaling": 10.0, "spacing": 0.05,
-    "path_clearance": 0.1,
-}  # fmt: skip
+"""As published with BARN (base_local_planner_params.yaml, costmap_common_params.yaml)."""
+OURS: dict[str, Any] = {"free_time": 2.0, "forward_point": 0.325, "cost_scaling": 10.0, "spacing": 0.05,
+                        "path_clearance": 0.1}  # fmt: skip
 """What is not published: chosen by us, in part by runs in some of these worlds. Other options have their defaults."""
-PATHS = {
-    "seen": "around what its own scans have shown",
-    "map": "the shortest way past all cylinders, known from the start",
+SEEN, MAP = "around what its own scans have shown", "the shortest way past all cylinders, known from the start"
+TURNS, STANDS = {"oscillation_distance": 0.25}, {"escape_speed": 0.0}
+ROWS: dict[str, tuple[str, dict[str, Any]]] = {
+    "seen": (SEEN, {"path": "seen"}),
+    "map": (MAP, {"path": "map"}),
+    "seen, never backwards": (SEEN, {"path": "seen", **STANDS}),
+    "seen, turns again after 0.25 m": (SEEN, {"path": "seen", **TURNS}),
+    "seen, both": (SEEN, {"path": "seen", **STANDS, **TURNS}),
+    "map, both": (MAP, {"path": "map", **STANDS, **TURNS}),
 }
+"""What the path is, and settings of the row. The last four have defaults of ``dwa`` in the place of published ones."""
 
 
-def run(levels: Path, path: str, world: int) -> tuple[str, float]:
+def run(levels: Path, settings: dict[str, Any], world: int) -> tuple[str, float]:
     """Return how ``dwa`` ends in a world, and after which time [s]."""
     data = yaml.safe_load((HERE.parent / "configs" / "benchmarks" / "barn.yaml").read_text(encoding="utf-8"))
-    data["robot"][0]["behavior"] = {"name": "dwa", "path": path, **GIVEN, **OURS}
+    data["robot"][0]["behavior"] = {"name": "dwa", **GIVEN, **OURS, **settings}
     data = {**data, "levels": str(levels), "world": {**data["world"], "name": "barn"}}
     data.pop("task")
     simulation = irsim_gym.compile(irsim_gym.load_scenario(data, {"speed": SPEED}))
@@ -71,27 +77,27 @@ def score(outcome: str, time: float, path_length: float) -> float:
     return round(float(optimum / np.clip(time, 2.0 * optimum, 8.0 * optimum)), 4) if outcome == "arrival" else 0.0
 
 
-def play(levels: Path, lengths: dict[int, float], path: str) -> dict[str, Any]:
-    """Return the row of one kind of path."""
-    begin = perf_counter()
+def play(levels: Path, lengths: dict[int, float], row: str) -> dict[str, Any]:
+    """Return a row."""
+    path, settings = ROWS[row]
     with ProcessPoolExecutor(JOBS) as pool:
-        ends = dict(zip(lengths, pool.map(partial(run, levels, path), lengths), strict=True))
+        ends = dict(zip(lengths, pool.map(partial(run, levels, settings), lengths), strict=True))
     worlds = {
         world: {"outcome": outcome, "time": time, "score": score(outcome, time, lengths[world])}
         for world, (outcome, time) in ends.items()
     }
-    runs = list(worlds.values())
+    runs: list[dict[str, Any]] = list(worlds.values())
     rates = {
         key: round(float(np.mean([row["outcome"] == name for row in runs])), 4)
         for key, name in (("success", "arrival"), ("collision", "collision"), ("timeout", "timeout"), ("left", "left"))
     }
     times = [row["time"] for row in runs if row["outcome"] == "arrival"]
     return {
-        "path": PATHS[path],
+        "path": path,
+        "settings": settings,
         **rates,
         "time": round(float(np.mean(times)), 2),
         "score": round(float(np.mean([row["score"] for row in runs])), 4),
-        "seconds": round(perf_counter() - begin, 1),
         "worlds": worlds,
     }
 
@@ -102,7 +108,7 @@ def main(copy: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         levels = Path(folder, "barn.npz")
         levels.write_bytes(import_barn(copy).content())
-        rows = {path: play(levels, lengths, path) for path in PATHS}
+        rows = {row: play(levels, lengths, row) for row in ROWS}
     record = {
         "benchmark": "BARN-2D: worlds 0, 6, ..., 294 of a user's copy of BARN (bf5a226), each once",
         "command": f"python agents/barn_row.py {copy.name}",
@@ -112,8 +118,8 @@ def main(copy: Path) -> None:
         "rows": rows,
     }
     (HERE / "results" / "barn_dwa.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    for path, row in rows.items():
-        print(path, {key: value for key, value in row.items() if key != "worlds"})
+    for name, row in rows.items():
+        print(name, {key: value for key, value in row.items() if key != "worlds"})
 
 
 if __name__ == "__main__":
