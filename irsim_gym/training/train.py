@@ -110,19 +110,24 @@ def train(
     newest = files.newest_checkpoint(run.checkpoints) if goes_on else None
     logged = log_of(run, settings, log, goes_on=goes_on)
     model, progress = _model(used, newest, device, screen)
-    curriculum = curriculum_of(used, newest)
+    callbacks = [logged, *filter(None, [curriculum_of(used, newest)])]
     if not goes_on:
         _begin(run, settings, now)
     _tidy(run)
     try:
         begin_log(run, logged)
-        _learn(run, settings, model, progress, [logged, *filter(None, [curriculum])], screen, on_checkpoint)
+        _learn(run, settings, model, progress, callbacks, screen, on_checkpoint)
     finally:
         logged.close()
         _write_log(run, progress)
-        if (env := model.get_env()) is not None:
-            env.close()
+        _close(model)
     return run
+
+
+def _close(model: BaseAlgorithm) -> None:
+    env = model.get_env()
+    if env is not None:
+        env.close()
 
 
 def _begin(run: Run, settings: Settings, now: Snapshot) -> None:
