@@ -107,9 +107,14 @@ def train(
     finally:
         logged.close()
         _write_log(run, progress)
-        if (env := model.get_env()) is not None:
-            env.close()
+        _close(model)
     return run
+
+
+def _close(model: BaseAlgorithm) -> None:
+    env = model.get_env()
+    if env is not None:
+        env.close()
 
 
 def _begin(run: Run, settings: Settings, now: Snapshot) -> None:
