@@ -16,7 +16,7 @@ from torch import Tensor, nn
 import irsim_gym
 
 STEPS, RATE, N_WORLDS, N_STEPS = 1_000_000, 3e-3, 256, 64
-GAMMA, LAMBDA, CLIP, ENTROPY, EPOCHS, PARTS = 0.99, 0.95, 0.2, 0.002, 3, 4
+GAMMA, LAMBDA, CLIP, ENTROPY, EPOCHS, PARTS = 0.99, 0.95, 0.2, 0.0, 2, 8
 
 
 def network(n_in: int, n_out: int, last: float) -> nn.Sequential:

@@ -11,6 +11,8 @@ import pytest
 
 PACKAGES = {"sbx": "sbx-rl", "sample_factory": "sample-factory", "pufferlib": "pufferlib-core", "own_loops": "torch"}
 """Packages that are not named as their module."""
+GIVEN = {"rl_zoo3": ["--help"], "sample_factory": ["--env=empty_goal", "--help"]}
+"""Arguments of scripts that train, which their own tests do."""
 
 
 @pytest.mark.parametrize("name", pages.names())
@@ -27,7 +29,6 @@ def test_blocks_run(name, tmp_path):
     for k, block in enumerate(blocks):
         script = tmp_path / f"block_{k}.py"
         script.write_text(block, encoding="utf-8")
-        given = ["--help"] if name == "rl_zoo3" else []
-        command = [sys.executable, str(script), *given]
+        command = [sys.executable, str(script), *GIVEN.get(name, [])]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
