@@ -78,7 +78,7 @@ def main(copy: Path, policies: Sequence[str]) -> None:
         "published": PUBLISHED,
         "policies": found,
     }
-    OUT.write_text(json.dumps(record, indent=1) + "\n")
+    OUT.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     for name, row in found.items():
         print(name, {key: value for key, value in row.items() if key != "worlds"})
 

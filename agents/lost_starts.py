@@ -67,7 +67,7 @@ def main(scenario: str, levels: int, split: str, out: Path | None) -> None:
         "lost": lost,
     }
     if out is not None:
-        out.write_text(json.dumps(record, indent=1) + "\n")
+        out.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     print(f"{scenario}: {len(lost)} of {levels:,} {split} levels are lost from the start: {lost}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -73,12 +74,9 @@ def train(
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.engines import engine_of
-    from irsim_gym.training.mixture import read_part
 
-    if len(scenario) > 1 and not mixture:
-        raise IrsimGymError(f"train takes one scenario, got {', '.join(scenario)}: --mixture trains one policy in all")
     asked = Asked(
-        read_part(scenario[0]).scenario if mixture else scenario[0],
+        _first_scenario(scenario, mixture, seeds),
         algorithm,
         seed,
         steps,
@@ -98,11 +96,23 @@ def train(
     if seeds is None:
         run_training(asked, out, **how)
         return
-    if mixture:
-        raise IrsimGymError("--seeds sums up one scenario: train each seed of a mixture by itself, with --seed")
     from irsim_gym.training.seed_runs import run_seeds
 
     run_seeds(asked, seeds, out, test_levels=test_levels, **how)
+
+
+def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) -> str:
+    """Return the name of the first scenario, after a check that as many are wanted as are given."""
+    from irsim_gym.training.mixture import read_part
+
+    if not mixture:
+        if len(scenarios) > 1:
+            given = ", ".join(scenarios)
+            raise IrsimGymError(f"train takes one scenario, got {given}: --mixture trains one policy in all")
+        return scenarios[0]
+    if seeds is not None:
+        raise IrsimGymError("--seeds sums up one scenario: train each seed of a mixture by itself, with --seed")
+    return read_part(scenarios[0]).scenario
 
 
 def tune(

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import irsim_gym
+from irsim_gym import extras
 from irsim_gym.cli import app
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training import doctor
@@ -49,9 +50,14 @@ def test_doctor_names_versions_and_what_is_missing(monkeypatch: pytest.MonkeyPat
     assert code == 0
     for word in (irsim_gym.__version__, "numba", "cache of kernels", "processors", "display", "films"):
         assert word in said
-    monkeypatch.setattr(doctor, "OPTIONAL", {"no_such_module": ("fly", "pip install wings")})
+    monkeypatch.setattr(doctor, "OPTIONAL", {"wings": "fly"})
+    monkeypatch.setattr(extras, "EXTRAS", {"wings": ("no_such_module",)})
     last = doctor.examine()[-1]
-    assert (last.topic, last.found, last.advice) == ("fly", "no_such_module is not installed", "pip install wings")
+    assert (last.topic, last.found, last.advice) == (
+        "wings: fly",
+        "no_such_module not found",
+        'pip install "irsim_gym[wings]"',
+    )
 
 
 def test_doctor_fails_where_a_package_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:

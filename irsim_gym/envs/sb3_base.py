@@ -80,10 +80,15 @@ class NativeVecEnv(VecEnv):
         """Return a separate dict for each slot, because wrappers may write into them."""
         return list(map(dict.copy, repeat({}, self.num_envs)))
 
+    @property
+    def reward_names(self) -> tuple[str, ...]:
+        """Names of the reward terms, the columns of ``reward_terms``."""
+        return tuple(self.worlds.episodes.reward_names)
+
     def reward_terms(self) -> Floats:
         """Return what each reward term paid in the latest step, ``(n_envs, n_terms)``, fresh; 0 where a slot has begun.
 
-        The names of the columns are ``worlds.episodes.reward_names``.
+        The names of the columns are ``reward_names``.
         """
         terms = self.worlds.episodes.view.reward_terms
         return terms.reshape(self.num_envs, terms.shape[-1]).copy()

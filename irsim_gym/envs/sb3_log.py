@@ -11,6 +11,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.envs.infos import reward_keys
 from irsim_gym.envs.sb3_base import NativeVecEnv
+from irsim_gym.envs.sb3_mixture import MixtureVecEnv
 from irsim_gym.envs.sb3_trackers import Tracker, find_tracker
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Outcome
@@ -77,8 +78,8 @@ class LogCallback(BaseCallback):
         env = self.training_env
         if not env.has_attr("choose_level"):
             raise IrsimGymError(f"LogCallback: {env.unwrapped} is no environment of irsim_gym")
-        if isinstance(env.unwrapped, NativeVecEnv):
-            self._name_terms(reward_keys(env.unwrapped.worlds.episodes.reward_names))
+        if isinstance(env.unwrapped, NativeVecEnv | MixtureVecEnv):
+            self._name_terms(reward_keys(env.unwrapped.reward_names))
         self.begin()
         self.logger.output_formats += [one for one in self._trackers if one not in self.logger.output_formats]
 
@@ -123,7 +124,7 @@ class LogCallback(BaseCallback):
     def _add(self, infos: list[dict[str, Any]], ended: Ints) -> None:
         """Add what the terms paid in the latest step."""
         env = self.training_env.unwrapped
-        if not isinstance(env, NativeVecEnv):
+        if not isinstance(env, NativeVecEnv | MixtureVecEnv):
             self._sums += [[info[key] for key in self._keys] for info in infos]
             return
         paid = env.reward_terms()

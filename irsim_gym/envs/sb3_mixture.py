@@ -12,7 +12,7 @@ from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Bytes, Flags, Rays
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.sb3_base import Indices, NativeVecEnv
 from irsim_gym.envs.spaces import Observation
@@ -125,6 +125,21 @@ class MixtureVecEnv(VecEnv):
             for slot in ended.nonzero()[0].tolist():
                 told[slot]["scenario"] = name
         return _stacked(seen), np.concatenate(rewards), np.concatenate(dones), [one for told in infos for one in told]
+
+    @property
+    def reward_names(self) -> tuple[str, ...]:
+        """Names of the reward terms of all scenarios, the columns of ``reward_terms``."""
+        return tuple(dict.fromkeys(name for batch in self._batches for name in batch.reward_names))
+
+    def reward_terms(self) -> Floats:
+        """Return what each term paid in the latest step, ``(n_envs, n_terms)``; 0 for terms that a scenario lacks."""
+        names, paid = self.reward_names, []
+        for batch in self._batches:
+            columns = [names.index(name) for name in batch.reward_names]
+            rows = np.zeros((batch.num_envs, len(names)))
+            rows[:, columns] = batch.reward_terms()
+            paid.append(rows)
+        return np.concatenate(paid)
 
     def describe(self) -> dict[str, Description]:
         """Return the meaning of observations, actions, rewards, endings and infos in each batch, by name."""

@@ -23,7 +23,10 @@ def goals_per_minute(episodes: Episodes, world: int, agent: int) -> float:
 
     An agent that has not reached all of its goals counts as being busy until the time limit, also after a collision.
     """
+    reached = goals_reached(episodes, world, agent)
+    if math.isnan(reached):
+        return math.nan
     steps = int(episodes.view.infos["steps"][world, agent])
     has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
     counted = steps if has_finished else episodes.task.max_steps
-    return 60.0 * goals_reached(episodes, world, agent) / (counted * float(episodes.simulation.model.step_time[0]))
+    return 60.0 * reached / (counted * float(episodes.simulation.model.step_time[0]))

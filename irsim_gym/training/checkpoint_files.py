@@ -41,7 +41,7 @@ def newest_checkpoint(folder: Path) -> Path | None:
 
 def load_progress(checkpoint: Path) -> RunProgress:
     """Read how far a checkpoint is."""
-    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text()))
+    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text(encoding="utf-8")))
 
 
 def forget_state(checkpoint: Path) -> None:

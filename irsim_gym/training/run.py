@@ -205,7 +205,7 @@ class Run:
 
     def _also(self) -> Iterator[tuple[Path, Snapshot]]:
         """Yield the folders with copies of the further scenarios of a mixture, and what is in them."""
-        for one in json.loads(self.config.read_text())["copy"].get("also", ()):
+        for one in json.loads(self.config.read_text(encoding="utf-8"))["copy"].get("also", ()):
             found = read_snapshot(self.copy / one["folder"], one["file"])
             if found is None:
                 raise IrsimGymError(f"{self.copy / one['folder'] / one['file']} cannot be read")

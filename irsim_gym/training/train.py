@@ -99,9 +99,7 @@ def train(
     _check_engine(used, address, log)
     logged = log_of(run, settings, log, goes_on=goes_on)
     model, progress = _model(used, newest, device, screen)
-    if not goes_on:
-        _begin(run, settings, now)
-    _tidy(run)
+    _begin(run, settings, now, goes_on=goes_on)
     try:
         _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
     finally:
@@ -117,11 +115,13 @@ def _close(model: BaseAlgorithm) -> None:
         env.close()
 
 
-def _begin(run: Run, settings: Settings, now: Snapshot) -> None:
-    """Write down the settings, in place of what another run left in the folder."""
-    if run.exists():
+def _begin(run: Run, settings: Settings, now: Snapshot, *, goes_on: bool) -> None:
+    """Write down the settings, in place of what another run left in the folder, unless the run goes on."""
+    if run.exists() and not goes_on:
         run.clear()
-    run.begin(settings, now)
+    if not goes_on:
+        run.begin(settings, now)
+    _tidy(run)
 
 
 def _learn_with(settings: Settings, address: str | None, logged: LogCallback) -> Callable[..., None]:

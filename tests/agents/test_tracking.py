@@ -15,6 +15,7 @@ from command_line import run as command
 from test_train import interrupt, settings
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.tracking import begin_log
 from irsim_gym.training.train import TrainingInterruptedError, train
 
 __all__ = ["interrupt"]  # a fixture
@@ -65,7 +66,7 @@ def test_an_interrupted_run_goes_on_at_the_service(
     assert (wandb.begun[1]["id"], wandb.begun[1]["resume"], wandb.begun[1]["project"]) == ("abc", "allow", None)
     assert (wandb.finished, wandb.steps[-1]) == (2, 512)
     assert (run.folder / "tracking.json").is_file()
-    monkeypatch.setattr(sys.modules[TrainingInterruptedError.__module__], "_learn", lambda *_: None)
+    monkeypatch.setattr(sys.modules[train.__module__], "_learn", lambda *_, logged: begin_log(run, logged))
     train(settings(), run.folder, overwrite=True, log=["wandb"])  # a new run there too
     assert "id" not in wandb.begun[2]
     run.clear()

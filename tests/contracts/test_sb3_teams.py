@@ -187,7 +187,7 @@ def test_types_and_fresh_arrays(respawn):
                 assert type(info["TimeLimit.truncated"]) is bool
         results.append((observations, rewards, dones, infos))
     arrays = [list(arrays_in(result)) for result in results]
-    live = [*arrays_in(vars(env.worlds.episodes.view)), env.batch._seen, env.acted, env.acting]
+    live = [*arrays_in(vars(env.worlds.episodes.view)), *arrays_in(vars(env.batch.last_seen)), env.acted, env.acting]
     for k, mine in enumerate(arrays):
         others = [array for result in arrays[k + 1 :] for array in result] + live
         assert not any(np.shares_memory(one, other) for one in mine for other in others)
