@@ -75,7 +75,7 @@ def test_a_workflow_may_do_only_what_it_says(workflow: Path) -> None:
 
 def test_workflows_call_what_there_is() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    targets = set(re.findall(r"^([a-z-]+):", makefile, re.MULTILINE)) | {"docs"}  # of the site
+    targets = set(re.findall(r"^([a-z-]+):", makefile, re.MULTILINE))  # of the site
     extras = set(project()["optional-dependencies"])
     called = [command for workflow in WORKFLOWS for command in commands(workflow)]
     words = {word for command in called if command.startswith("make ") for word in command.split()[1:]}
