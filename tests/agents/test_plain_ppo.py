@@ -88,4 +88,4 @@ def test_the_command_trains_evaluates_and_writes_the_weights(script, tmp_path, m
 @pytest.mark.slow
 def test_it_learns_cluttered_room(script):
     found = irsim_gym.evaluate("cluttered_room", script["train"]("cluttered_room", seed=1), references=False)
-    assert found.summaries[0].success.value > 0.96
+    assert found.summaries[0].success.value > 0.95
