@@ -52,7 +52,8 @@ def draw(name: str, file: Path, folder: Path) -> None:
     newest = max(file.stat().st_mtime, _newest_drawing())
     if film.is_file() and picture.is_file() and min(picture.stat().st_mtime, film.stat().st_mtime) > newest:
         return
-    film.parent.mkdir(parents=True, exist_ok=True)
+    for place in (folder, film.parent):
+        place.mkdir(parents=True, exist_ok=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # files of IR-SIM's warn when they are loaded; check is there to tell
         level(name).save(picture, optimize=True)

@@ -28,6 +28,7 @@ from irsim_gym.training.cards import CardResult, PolicyCard, card_file
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.evaluate_teams import evaluate_team_policies
+from irsim_gym.training.exporting import MEASURED
 from irsim_gym.training.fine_tuning import load_origin
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.policies import SavedPolicy, UnfitPolicyError, load_policy, policy_digest, policy_names
@@ -60,10 +61,13 @@ def card(name: str) -> PolicyCard:
 
 
 def figures(name: str, result: CardResult, levels: int) -> Any:
-    """Return the share of levels that a policy solves under the conditions of one of its card's figures."""
+    """Return the share of levels that a policy solves under the conditions of one of its card's figures.
+
+    What ``export`` plays itself ends as in training; tables of ``evaluate`` are by the scenario's own task.
+    """
     chosen: dict[str, Any] = {"levels": levels, "split": result.split, "references": False}
     where = card(name).scenario
-    chosen |= {"parameters": result.parameters, "task": where.task}
+    chosen |= {"parameters": result.parameters, "task": where.task if result.source == MEASURED else None}
     if result.team:
         return evaluate_team_policies(where.name, [name], **chosen).summaries[0].cooperative_success
     return evaluate_policies(where.name, [name], **chosen).summaries[0].success
