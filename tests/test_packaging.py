@@ -144,14 +144,14 @@ def test_an_index_accepts_both(built: Path) -> None:
 
 
 def test_the_wheel_stays_small(built: Path) -> None:
-    """Two thirds are certificates of levels, policies and pictures, which are compressed already (decision 230)."""
+    """Two thirds are certificates of levels, policies and pictures, which are compressed already (decision 232)."""
     (wheel,) = built.glob("*.whl")
     assert wheel.stat().st_size < 3.8e6
 
 
 @pytest.mark.slow
 def test_a_bare_environment_needs_nothing_else(built: Path, tmp_path: Path) -> None:
-    """With the dependencies that the wheel names, and nothing of the present environment."""
+    """With the dependencies that the wheel names, and nothing of the present environment: no PyTorch."""
     _run(sys.executable, "-m", "venv", str(tmp_path / "bare"))
     python = str(_python(tmp_path / "bare"))
     (wheel,) = built.glob("*.whl")
@@ -163,8 +163,11 @@ def test_a_bare_environment_needs_nothing_else(built: Path, tmp_path: Path) -> N
     _run(command, "doctor", cwd=tmp_path)
     _run(command, "new", "first.yaml", cwd=tmp_path)
     _run(command, "check", "first.yaml", cwd=tmp_path, most_s=600)
-    _run(command, "train", "first.yaml", "--steps", "2000", "--dev-levels", "10", cwd=tmp_path, most_s=900)
-    assert (tmp_path / "runs" / "first-ppo-0-steps=2000" / "policy.zip").is_file()
+    _run(command, "evaluate", "cluttered_room", "cluttered_room", "--levels", "8", cwd=tmp_path, most_s=600)
+    train = [command, "train", "first.yaml"]
+    refused = subprocess.run(train, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert refused.returncode == 1
+    assert 'pip install "irsim_gym[train]"' in refused.stderr
 
 
 def test_wheel_and_sdist_describe_the_package_alike(built: Path) -> None:
