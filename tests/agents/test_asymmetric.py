@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +26,12 @@ from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.exported_network import export_network
 from irsim_gym.training.hyperparameters import Hyperparameters
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import new_model
-from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.shelf import ShelfPolicy
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import train
 
 QUIET = Console(file=io.StringIO())
 PPO: dict[str, Any] = {
@@ -69,17 +70,9 @@ def settings(task: str, algorithm: str = "ppo", scenario: str = "cluttered_room"
     return Settings(scenario, algorithm, 3, task, Hyperparameters.from_plain({**PPO, **own}))
 
 
-def interrupted(asked: Settings, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+def interrupted(asked: Settings, folder: Path, interrupt: Callable[[int, int], None]) -> Run:
     """Train, with an interruption in the midst of it."""
-    original, sent = TrainingMonitor._on_step, []
-
-    def on_step(self: TrainingMonitor) -> bool:
-        if not sent and self.num_timesteps > 200:
-            sent.append(True)
-            signal.raise_signal(signal.SIGINT)
-        return original(self)
-
-    monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
+    interrupt(200, signal.SIGINT)
     with pytest.raises(TrainingInterruptedError):
         train(asked, folder, console=QUIET)
     torch.manual_seed(99)
@@ -102,11 +95,11 @@ def weights(run: Run) -> torch.Tensor:
     ],
 )
 def test_a_resumed_run_equals_an_uninterrupted_one(
-    task: str, scenario: str, own: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    task: str, scenario: str, own: dict[str, Any], tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
     asked = settings(task, scenario=scenario, **own)
     whole = train(asked, tmp_path / "whole", console=QUIET)
-    assert torch.equal(weights(whole), weights(interrupted(asked, tmp_path / "parts", monkeypatch)))
+    assert torch.equal(weights(whole), weights(interrupted(asked, tmp_path / "parts", interrupt)))
 
 
 @pytest.mark.parametrize("own", [{}, {"normalize": True}])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,12 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.exported_network import export_network
 from irsim_gym.training.exporting import export
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import new_model
-from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.shelf import ShelfPolicy, read_policy
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import train
 
 QUIET = Console(file=io.StringIO())
 GRU: dict[str, Any] = {
@@ -218,19 +219,11 @@ def test_minibatches_hold_each_row_once() -> None:
     ],
 )
 def test_a_resumed_run_equals_an_uninterrupted_one(
-    scenario: str, own: dict[str, Any], task: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scenario: str, own: dict[str, Any], task: str, tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
     asked = settings(scenario, task if own.pop("critic", False) else None, **own)
     whole = train(asked, tmp_path / "whole", console=QUIET)
-    original, sent = TrainingMonitor._on_step, []
-
-    def on_step(self: TrainingMonitor) -> bool:
-        if not sent and self.num_timesteps > 300:
-            sent.append(True)
-            signal.raise_signal(signal.SIGINT)
-        return original(self)
-
-    monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
+    interrupt(300, signal.SIGINT)
     with pytest.raises(TrainingInterruptedError):
         train(asked, tmp_path / "parts", console=QUIET)
     torch.manual_seed(99)

@@ -6,6 +6,7 @@ import io
 import json
 import pickle
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +22,13 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.mixture import MixturePart, read_part, shared_worlds
-from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import point_in, together
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import train
 
 QUIET = Console(file=io.StringIO())
 PPO: dict[str, Any] = {
@@ -149,21 +150,13 @@ def weights(run: Run) -> torch.Tensor:
     return torch.cat([value.flatten() for value in model.policy.state_dict().values()])
 
 
-def test_a_resumed_mixture_equals_an_uninterrupted_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_resumed_mixture_equals_an_uninterrupted_one(tmp_path: Path, interrupt: Callable[[int, int], None]) -> None:
     asked = settings(normalize=True)
     env: Any = build_environment(asked)
     assert [part.num_envs for part in env.unwrapped.parts.values()] == [2, 4]
     env.close()
     whole = train(asked, tmp_path / "whole", console=QUIET)
-    original, sent = TrainingMonitor._on_step, []
-
-    def on_step(self: TrainingMonitor) -> bool:
-        if not sent and self.num_timesteps > 300:
-            sent.append(True)
-            signal.raise_signal(signal.SIGINT)
-        return original(self)
-
-    monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
+    interrupt(300, signal.SIGINT)
     with pytest.raises(TrainingInterruptedError):
         train(asked, tmp_path / "parts", console=QUIET)
     assert Run(tmp_path / "parts").settings() == asked

@@ -12,13 +12,12 @@ from typing import Any
 
 import pytest
 from command_line import run as command
-from test_train import interrupt, settings
+from test_train import settings
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.tracking import begin_log
-from irsim_gym.training.train import TrainingInterruptedError, train
-
-__all__ = ["interrupt"]  # a fixture
+from irsim_gym.training.train import train
 
 
 class StandIn:

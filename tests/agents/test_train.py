@@ -20,7 +20,6 @@ from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress,
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import algorithm_class
-from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings, environment_id, scenario_name
 from irsim_gym.training.train import train
@@ -57,24 +56,6 @@ def assert_equal_weights(one: Run, other: Run) -> None:
     assert first.keys() == second.keys()
     for name, value in first.items():
         assert torch.equal(value, second[name]), name
-
-
-@pytest.fixture
-def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
-    """Send this process a signal when a rollout begins after so many steps."""
-
-    def arrange(steps: int, number: int) -> None:
-        original, sent = TrainingMonitor._on_step, []
-
-        def on_step(self: TrainingMonitor) -> bool:
-            if not sent and self.num_timesteps > steps:
-                sent.append(True)
-                os.kill(os.getpid(), number)
-            return original(self)
-
-        monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
-
-    return arrange
 
 
 def in_parts(asked: Settings, folder: Path, interrupt: Callable[[int, int], None]) -> Run:

@@ -3,6 +3,7 @@
 import json
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,6 @@ from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import algorithm_class
-from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.train import train
 
@@ -80,19 +80,11 @@ def weights(run: Run) -> torch.Tensor:
     ],
 )
 def test_a_resumed_team_run_equals_an_uninterrupted_one(
-    scenario: str, algorithm: str, team: str, own: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scenario: str, algorithm: str, team: str, own: dict[str, Any], tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
     asked = settings(scenario, algorithm, team, **own)
     whole = train(asked, tmp_path / "whole")
-    original, sent = TrainingMonitor._on_step, []
-
-    def on_step(self: TrainingMonitor) -> bool:
-        if not sent and self.num_timesteps > 400:
-            sent.append(True)
-            signal.raise_signal(signal.SIGINT)
-        return original(self)
-
-    monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
+    interrupt(400, signal.SIGINT)
     with pytest.raises(TrainingInterruptedError):
         train(asked, tmp_path / "parts")
     parts = Run(tmp_path / "parts")
