@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,14 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.envs.observations import concatenated, on_each
 from irsim_gym.envs.spaces import Observation
-
-
-def on_each(observation: Observation, change: Callable[[NDArray[Any]], Any]) -> Any:
-    """Return what a function makes of an observation's array, or of each of them."""
-    if isinstance(observation, dict):
-        return {name: change(array) for name, array in observation.items()}
-    return change(observation)
 
 
 @dataclass(frozen=True)
@@ -72,7 +66,7 @@ class Fragment:
         following = on_each(self.following, lambda array: array[before : before + int(cut.sum())])
         if len(cut) and not (cut[-1] or self.terminated[stop - 1]):
             cut[-1] = True
-            following = _joined([following, on_each(self.observation, lambda array: array[stop : stop + 1])])
+            following = concatenated([following, on_each(self.observation, lambda array: array[stop : stop + 1])])
         return replace(
             self,
             observation=on_each(self.observation, lambda array: array[chosen]),
@@ -87,22 +81,15 @@ COLUMNS = ("action", "log_probability", "distribution", "reward", "terminated")
 """Arrays of a fragment with a row for each step, beside observations and cuts."""
 
 
-def _joined(parts: Sequence[Any]) -> Any:
-    """Return observations one after the other."""
-    if isinstance(parts[0], dict):
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    return np.concatenate(parts)
-
-
 def joined(fragments: Sequence[Fragment]) -> Fragment:
     """Return fragments one after the other, as one."""
     if len(fragments) == 1:
         return fragments[0]
     return Fragment(
-        observation=_joined([one.observation for one in fragments]),
+        observation=concatenated([one.observation for one in fragments]),
         **{name: np.concatenate([getattr(one, name) for one in fragments]) for name in COLUMNS},
         cut=np.concatenate([one.cut for one in fragments]),
-        following=_joined([one.following for one in fragments]),
+        following=concatenated([one.following for one in fragments]),
         steps=sum(one.steps for one in fragments),
     )
 
@@ -185,7 +172,9 @@ class FragmentWriter:
         chosen = {name: array if acted.all() else array[acted] for name, array in flat.items()}
         seen: Any = {name: chosen.pop(f"seen/{name}") for name in self._parts or ("",)}
         order = np.argsort(place)
-        after = _joined([part for _, _, part in self._cuts]) if places else on_each(_lone(seen), lambda one: one[:0])
+        after = (
+            concatenated([part for _, _, part in self._cuts]) if places else on_each(_lone(seen), lambda one: one[:0])
+        )
         return Fragment(
             observation=_lone(seen),
             **chosen,

@@ -17,6 +17,7 @@ from irsim_gym.arraytypes import Bytes, Rays
 from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.moment import Bodies
+from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation, ObservationLayout, action_space, observation_layout, observation_space
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
@@ -364,6 +365,5 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
 def _zeros_like(observation: Observation) -> Observation:
     """Return what is perceived of an agent that has ended."""
-    if isinstance(observation, dict):
-        return {name: np.zeros_like(values) for name, values in observation.items()}
-    return np.zeros_like(observation)
+    zeros: Observation = on_each(observation, np.zeros_like)
+    return zeros

@@ -16,7 +16,8 @@ from ray.rllib.core.learner.training_data import TrainingData
 from ray.rllib.evaluation.postprocessing import Postprocessing
 from ray.rllib.policy.sample_batch import MultiAgentBatch, SampleBatch
 
-from irsim_gym.envs.fragments import Fragment, advantages, joined, on_each
+from irsim_gym.envs.fragments import Fragment, advantages, joined
+from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.spaces import Observation
 
 

@@ -20,7 +20,8 @@ from ray.rllib.utils import metrics as names
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.envs.batch import Batch
-from irsim_gym.envs.fragments import Fragment, FragmentWriter, on_each
+from irsim_gym.envs.fragments import Fragment, FragmentWriter
+from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import Worlds
 

@@ -18,6 +18,7 @@ from stable_baselines3.common.utils import obs_as_tensor
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.sb3_buffers import COLUMNS, keep_experience_in, team_below
 from irsim_gym.envs.sb3_memory import GruPolicy, Sequences
 
@@ -99,10 +100,9 @@ class GruPPO(PPO):
         cut = [slot for slot in dones.nonzero()[0].tolist() if infos[slot].get("TimeLimit.truncated", False)]
         if not cut:
             return
-        last = [infos[slot]["terminal_observation"] for slot in cut]
-        stacked: Any = np.stack(last) if not isinstance(last[0], dict) else _stacked(last)
+        last = concatenated([infos[slot]["terminal_observation"] for slot in cut], np.stack)
         with torch.no_grad():
-            obs = self.policy.obs_to_tensor(stacked)[0]
+            obs = self.policy.obs_to_tensor(last)[0]
             values = self.policy.predict_values(obs, self.last_memory[:, cut], torch.zeros(len(cut)).to(self.device))
         rewards[cut] += self.gamma * values.cpu().numpy()[:, 0]
 
@@ -239,7 +239,3 @@ def _samples(buffer: Any, rows: Ints, sequences: Sequences) -> RolloutBufferSamp
     values, log_probs, advantages, returns = (getattr(buffer, name)[rows].flatten() for name in COLUMNS[1:])
     columns: Any = map(buffer.to_torch, (actions, values, log_probs, advantages, returns))
     return RolloutBufferSamples(sequences, *columns)  # type: ignore[arg-type]
-
-
-def _stacked(observations: Sequence[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
-    return {name: np.stack([one[name] for one in observations]) for name in observations[0]}

@@ -14,6 +14,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
 from irsim_gym.envs.description import Description
+from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.sb3_base import Indices, NativeVecEnv
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.errors import IrsimGymError
@@ -103,8 +104,8 @@ class MixtureVecEnv(VecEnv):
         for batch in self._batches:
             batch.statistics_asked = self.statistics_asked
         self.statistics_asked = False
-        first: Any = [batch.reset() for batch in self._batches]
-        return _stacked(first)
+        first: Observation = concatenated([batch.reset() for batch in self._batches])  # type: ignore[misc]
+        return first
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Take the actions ``(n_slots, ...)`` for the next ``step_wait``."""
@@ -124,7 +125,12 @@ class MixtureVecEnv(VecEnv):
         for name, ended, told in zip(self.parts, dones, infos, strict=True):
             for slot in ended.nonzero()[0].tolist():
                 told[slot]["scenario"] = name
-        return _stacked(seen), np.concatenate(rewards), np.concatenate(dones), [one for told in infos for one in told]
+        return (
+            concatenated(seen),
+            np.concatenate(rewards),
+            np.concatenate(dones),
+            [one for told in infos for one in told],
+        )
 
     @property
     def reward_names(self) -> tuple[str, ...]:
@@ -201,14 +207,6 @@ class MixtureVecEnv(VecEnv):
         """Yield batches with their part of what is given slot by slot, or all of it."""
         for batch, start, end in zip(self._batches, self._starts, self._ends, strict=True):
             yield batch, given[start:end] if isinstance(given, list) else given
-
-
-def _stacked(observations: Sequence[Observation]) -> Observation:
-    """Return observations of several batches as those of one."""
-    first = observations[0]
-    if isinstance(first, dict):
-        return {name: np.concatenate([one[name] for one in observations]) for name in first}
-    return np.concatenate(observations)  # type: ignore[arg-type]
 
 
 def _joined(spaces: Sequence[Any]) -> Space[Any]:

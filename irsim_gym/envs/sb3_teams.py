@@ -18,6 +18,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.envs.batch import Batch, BatchStep
 from irsim_gym.envs.infos import reward_keys
+from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import MaskedDictReplayBuffer, MaskedReplayBuffer, team_below
 from irsim_gym.envs.spaces import Observation
@@ -250,13 +251,10 @@ class TeamVecEnv(NativeVecEnv):
 
     def _slots(self, observation: Observation) -> Observation:
         """Return observations with one axis for all slots."""
-        if isinstance(observation, dict):
-            return {name: values.reshape(self.num_envs, *values.shape[2:]) for name, values in observation.items()}
-        return observation.reshape(self.num_envs, *observation.shape[2:])
+        slots: Observation = on_each(observation, lambda values: values.reshape(self.num_envs, *values.shape[2:]))
+        return slots
 
     def _one(self, observation: Observation, slot: int) -> Observation:
         w, a = divmod(slot, self.n_agents)
-        if isinstance(observation, dict):
-            return {name: values[w, a].copy() for name, values in observation.items()}
-        row: NDArray[Any] = observation[w, a].copy()
+        row: Observation = on_each(observation, lambda values: values[w, a].copy())
         return row

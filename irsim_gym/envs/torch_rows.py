@@ -13,7 +13,7 @@ from torch import Tensor
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.envs.batch import Batch
-from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.vector import WorldVectorEnv
 from irsim_gym.errors import IrsimGymError
 
@@ -73,7 +73,7 @@ class TorchRows:
             seen = [worlds.layout.shared(part, place) for part in (worlds.episodes.view.percepts, self.batch.last_seen)]
         except ValueError as error:
             raise IrsimGymError(f"torch_rows needs an observation_form that is not 'goal': {error}") from None
-        self._observation, self._final = map(_tensors, seen)
+        self._observation, self._final = (on_each(part, torch.from_numpy) for part in seen)
         self._action_shape = (*self._reward[place].shape, *(self.batch.action_space.shape or ()))
         self._paid = torch.from_numpy(self._reward[place])
         self._marks = {name: torch.from_numpy(flags[place]) for name, flags in self._flags.items()}
@@ -153,7 +153,8 @@ class TorchRows:
         )
 
     def _shown(self, seen: TensorObservation) -> TensorObservation:
-        return {name: self._moved(part) for name, part in seen.items()} if isinstance(seen, dict) else self._moved(seen)
+        shown: TensorObservation = on_each(seen, self._moved)
+        return shown
 
     def _moved(self, tensor: Tensor) -> Tensor:
         return tensor if self.device is None else tensor.to(self.device, copy=True)
@@ -170,11 +171,3 @@ def _batch_of(env: WorldVectorEnv | Batch) -> Batch:
     if env.autoreset_mode is AutoresetMode.NEXT_STEP:
         raise IrsimGymError("torch_rows needs make_vec(..., autoreset_mode='SameStep') or 'Disabled', got 'NextStep'")
     return Batch(env.worlds, autoreset=env.autoreset_mode is AutoresetMode.SAME_STEP)
-
-
-def _tensors(seen: Observation) -> TensorObservation:
-    return (
-        {name: torch.from_numpy(part) for name, part in seen.items()}
-        if isinstance(seen, dict)
-        else (torch.from_numpy(seen))
-    )

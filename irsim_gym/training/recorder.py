@@ -13,6 +13,7 @@ from rich.progress import Progress
 
 import irsim_gym
 from irsim_gym.arraytypes import Flags
+from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.tasks import Outcome
@@ -99,7 +100,7 @@ class Recorder:
     def _all(self) -> Demonstrations:
         parts = [*([] if self._earlier is None else [self._earlier]), _demonstrations(self._episodes, self.about)]
         names = [name for name in Demonstrations.__dataclass_fields__ if name != "about"]
-        joined = {name: _concatenated([getattr(part, name) for part in parts]) for name in names}
+        joined = {name: concatenated([getattr(part, name) for part in parts]) for name in names}
         return Demonstrations(**joined, about=self.about)
 
     def _check(self, about: Mapping[str, object]) -> None:
@@ -217,30 +218,18 @@ def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> D
     """Return episodes as arrays; one that has not ended is cut off."""
     discrete = about["action_space"]["kind"] == "Discrete"
     return Demonstrations(
-        observations=_concatenated([_stacked(one.observations[:-1]) for one in episodes]),
+        observations=concatenated([concatenated(one.observations[:-1], np.stack) for one in episodes]),
         actions=np.concatenate([one.actions for one in episodes]).astype(np.int64 if discrete else np.float32),
         rewards=np.concatenate([one.rewards for one in episodes]).astype(np.float64),
         terminations=np.concatenate([one.marked(-1, one.terminated) for one in episodes]),
         truncations=np.concatenate([one.marked(-1, not one.terminated) for one in episodes]),
         episode_starts=np.concatenate([one.marked(0) for one in episodes]),
         by_hand=np.concatenate([one.by_hand for one in episodes]).astype(np.bool_),
-        final_observations=_stacked([one.observations[-1] for one in episodes]),
+        final_observations=concatenated([one.observations[-1] for one in episodes], np.stack),
         levels=np.array([one.level for one in episodes], np.int64),
         outcomes=np.array([one.outcome for one in episodes], np.int64),
         about=about,
     )
-
-
-def _stacked(rows: Sequence[Any]) -> Observations:
-    if isinstance(rows[0], dict):
-        return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    return np.stack(rows)
-
-
-def _concatenated(parts: Sequence[Any]) -> Any:
-    if isinstance(parts[0], dict):
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    return np.concatenate(parts)
 
 
 def _about(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
