@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -42,6 +43,12 @@ def newest_checkpoint(folder: Path) -> Path | None:
 def load_progress(checkpoint: Path) -> RunProgress:
     """Read how far a checkpoint is."""
     return RunProgress(**json.loads((checkpoint / PROGRESS).read_text(encoding="utf-8")))
+
+
+def remove_partial(folder: Path) -> None:
+    """Remove checkpoints that a killed process left half written."""
+    for unfinished in folder.glob(f"{PARTIAL}*"):
+        shutil.rmtree(unfinished)
 
 
 def forget_state(checkpoint: Path) -> None:

@@ -21,6 +21,16 @@ class TrainingInterruptedError(IrsimGymError):
         self.signal = number
 
 
+def stopped_early(steps: int, number: int) -> TrainingInterruptedError:
+    """Return the error of a run that a signal stopped after so many steps."""
+    return TrainingInterruptedError(f"stopped after {steps:,} steps; nothing is lost", number)
+
+
+def stopped_at_end(steps: int, number: int) -> TrainingInterruptedError:
+    """Return the error of a run that a signal stopped when it had taken all steps."""
+    return TrainingInterruptedError(f"stopped after all {steps:,} steps; the run is finished", number)
+
+
 @contextmanager
 def ctrl_c_told(message: str) -> Iterator[None]:
     """Turn Ctrl-C, where nothing else listens to it, into an error with this message.

@@ -12,8 +12,10 @@ from types import FrameType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
 from irsim_gym.training.checkpoint_files import RunProgress
+from irsim_gym.training.run import Run
 
 LOG_ROWS = 200
 
@@ -69,6 +71,11 @@ class Clock:
             return self._before
         wall, cpu = time.perf_counter() - self._start[0], time.process_time() - self._start[1]
         return self._before[0] + wall, self._before[1] + cpu
+
+
+def tensorboard_logger(run: Run) -> Logger:
+    """Return the logger of a run, which writes for TensorBoard."""
+    return Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))])
 
 
 class TrainingBar:

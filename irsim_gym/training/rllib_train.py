@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -14,15 +13,14 @@ from ray.rllib.algorithms.algorithm import Algorithm
 from ray.rllib.core import DEFAULT_MODULE_ID
 from rich.console import Console
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.rllib import CPU_SECONDS, SUCCESS
 from irsim_gym.training import checkpoint as files
-from irsim_gym.training.checkpoint_files import PARTIAL, RunProgress
+from irsim_gym.training.checkpoint_files import RunProgress, remove_partial
 from irsim_gym.training.engines import Engine
-from irsim_gym.training.interruption import TrainingInterruptedError
-from irsim_gym.training.monitoring import LOG_ROWS, Clock, StopRequest, TrainingBar
+from irsim_gym.training.interruption import stopped_at_end, stopped_early
+from irsim_gym.training.monitoring import LOG_ROWS, Clock, StopRequest, TrainingBar, tensorboard_logger
 from irsim_gym.training.ray_session import ray_session
 from irsim_gym.training.rllib_config import make_config
 from irsim_gym.training.rllib_module import module_state
@@ -41,7 +39,7 @@ def learn(
     progress: RunProgress,
     newest: Path | None,
     console: Console,
-    on_checkpoint: Callable[[Run], None] | None,
+    on_checkpoint: Callable[[Run], object] | None,
     address: str | None,
 ) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint.
@@ -62,8 +60,7 @@ def learn(
     """
     assert settings.engine is not None
     engine = settings.engine.chosen(settings.hyperparameters.n_envs)
-    for partial in run.checkpoints.glob(f"{PARTIAL}*"):
-        shutil.rmtree(partial)
+    remove_partial(run.checkpoints)
     with ray_session(address, 1 + (engine.workers or 0) + (engine.learner_gpus or 0)):
         algorithm = _algorithm(settings, engine, model, progress, newest)
         try:
@@ -118,10 +115,9 @@ class Learning:
         self._bar = TrainingBar(self.progress, wanted.n_timesteps, self.console)
         self._success: float | None = None
         self._sampling_seconds = 0.0
-        folder = str(self.run.folder)
-        self._logger = Logger(folder, [TensorBoardOutputFormat(f"{folder}/tensorboard")])
+        self._logger = tensorboard_logger(self.run)
 
-    def go_on(self, stop: StopRequest, on_checkpoint: Callable[[Run], None] | None) -> None:
+    def go_on(self, stop: StopRequest, on_checkpoint: Callable[[Run], object] | None) -> None:
         """Learn until all steps are taken, or a signal asks to stop.
 
         Raises:
@@ -140,8 +136,7 @@ class Learning:
                     self._save()
                     following = (progress.steps // wanted.checkpoint_every + 1) * wanted.checkpoint_every
                 if stop.signal is not None and progress.steps < wanted.n_timesteps:
-                    message = f"stopped after {progress.steps:,} steps; nothing is lost"
-                    raise TrainingInterruptedError(message, stop.signal)
+                    raise stopped_early(progress.steps, stop.signal)
                 if is_due and on_checkpoint is not None:
                     self._clock.stop()
                     on_checkpoint(self.run)
@@ -154,8 +149,7 @@ class Learning:
         self._bar.tell(progress, self._success)
         files.export_policy(self.run.policy, self.model)
         if stop.signal is not None:
-            message = f"stopped after all {progress.steps:,} steps; the run is finished"
-            raise TrainingInterruptedError(message, stop.signal)
+            raise stopped_at_end(progress.steps, stop.signal)
 
     def _iterate(self) -> None:
         """Take the steps of one iteration; wait for workers that are started again.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -12,7 +11,6 @@ import torch
 from rich.console import Console
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
@@ -21,20 +19,20 @@ from irsim_gym.sb3 import LogCallback
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
-    PARTIAL,
     RunProgress,
     list_checkpoints,
     load_progress,
     newest_checkpoint,
+    remove_partial,
 )
 from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import take_weights
 from irsim_gym.training.folders import replaceable, setting_differences
-from irsim_gym.training.interruption import TrainingInterruptedError
+from irsim_gym.training.interruption import stopped_at_end, stopped_early
 from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
-from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor
+from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import TRACKING, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
@@ -56,7 +54,7 @@ def train(
     overwrite: bool = False,
     device: str | None = None,
     console: Console | None = None,
-    on_checkpoint: Callable[[Run], None] | None = None,
+    on_checkpoint: Callable[[Run], object] | None = None,
     address: str | None = None,
     log: Sequence[str] = (),
 ) -> Run:
@@ -193,7 +191,7 @@ def _learn(
     progress: RunProgress,
     newest: Path | None,
     console: Console,
-    on_checkpoint: Callable[[Run], None] | None,
+    on_checkpoint: Callable[[Run], object] | None,
     *,
     logged: LogCallback,
 ) -> None:
@@ -201,9 +199,8 @@ def _learn(
     begin_log(run, logged)
     curriculum = curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
-    for unfinished in run.checkpoints.glob(f"{PARTIAL}*"):
-        shutil.rmtree(unfinished)
-    model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
+    remove_partial(run.checkpoints)
+    model.set_logger(tensorboard_logger(run))
 
     def save() -> Path:
         levels = None if curriculum is None else curriculum.levels
@@ -224,9 +221,7 @@ def _learn(
             watch.note()
         except StopLearningError:
             assert stop.signal is not None
-            raise TrainingInterruptedError(
-                f"stopped after {progress.steps:,} steps; nothing is lost", stop.signal
-            ) from None
+            raise stopped_early(progress.steps, stop.signal) from None
         finally:
             watch.finish()
             model.logger.close()
@@ -236,7 +231,7 @@ def _learn(
             write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)
     if stop.signal is not None:
-        raise TrainingInterruptedError(f"stopped after all {progress.steps:,} steps; the run is finished", stop.signal)
+        raise stopped_at_end(progress.steps, stop.signal)
 
 
 def _write_log(run: Run, progress: RunProgress) -> None:
