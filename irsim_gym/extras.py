@@ -21,11 +21,6 @@ EXTRAS = MappingProxyType(
 """The modules that each extra brings and that this package imports."""
 
 
-def is_installed(extra: str) -> bool:
-    """Return whether all that an extra brings can be imported."""
-    return not missing(extra)
-
-
 def missing(extra: str) -> tuple[str, ...]:
     """Return the modules of an extra that are not installed."""
     return tuple(module for module in EXTRAS[extra] if find_spec(module) is None)

@@ -11,7 +11,7 @@ from stable_baselines3.common.policies import MultiInputActorCriticPolicy
 from stable_baselines3.common.torch_layers import MlpExtractor
 from stable_baselines3.common.type_aliases import PyTorchObs
 
-from irsim_gym.envs.critic_parts import actor_parts, lone_name
+from irsim_gym.envs.sb3_critic_parts import actor_parts, lone_name
 
 
 class AsymmetricPolicy(MultiInputActorCriticPolicy):

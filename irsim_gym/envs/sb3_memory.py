@@ -23,7 +23,7 @@ from stable_baselines3.common.type_aliases import PyTorchObs
 from torch import nn
 from torch.nn.utils.rnn import PackedSequence
 
-from irsim_gym.envs.critic_parts import actor_parts, has_critic_parts, lone_name
+from irsim_gym.envs.sb3_critic_parts import actor_parts, has_critic_parts, lone_name
 
 MEMORY_SIZE = 64
 

@@ -10,6 +10,7 @@ from typing import Any
 from stable_baselines3.common.logger import KVWriter
 
 from irsim_gym.errors import IrsimGymError, suggestion
+from irsim_gym.extras import pip_command
 
 LONGEST_PARAMETER = 500
 """Characters of a parameter that every server of MLflow takes."""
@@ -55,7 +56,7 @@ class WandbTracker(Tracker):
         run_id: str | None,
         settings: Mapping[str, Any],
     ) -> None:
-        wandb = _module("wandb", "wandb")
+        wandb = _module("wandb")
         self._opened = None
         self._run = wandb.run
         if self._run is None:
@@ -97,7 +98,7 @@ class MlflowTracker(Tracker):
         run_id: str | None,
         settings: Mapping[str, Any],
     ) -> None:
-        self._mlflow = _module("mlflow", "mlflow")
+        self._mlflow = _module("mlflow")
         active = self._mlflow.active_run()
         self._is_ours = active is None
         if active is None:
@@ -130,17 +131,18 @@ def find_tracker(name: str) -> type[WandbTracker | MlflowTracker]:
     """
     if name not in TRACKERS:
         raise IrsimGymError(f"no log named '{name}'{suggestion(name, TRACKERS)}; there are {' and '.join(TRACKERS)}")
-    _module(name, name)
+    _module(name)
     return TRACKERS[name]
 
 
-def _module(name: str, extra: str) -> Any:
+def _module(name: str) -> Any:
+    """Return the package of a service, whose extra has the same name."""
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
         if error.name != name:
             raise
-        raise IrsimGymError(f'the package {name} is not installed: pip install "irsim_gym[{extra}]"') from None
+        raise IrsimGymError(f"the package {name} is not installed: {pip_command(name)}") from None
 
 
 def _is_number(value: object) -> bool:

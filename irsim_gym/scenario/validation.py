@@ -56,6 +56,10 @@ class Report:
         self.ignored: dict[Problem, None] = dict.fromkeys(source.ignored)
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
+    def refuse_repeats(self) -> None:
+        """Report keys that stand twice in one mapping; scenarios take the last one with a warning instead."""
+        self.problems |= dict.fromkeys(problem for problem, _ in self.source.repeats)
+
     def add(self, place: Place, message: str) -> None:
         """Report a problem, once; after many the rest is left out."""
         if any(place[:n] in self.source.unknown for n in range(1, len(place) + 1)):

@@ -96,8 +96,6 @@ class Asked:
             replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._of_one(algorithm)
             for part in parts
         ]
-        if self.engine is not None:
-            raise IrsimGymError("--engine rllib trains in one scenario, not in a mixture: leave out one of them")
         if found[0].hyperparameters.curriculum is not None:
             raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
         mixed_up = perception_differences({one.scenario: perception_in(one) for one in found})
@@ -107,7 +105,9 @@ class Asked:
             )
         pairs = zip(parts, found, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
-        return replace(found[0], mixture=mixed)
+        settings = replace(found[0], mixture=mixed)
+        check_engine(settings)
+        return settings
 
     def _of_one(self, algorithm: str) -> Settings:
         named = lasting(scenario_name(self.scenario))

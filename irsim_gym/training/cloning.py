@@ -17,7 +17,7 @@ from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.critic_parts import actor_observation_space
+from irsim_gym.envs.sb3_critic_parts import actor_observation_space
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent, percepts

@@ -15,7 +15,7 @@ from stable_baselines3.common.torch_layers import CombinedExtractor, FlattenExtr
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
-from irsim_gym.envs.critic_parts import actor_observation_space, has_critic_parts, lone_name
+from irsim_gym.envs.sb3_critic_parts import actor_observation_space, has_critic_parts, lone_name
 from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.array_network import Options

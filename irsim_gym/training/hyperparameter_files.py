@@ -54,8 +54,7 @@ def read_hyperparameters(
     """
     source = read_file(file)
     report = Report(source)
-    for problem, _ in source.repeats:
-        report.problems[problem] = None
+    report.refuse_repeats()
     entries: dict[str, dict[str, Any]] = {}
     if isinstance(source.data, Mapping):
         for name, entry in source.data.items():

@@ -16,7 +16,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.envs.critic_parts import has_critic_parts
+from irsim_gym.envs.sb3_critic_parts import has_critic_parts
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, buffers_for
 from irsim_gym.training import checkpoint as files

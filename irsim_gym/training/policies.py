@@ -16,7 +16,7 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.critic_parts import actor_observation_space, for_actor, has_critic_parts, lone_name
+from irsim_gym.envs.sb3_critic_parts import actor_observation_space, for_actor, has_critic_parts, lone_name
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.perception import Perception, perception_from

@@ -190,8 +190,7 @@ def read_space(file: Path) -> SearchSpace:
     """
     source = read_file(file)
     report = Report(source)
-    for problem, _ in source.repeats:
-        report.problems[problem] = None
+    report.refuse_repeats()
     data = source.data if isinstance(source.data, Mapping) else {}
     parts = ("hyperparameters", "rewards")
     if not data or not isinstance(source.data, Mapping):

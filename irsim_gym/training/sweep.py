@@ -18,7 +18,7 @@ from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.ray_session import ray_session
 from irsim_gym.training.run import Run, lasting, scenario_name
-from irsim_gym.training.score import score_run
+from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.snapshot import take_snapshot
 from irsim_gym.training.sweep_file import Sweep, SweepTrial, read_sweep
 from irsim_gym.training.sweep_results import TABLE, read_result, show_sweep, write_result, write_sweep
@@ -183,10 +183,10 @@ def run_job(config: dict[str, Any]) -> None:
     import_modules(job["modules"])
     settings, run = Settings.from_plain(job["settings"]), Run(Path(job["place"]))
 
-    def report(run: Run) -> None:
+    def report(run: Run) -> Point:
         point = score_run(run, levels=job["dev_levels"], console=quiet, picture=False)[-1]
         tune.report({"success": point["success"], "steps": point["steps"]})
+        return point
 
     train(settings, run.folder, resume=run.exists(), console=quiet, on_checkpoint=report)
-    report(run)
-    write_result(run.folder, score_run(run, levels=job["dev_levels"], console=quiet, picture=False)[-1])
+    write_result(run.folder, report(run))

@@ -112,8 +112,7 @@ def read_sweep(file: Path) -> Sweep:
     """
     source = read_file(file)
     report = Report(source)
-    for problem, _ in source.repeats:
-        report.problems[problem] = None
+    report.refuse_repeats()
     data: Mapping[str, Any] = source.data if isinstance(source.data, Mapping) else {}
     if not data:
         report.add((), f"must be a mapping with the key 'scenario', got {show(source.data)}")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from gymnasium import Space
 from gymnasium.spaces import Dict
 
 from irsim_gym.tasks.transition import CRITIC
 
-Normalization = TypeVar("Normalization")
+if TYPE_CHECKING:
+    from stable_baselines3.common.vec_env import VecNormalize
 
 
 def has_critic_parts(space: Space[Any]) -> bool:
@@ -43,12 +44,11 @@ def lone_name(space: Space[Any]) -> str:
     return names[0]
 
 
-def for_actor(normalization: Normalization) -> Normalization:
+def for_actor(normalization: VecNormalize | None) -> VecNormalize | None:
     """Let a ``VecNormalize``, or None, normalise what an actor observes and no more. It can learn no more then."""
-    learned: Any = normalization
-    if learned is not None and has_critic_parts(learned.observation_space):
-        own = actor_parts(learned.observation_space).spaces
-        learned.norm_obs_keys = [name for name in learned.norm_obs_keys or () if name in own]
+    if normalization is not None and has_critic_parts(normalization.observation_space):
+        own = actor_parts(normalization.observation_space).spaces
+        normalization.norm_obs_keys = [name for name in normalization.norm_obs_keys or () if name in own]
     return normalization
 
 
