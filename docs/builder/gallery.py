@@ -79,9 +79,9 @@ def _page(name: str, file: Path, have: drawn.Pictures) -> str:
         parts.append(f"![A level of {name}]({name}.png)")
     if have.film:
         parts.append(
-            "The behaviours of the file drive in this film:\n\n```{raw} html\n"
+            f"{have.film}\n\n```{{raw}} html\n"
             f"<video src='../films/{name}.mp4' controls loop muted preload='metadata' "
-            f"aria-label='{name}, driven by its behaviours'></video>\n```"
+            f"aria-label='Film of {name}'></video>\n```"
         )
     parts.append(f'```python\nimport irsim_gym\n\nenv = irsim_gym.make("{name}")\n```')
     parts += [*_parameters(file), *_learned(name), *_rows(name), *_cards(name)]

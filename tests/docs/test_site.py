@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
-from builder import check, gallery, language, links, reference, source_pages, stage, tables
+from builder import check, films, gallery, language, links, reference, source_pages, stage, tables
 
 import irsim_gym
 from irsim_gym.scenario.library import every_scenario
@@ -92,6 +93,29 @@ def test_a_scenario_has_a_page_with_all_that_a_learner_meets(tmp_path: Path) -> 
     assert "| `n_robots` | 4 |  | 2 to 64 |" in text
     assert "the classic test of giving way" in text
     assert text.count((every_scenario()["circle_swap"]).read_text(encoding="utf-8").strip()) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "team"),
+    [
+        ("circle_swap", "circle_swap", True),  # a shipped policy
+        ("l_bend", "hybrid_astar", False),  # the best row of the suite
+        ("jaxnav_corner_2", "pursuit", True),  # nobody succeeds
+        ("corridor", "pursuit", False),  # not in the suite, no behaviour
+        ("four_drives", None, False),  # behaviours of the file
+    ],
+)
+def test_films_show_who_succeeds_most_often(name: str, source: str | None, team: bool) -> None:
+    driver = films.driver_of(name)
+    assert (driver.source, driver.team) == (source, team)
+
+
+def test_a_film_ends_with_its_episode() -> None:
+    shown = films.film("empty_goal")
+    assert shown.caption == "The behaviour `pursuit` drives in this film of `test` level 0: success."
+    assert 10 < len(shown.frames) < films.MOST_FRAMES
+    assert {frame.shape for frame in shown.frames} == {(480, 480, 3)}
+    assert not np.array_equal(shown.frames[0], shown.frames[-1])
 
 
 def test_tables_escape_what_would_end_a_cell() -> None:
