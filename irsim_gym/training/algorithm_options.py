@@ -1,6 +1,6 @@
-"""What hyper-parameter files may say: our own keys, those of algorithms and those of their networks.
+"""Keys of hyper-parameter files: our own, those of the algorithms, and those of their networks.
 
-Which of the latter an algorithm takes follows from its signature; what stands here is what a value has to be.
+The tables define which values are valid. Which of the keys an algorithm takes follows from its signature.
 """
 
 from __future__ import annotations
@@ -17,24 +17,25 @@ ACTIVATIONS = {
     "gelu": "GELU",
     "leaky_relu": "LeakyReLU",
 }
-"""Activation functions, and their classes in ``torch.nn``."""
+"""Names of activation functions, and their classes in ``torch.nn``."""
 SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
-"""Keys that take ``lin_<number>`` as well."""
+"""Keys that also take ``lin_<number>``."""
 AUTOMATIC = ("ent_coef", "target_entropy")
-"""Keys that take ``auto`` as well where an algorithm adjusts them itself."""
+"""Keys that also take ``auto``, if the algorithm adjusts them itself."""
 GIVEN_ELSEWHERE = {
     "env": "is made from the scenario",
     "seed": "is given by --seed",
     "tensorboard_log": "is the folder tensorboard/ of the run",
     "_init_setup_model": "is for Python",
 }
-"""Arguments of algorithms that no file may give, and why."""
-HARDLY_IN_FILES = "is a class, which a file cannot hold"
+"""Arguments of algorithms that a file must not set, and the reason."""
+NOT_IN_FILES = "is a class, which a file cannot hold"
+"""Reason for arguments whose values are Python objects."""
 
 
 @kind
 class RunKeys:
-    """Keys that are ours."""
+    """Our own keys."""
 
     n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
     n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")

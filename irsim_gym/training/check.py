@@ -1,4 +1,4 @@
-"""What ``irsim-gym check`` says of scenario files."""
+"""The command ``irsim-gym check``: validate scenario files."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from irsim_gym.training.look import fitting_task, refused_as_team
 from irsim_gym.training.trial import Reading, try_out
 
 Read = tuple[Scenario, Task | None, ScenarioError | None]
-"""A scenario, its task, and the reason why no robot can learn."""
+"""A scenario, its task (None without learners), and the reason why no robot can learn (None if one can)."""
 
 
 def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
-    """Read files and play them for some steps, print what is found, and return whether all can be used.
+    """Read files, run each for a few steps, print the results, and return whether all of them are valid.
 
     Args:
         files: Scenario files or shipped names.
-        reading: How they are read; what was imported is imported where they are played too.
-        team: All robots have to be able to learn together.
+        reading: How the files are read. The child process that runs them imports the same plugins.
+        team: Whether all robots have to be able to learn together.
     """
     read: dict[str, Read] = {}
     failures: dict[str, str] = {}
@@ -68,7 +68,7 @@ def _describe(file: str, read: Read, *, team: bool) -> None:
 
 
 def _blind_spots(scenario: Scenario, task: Task | None) -> list[Problem]:
-    """Return a note where learners may run into what no observation shows."""
+    """Return a note if the learners may collide with bodies that no observation shows."""
     hidden = "" if task is None else unseen(scenario, task)
     if task is None or not hidden:
         return []

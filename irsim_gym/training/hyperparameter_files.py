@@ -19,7 +19,7 @@ from irsim_gym.training.algorithm_options import (
     ACTIVATIONS,
     AUTOMATIC,
     GIVEN_ELSEWHERE,
-    HARDLY_IN_FILES,
+    NOT_IN_FILES,
     SCHEDULES,
     AlgorithmKeys,
     PolicyKeys,
@@ -98,7 +98,7 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
         elif key in GIVEN_ELSEWHERE:
             report.add(place, GIVEN_ELSEWHERE[key])
         elif key.endswith("_class"):
-            report.add(place, HARDLY_IN_FILES)
+            report.add(place, NOT_IN_FILES)
         elif key == "policy_kwargs":
             values[key] = _policy(value, algorithm, place, report)
         elif key in arguments:
@@ -236,7 +236,7 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
         where = (*place, key)
         values[key] = one
         if key.endswith("_class"):
-            report.add(where, HARDLY_IN_FILES)
+            report.add(where, NOT_IN_FILES)
         elif known and key not in known:
             report.add(where, f"unknown argument of the policy{suggestion(key, known) or f'; known: {_few(known)}'}")
         elif key == "net_arch":

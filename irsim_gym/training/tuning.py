@@ -17,7 +17,7 @@ from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.asked import Asked
-from irsim_gym.training.checkpoint_files import forget_state, list_checkpoints
+from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
@@ -257,7 +257,7 @@ def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> flo
     except tuning.optuna.TrialPruned:
         tuning.console.print(f"pruned: worse than the median of the trials before, at checkpoint {max(told)}", **PLAIN)
     for checkpoint in list_checkpoints(run.checkpoints):
-        forget_state(checkpoint)
+        remove_state(checkpoint)
     return value
 
 
