@@ -71,11 +71,11 @@ def train(
     log: Log = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
-    from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.engines import engine_of
+    from irsim_gym.training.training_request import TrainingRequest
 
-    asked = Asked(
+    request = TrainingRequest(
         _first_scenario(scenario, mixture, seeds),
         algorithm,
         seed,
@@ -94,11 +94,11 @@ def train(
     )
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
-        run_training(asked, out, **how)
+        run_training(request, out, **how)
         return
     from irsim_gym.training.seed_runs import run_seeds
 
-    run_seeds(asked, seeds, out, test_levels=test_levels, **how)
+    run_seeds(request, seeds, out, test_levels=test_levels, **how)
 
 
 def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) -> str:
@@ -145,14 +145,14 @@ def tune(
     Each trial is a training run with one seed. Trials whose success on dev levels stays below the median are pruned.
     """
     require("tune", "irsim-gym tune")
-    from irsim_gym.training.asked import Asked
+    from irsim_gym.training.training_request import TrainingRequest
     from irsim_gym.training.tuning import run_tuning
 
     parameters = read_parameters(given)
-    asked = Asked(
+    request = TrainingRequest(
         scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device, None, curriculum
     )
-    run_tuning(asked, trials, space=space, out=out, overwrite=overwrite, dev_levels=dev_levels)
+    run_tuning(request, trials, space=space, out=out, overwrite=overwrite, dev_levels=dev_levels)
 
 
 def sweep(

@@ -14,7 +14,6 @@ from rich.console import Console
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import print_table, write_text
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
@@ -29,13 +28,14 @@ from irsim_gym.training.seed_summary import (
     summarize_seeds,
     write_seeds,
 )
+from irsim_gym.training.training_request import TrainingRequest
 
 RESULTS, TEST = "results", "test"
 """Names of the sum's files, and of the folder with the evaluation."""
 
 
 def run_seeds(
-    asked: Asked,
+    request: TrainingRequest,
     count: int,
     out: Path | None = None,
     *,
@@ -51,7 +51,7 @@ def run_seeds(
     ``test`` has the evaluation.
 
     Args:
-        asked: What is trained; its seed is the first one.
+        request: What is trained; its seed is the first one.
         count: How many seeds.
         out: The folder above the runs ``seed_0``, ``seed_1`` and so on; None for one named after what is trained.
         resume: Go on with unfinished runs; finished ones stay as they are in any case.
@@ -66,10 +66,10 @@ def run_seeds(
     """
     if dev_levels < 1:
         raise IrsimGymError("--seeds sums up scored checkpoints: --dev-levels must be at least 1")
-    folder = out or group_folder(asked)
+    folder = out or group_folder(request)
     runs = []
-    for seed in range(asked.seed, asked.seed + count):
-        own, place = replace(asked, seed=seed), folder / f"seed_{seed}"
+    for seed in range(request.seed, request.seed + count):
+        own, place = replace(request, seed=seed), folder / f"seed_{seed}"
         goes_on = resume and Run(place).exists()
         how: dict[str, Any] = {"resume": goes_on, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
         runs.append(run_training(own, place, **how))
@@ -78,10 +78,10 @@ def run_seeds(
     return folder
 
 
-def group_folder(asked: Asked) -> Path:
+def group_folder(request: TrainingRequest) -> Path:
     """Return the default folder above the runs: that of a single run, with ``seeds`` in the place of the seed."""
-    single = asked.folder(asked.settings())
-    return single.with_name(f"{single.name.removesuffix(str(asked.seed))}seeds")
+    single = request.folder(request.settings())
+    return single.with_name(f"{single.name.removesuffix(str(request.seed))}seeds")
 
 
 def sum_up(folder: Path, runs: Sequence[Run], levels: int) -> None:

@@ -16,19 +16,21 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.task import merged_task
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.run import Settings
 from irsim_gym.training.search_space import DIGITS, SearchSpace, Values, with_value
+from irsim_gym.training.training_request import TrainingRequest
 
 HYPERPARAMETERS, TASK = "hyperparameters.yaml", "task.yaml"
 
 
-def write_settings(place: Path, asked: Asked, settings: Settings, hyperparameters: Values, factors: Values) -> Asked:
+def write_settings(
+    place: Path, request: TrainingRequest, settings: Settings, hyperparameters: Values, factors: Values
+) -> TrainingRequest:
     """Write the files of a trial, and return what it trains.
 
     Args:
         place: Folder of the trial.
-        asked: What is tuned.
+        request: What is tuned.
         settings: Its present settings.
         hyperparameters: Drawn values by key.
         factors: Factors of the weights of rewards.
@@ -44,7 +46,7 @@ def write_settings(place: Path, asked: Asked, settings: Settings, hyperparameter
     if factors:
         write_text(place / TASK, yaml.safe_dump(weighted_task(settings, factors), sort_keys=False))
         own["task"] = str(place / TASK)
-    return replace(asked, steps=None, team=None, curriculum=None, **own)
+    return replace(request, steps=None, team=None, curriculum=None, **own)
 
 
 def weighted_task(settings: Settings, factors: Values) -> Values:
@@ -65,7 +67,7 @@ def weighted_task(settings: Settings, factors: Values) -> Values:
     return {**merged, "name": "blank", "rewards": rewards}
 
 
-def check_space(asked: Asked, settings: Settings, space: SearchSpace) -> None:
+def check_space(request: TrainingRequest, settings: Settings, space: SearchSpace) -> None:
     """Make sure that the settings have what the space changes, and take its least and greatest hyper-parameters.
 
     Raises:
@@ -81,7 +83,7 @@ def check_space(asked: Asked, settings: Settings, space: SearchSpace) -> None:
         for value in one.ends():
             with tempfile.TemporaryDirectory() as folder:
                 try:
-                    write_settings(Path(folder), asked, settings, {key: value}, {}).settings()
+                    write_settings(Path(folder), request, settings, {key: value}, {}).settings()
                 except ScenarioError as error:
                     for problem in error.problems:
                         report.add(("hyperparameters", key), problem.message)

@@ -16,7 +16,6 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
 from irsim_gym.training.run import Run, Settings
@@ -24,6 +23,7 @@ from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
 from irsim_gym.training.snapshot import listed
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, write_settings
 from irsim_gym.training.tuning_results import (
     BEST,
@@ -50,7 +50,7 @@ class Tuning:
     """A study on disk.
 
     Attributes:
-        asked: What is trained; its settings are those of the first trial.
+        request: What is trained; its settings are those of the first trial.
         settings: These settings.
         space: What may change.
         dev_levels: Levels of ``dev`` that each checkpoint is scored on.
@@ -59,7 +59,7 @@ class Tuning:
         console: Where progress is shown.
     """
 
-    asked: Asked
+    request: TrainingRequest
     settings: Settings
     space: SearchSpace
     dev_levels: int
@@ -78,7 +78,7 @@ class Tuning:
 
 
 def run_tuning(
-    asked: Asked,
+    request: TrainingRequest,
     trials: int,
     *,
     space: Path | None = None,
@@ -92,7 +92,7 @@ def run_tuning(
     follows from the seed and from the trials before, so an interrupted study ends as an uninterrupted one.
 
     Args:
-        asked: What is trained.
+        request: What is trained.
         trials: How many there shall be in the folder.
         space: File of the search space; None for the algorithm's shipped one.
         out: Folder of the study; None for one named after what is tuned.
@@ -103,18 +103,18 @@ def run_tuning(
         IrsimGymError: Something of it is not right, the folder holds another study, or Optuna is not installed.
         TrainingInterruptedError: Ctrl-C or SIGTERM; the same command goes on.
     """
-    optuna, settings = _optuna(), asked.settings()
+    optuna, settings = _optuna(), request.settings()
     chosen = read_space(space or shipped_space(settings.algorithm))
-    check_space(asked, settings, chosen)
-    run = asked.folder(settings)
-    tuning = Tuning(asked, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
+    check_space(request, settings, chosen)
+    run = request.folder(settings)
+    tuning = Tuning(request, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
     _begin(tuning, overwrite)
     try:
         with ctrl_c_told("stopped at once; finished trials and the newest checkpoint are kept"):
             found = _go_on(tuning, _study(tuning), trials)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
-    show_trials(found, asked.scenario)
+    show_trials(found, request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table and picture: {', '.join(RESULTS[:2])} in {tuning.folder}")
     if best_of(found) is not None:
         print(f"to confirm the best by five seeds:\n{_confirming(tuning)}")
@@ -123,13 +123,13 @@ def run_tuning(
 
 def _confirming(tuning: Tuning) -> str:
     """Return the command that trains several seeds with the best settings."""
-    asked = tuning.asked
-    words = ["irsim-gym train", asked.scenario, "--seeds 5", f"--hyperparameters {tuning.folder / BEST}"]
+    request = tuning.request
+    words = ["irsim-gym train", request.scenario, "--seeds 5", f"--hyperparameters {tuning.folder / BEST}"]
     words += [f"--task {tuning.folder / BEST_TASK}"] if tuning.space.rewards else []
-    words += [f"--task {asked.task}"] if asked.task is not None and not tuning.space.rewards else []
-    words += [] if asked.algorithm is None else [f"--algorithm {asked.algorithm}"]
-    words += [f"--set {name}={value}" for name, value in (asked.parameters or {}).items()]
-    return " ".join([*words, *([] if asked.strict else ["--lenient"])])
+    words += [f"--task {request.task}"] if request.task is not None and not tuning.space.rewards else []
+    words += [] if request.algorithm is None else [f"--algorithm {request.algorithm}"]
+    words += [f"--set {name}={value}" for name, value in (request.parameters or {}).items()]
+    return " ".join([*words, *([] if request.strict else ["--lenient"])])
 
 
 def _optuna() -> Any:
@@ -209,14 +209,14 @@ def _go_on(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
     found = _trials(tuning, study)
     while len(found) < trials:
         number = len(found)
-        seed = int(np.random.SeedSequence((tuning.asked.seed, number)).generate_state(1)[0])
+        seed = int(np.random.SeedSequence((tuning.request.seed, number)).generate_state(1)[0])
         study.sampler = tuning.optuna.samplers.TPESampler(seed=seed)
         trial = study.ask()
         drawn = tuning.space.draw(trial)
         told = ", ".join(f"{name}={value_text(value)}" for name, value in trial.params.items())
         tuning.console.print(f"trial {number}, {number + 1} of {trials}: {told}", **PLAIN)
         try:
-            wanted = write_settings(tuning.place(number), tuning.asked, tuning.settings, *drawn).settings()
+            wanted = write_settings(tuning.place(number), tuning.request, tuning.settings, *drawn).settings()
         except IrsimGymError as error:
             trial.set_user_attr(REFUSED, str(error))
             study.tell(trial, state=tuning.optuna.trial.TrialState.FAIL)
@@ -226,7 +226,7 @@ def _go_on(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
             state = None if value is not None else tuning.optuna.trial.TrialState.PRUNED
             study.tell(trial, value, state=state)
         found = _trials(tuning, study)
-        write_trials(tuning.folder, found, tuning.asked.scenario)
+        write_trials(tuning.folder, found, tuning.request.scenario)
         best = best_of(found)
         if best is not None:
             keep_best(tuning.folder, tuning.place(best.number))
@@ -251,7 +251,7 @@ def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> flo
     try:
         if run.exists():
             report(run)
-        how: dict[str, Any] = {"resume": run.exists(), "device": tuning.asked.device, "console": tuning.console}
+        how: dict[str, Any] = {"resume": run.exists(), "device": tuning.request.device, "console": tuning.console}
         train(wanted, place, on_checkpoint=report, **how)
         value = _score(tuning, run)[-1]["success"]
     except tuning.optuna.TrialPruned:

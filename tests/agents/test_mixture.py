@@ -19,7 +19,6 @@ from rich.console import Console
 
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.interruption import TrainingInterruptedError
@@ -29,6 +28,7 @@ from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import point_in, together
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 
 QUIET = Console(file=io.StringIO())
 PPO: dict[str, Any] = {
@@ -209,7 +209,7 @@ def test_the_command_line_trains_a_mixture(
 )
 def test_what_does_not_go_with_a_mixture(asked: dict[str, Any], told: str) -> None:
     with pytest.raises(IrsimGymError, match=told):
-        Asked("cluttered_room", mixture=("cluttered_room", "dense_room"), **asked).settings()
+        TrainingRequest("cluttered_room", mixture=("cluttered_room", "dense_room"), **asked).settings()
 
 
 def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written(tmp_path: Path) -> None:
@@ -219,11 +219,11 @@ def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written
     room["task"] = {**room.get("task", {}), "observations": [{"name": "scan", "code": "linear"}]}
     file.write_text(yaml.safe_dump(room))
     with pytest.raises(IrsimGymError, match=r"cluttered_room has scan.code inverse, .*coded.yaml linear; --task"):
-        Asked("cluttered_room", mixture=("cluttered_room", str(file))).settings()
+        TrainingRequest("cluttered_room", mixture=("cluttered_room", str(file))).settings()
     with pytest.raises(
         IrsimGymError, match=r"cluttered_room has scan, free_travel, which empty_goal has not; .*no nearest_bodies"
     ):
-        Asked("cluttered_room", mixture=("cluttered_room", "empty_goal")).settings()
+        TrainingRequest("cluttered_room", mixture=("cluttered_room", "empty_goal")).settings()
 
 
 def test_names_are_short_and_differ() -> None:

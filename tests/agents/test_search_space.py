@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.search_space import read_space, shipped_space, value_of, with_value
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, weighted_task, write_settings
 
 SPACE = """\
@@ -120,7 +120,7 @@ hyperparameters:
 rewards:
   arival: {low: 0.5, high: 2.0}
 """
-    asked = Asked("empty_goal")
+    asked = TrainingRequest("empty_goal")
     with pytest.raises(ScenarioError) as refused:
         check_space(asked, asked.settings(), space_of(tmp_path, text))
     told = {problem.line: problem.message for problem in refused.value.problems}
@@ -132,7 +132,7 @@ rewards:
 def test_the_shipped_space_fits_the_shipped_settings() -> None:
     space = read_space(shipped_space("ppo"))
     for scenario in ("cluttered_room", "circle_swap"):
-        asked = Asked(scenario)
+        asked = TrainingRequest(scenario)
         settings = asked.settings()
         check_space(asked, settings, space)
         assert space.present(settings.hyperparameters.to_plain())[1] == []
@@ -147,12 +147,12 @@ def test_every_corner_of_the_shipped_space_can_be_trained(tmp_path: Path) -> Non
     space = read_space(shipped_space("ppo"))
     factors = {"collision": space.rewards["collision"].low, "time": space.rewards["time"].high}
     for scenario in ("cluttered_room", "circle_swap"):
-        asked = Asked(scenario)
+        asked = TrainingRequest(scenario)
         write_settings(tmp_path / scenario, asked, asked.settings(), {}, factors).settings()
 
 
 def test_a_trial_is_told_by_its_files(tmp_path: Path) -> None:
-    asked = Asked("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
+    asked = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
     settings = asked.settings()
     drawn = {"gamma": 0.9, "policy_kwargs.log_std_init": -1.0}
     own = write_settings(tmp_path, asked, settings, drawn, {"collision": 0.95, "arrival": 1.5})

@@ -64,7 +64,7 @@ def test_a_second_ctrl_c_is_told_too(train: Train, monkeypatch: pytest.MonkeyPat
 
 
 def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("irsim_gym.training.demo.Asked", stop)
+    monkeypatch.setattr("irsim_gym.training.demo.TrainingRequest", stop)
     monkeypatch.setattr(sys, "argv", ["irsim-gym", "demo"])
     with pytest.raises(SystemExit) as end:
         main()

@@ -14,12 +14,12 @@ import yaml
 from command_line import run as command
 
 from irsim_gym.training import tuning
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import score_run
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.tuning import run_tuning
 
 TINY = "n_timesteps: 256, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, checkpoint_every: 64, gamma: 0.95"
@@ -47,8 +47,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def asked(**own: Any) -> Asked:
-    return Asked("yard.yaml", hyperparameters=Path("ppo.yaml"), **own)
+def asked(**own: Any) -> TrainingRequest:
+    return TrainingRequest("yard.yaml", hyperparameters=Path("ppo.yaml"), **own)
 
 
 def study(out: str, trials: int, **own: Any) -> Path:
