@@ -16,7 +16,7 @@ from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.fitting import check_policies, tell_perceptions
+from irsim_gym.training.fitting import check_policies, report_perceptions
 from irsim_gym.training.policies import load_policies, policy_names
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def players(
     called = policy_names(sources) if names is None else names
     chosen = dict(zip(called, loaded, strict=True))
     check_policies(chosen, worlds)
-    tell_perceptions(chosen, worlds)
+    report_perceptions(chosen, worlds)
     simulation = worlds.episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
     learners = simulation.agents.tolist()

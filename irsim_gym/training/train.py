@@ -28,8 +28,8 @@ from irsim_gym.training.checkpoint_files import (
 from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
-from irsim_gym.training.fine_tuning import take_weights
-from irsim_gym.training.folders import replaceable, setting_differences
+from irsim_gym.training.fine_tuning import copy_weights
+from irsim_gym.training.folders import check_replaceable, setting_differences
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
 from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
@@ -85,7 +85,7 @@ def train(
         raise IrsimGymError(f"{run.folder} is a file; choose a folder with --out")
     now = settings.snapshot()
     if overwrite:
-        replaceable(run)
+        check_replaceable(run)
     elif run.exists():
         _check(run, settings, now, resume, screen)
     goes_on = run.exists() and not overwrite
@@ -177,7 +177,7 @@ def _model(
     if newest is not None:
         return model, load_progress(newest)
     if settings.origin is not None:
-        take_weights(model, settings)
+        copy_weights(model, settings)
     if settings.hyperparameters.clone is None:
         return model, RunProgress()
     seconds, cpu_seconds = clone_behavior(model, settings, screen)

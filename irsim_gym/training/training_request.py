@@ -16,7 +16,7 @@ from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.engines import RLLIB, Engine
-from irsim_gym.training.folders import as_name, begun_folders, default_folder, free_folder, setting_differences
+from irsim_gym.training.folders import as_name, default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
 from irsim_gym.training.mixture import MixturePart, read_part
 from irsim_gym.training.policies import policy_names
@@ -81,10 +81,10 @@ class TrainingRequest:
         """
         if self.origin is None:
             return self._settings(self.algorithm or "ppo")
-        from irsim_gym.training.fine_tuning import algorithm_of, inheriting, load_origin
+        from irsim_gym.training.fine_tuning import algorithm_of, inherit_settings, load_origin
 
         file, policy = load_origin(self.origin)
-        return inheriting(self._settings(self.algorithm or algorithm_of(policy)), file, policy)
+        return inherit_settings(self._settings(self.algorithm or algorithm_of(policy)), file, policy)
 
     def _settings(self, algorithm: str) -> Settings:
         """Return the settings of a run that starts with random weights."""
@@ -218,7 +218,7 @@ class TrainingRequest:
             return first, ""
         if not resume:
             return free_folder(first, settings, settings.snapshot())
-        begun = begun_folders(first)
+        begun = existing_folders(first)
         fitting = [folder for folder in begun if self._fits(Run(folder), settings)]
         unfinished = [folder for folder in fitting if not Run(folder).finished()]
         return (unfinished or fitting or begun or [first])[-1], ""

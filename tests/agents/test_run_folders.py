@@ -250,7 +250,7 @@ def test_going_on_from_a_policy_with_other_settings(monkeypatch: pytest.MonkeyPa
 
 
 def test_weights_and_statistics_come_along() -> None:
-    from irsim_gym.training.fine_tuning import take_weights
+    from irsim_gym.training.fine_tuning import copy_weights
 
     first = asked().settings()
     train(replace(first, hyperparameters=replace(first.hyperparameters, normalize={})), Path("source"))
@@ -258,7 +258,7 @@ def test_weights_and_statistics_come_along() -> None:
     model = new_model(settings)
     _, learned = load_origin("source")
     fresh = {name: value.clone() for name, value in model.policy.state_dict().items()}
-    take_weights(model, settings)
+    copy_weights(model, settings)
     taken = model.policy.state_dict()
     assert all(torch.equal(value, taken[name]) for name, value in learned.model.policy.state_dict().items())
     assert not all(torch.equal(value, taken[name]) for name, value in fresh.items())
