@@ -277,12 +277,12 @@ def play(
 ) -> None:
     """Drive a robot by hand in a window, level after level. The window lists the keys; esc quits."""
     from irsim_gym.tasks.levels import check_split
-    from irsim_gym.training.manual_play import Wishes
+    from irsim_gym.training.manual_play import PlaySettings
     from irsim_gym.training.manual_play import play as play_by_hand
 
     check_split(split)
-    wishes = Wishes(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
-    played = play_by_hand(wishes)
+    settings = PlaySettings(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
+    played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:
         print(f"{played.record}: {played.recorded} episode{'' if played.recorded == 1 else 's'}")
@@ -300,7 +300,7 @@ def draw(
     modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
-    from irsim_gym.training.look import draw_level
+    from irsim_gym.training.inspection import draw_level
 
     print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))
 

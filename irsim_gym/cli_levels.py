@@ -42,9 +42,9 @@ def draw(
     modules: Imports = None,
 ) -> None:
     """Write levels into a file, which a scenario reads with `levels: FILE.npz` and everybody with NumPy."""
-    from irsim_gym.training.level_commands import Wanted, run_draw
+    from irsim_gym.training.level_commands import ScenarioRequest, run_draw
 
-    run_draw(Wanted(scenario, task, team, read_parameters(given), not lenient), split.split(","), count, out)
+    run_draw(ScenarioRequest(scenario, task, team, read_parameters(given), not lenient), split.split(","), count, out)
 
 
 @levels.command()
@@ -64,9 +64,9 @@ def certify(
 
     `evaluate` finds the certificate beside the scenario, or beside its file of levels, and reports by difficulty.
     """
-    from irsim_gym.training.level_commands import Wanted, run_certify
+    from irsim_gym.training.level_commands import ScenarioRequest, run_certify
 
-    wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
+    wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
     run_certify(wanted, split, count, policies or None, out)
 
 
@@ -124,8 +124,8 @@ def show(
     modules: Imports = None,
 ) -> None:
     """Draw levels into one picture, from the easiest to the hardest where they have a certificate."""
-    from irsim_gym.training.level_commands import Wanted
+    from irsim_gym.training.level_commands import ScenarioRequest
     from irsim_gym.training.level_sheet import show_levels
 
-    wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
+    wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
     print(show_levels(wanted, split, count, number, out))

@@ -76,7 +76,7 @@ import sys
 from pathlib import Path
 from irsim_gym.jit.watch import compilation
 from irsim_gym.training.commands import run_rollout
-from irsim_gym.training.look import draw_level
+from irsim_gym.training.inspection import draw_level
 from irsim_gym.training.trial import Reading, play
 from irsim_gym.training.warmup import warm_up
 

@@ -14,7 +14,7 @@ import irsim_gym
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.render import Renderer
 from irsim_gym.scenario import load_scenario
-from irsim_gym.training.look import begin_level
+from irsim_gym.training.inspection import begin_level
 
 SIZE = 480
 """Longer side of a picture and of a film [pixels]."""

@@ -11,7 +11,7 @@ from irsim_gym.scenario.notes import notes
 from irsim_gym.scenario.parameters import describe_parameters
 from irsim_gym.tasks import Task
 from irsim_gym.tasks.sight import unseen
-from irsim_gym.training.look import fitting_task, refused_as_team
+from irsim_gym.training.inspection import fitting_task, team_error
 from irsim_gym.training.trial import Reading, try_out
 
 Read = tuple[Scenario, Task | None, ScenarioError | None]
@@ -46,7 +46,7 @@ def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
 def _describe(file: str, read: Read, *, team: bool) -> None:
     """Print that a file is valid, with its learners, parameters and notes."""
     scenario, task, unfit = read
-    refused = None if team or unfit else refused_as_team(scenario)
+    refused = None if team or unfit else team_error(scenario)
     robots = len(scenario.robots)
     learned = f"task '{task.name}'" if task is not None else f"no robot {'that can' if robots else 'to'} learn"
     obstacles = len(scenario.bodies) - robots

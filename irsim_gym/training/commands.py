@@ -19,7 +19,7 @@ from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.folders import evaluation_folder, has_results
-from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, tell_changes
@@ -75,14 +75,14 @@ def run_training(
     how["address"] = address
     how["log"] = request.log
     try:
-        with ctrl_c_told("stopped at once; the newest checkpoint is kept"):
+        with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(
             f"{stop}. To continue, run the same command with --resume.", stop.signal
         ) from None
     if dev_levels:
-        with ctrl_c_told("the training is finished, but its scoring is not: run the same command to continue."):
+        with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
             points = score_run(run, levels=dev_levels, console=console)
         print_table(marks_table(points))
         for line in _verdict_lines(run, points[-1]):

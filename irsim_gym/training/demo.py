@@ -10,7 +10,7 @@ from rich.console import Console
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.evaluate import evaluate_policies
-from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import reached, score_run
@@ -44,7 +44,7 @@ def run_demo(
     Raises:
         TrainingInterruptedError: If Ctrl-C or, during training, SIGTERM stops it. The next call resumes.
     """
-    with ctrl_c_told("stopped. Run the same command to continue."):
+    with ctrl_c_as_error("stopped. Run the same command to continue."):
         _stages(folder, scenario, steps, levels, seed)
 
 

@@ -82,7 +82,7 @@ class Recorder:
         if terminated or truncated:
             self._close()
 
-    def drop(self) -> None:
+    def discard(self) -> None:
         """Forget the episode under way."""
         self._current = None
 

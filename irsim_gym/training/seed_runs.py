@@ -17,7 +17,7 @@ from irsim_gym.evaluation.tables import print_table, write_text
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
-from irsim_gym.training.interruption import ctrl_c_told
+from irsim_gym.training.interruption import ctrl_c_as_error
 from irsim_gym.training.remembered import tell_changes
 from irsim_gym.training.run import Run
 from irsim_gym.training.seed_summary import (
@@ -73,7 +73,7 @@ def run_seeds(
         goes_on = resume and Run(place).exists()
         how: dict[str, Any] = {"resume": goes_on, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
         runs.append(run_training(own, place, **how))
-    with ctrl_c_told("the trainings are finished, but their evaluation is not: run the same command to continue."):
+    with ctrl_c_as_error("the trainings are finished, but their evaluation is not: run the same command to continue."):
         sum_up(folder, runs, test_levels)
     return folder
 

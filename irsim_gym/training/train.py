@@ -31,7 +31,7 @@ from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import copy_weights
 from irsim_gym.training.folders import check_replaceable, setting_differences
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
-from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
+from irsim_gym.training.models import curriculum_of, new_model, resolve_device, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import TRACKING, Run, Settings
@@ -169,7 +169,7 @@ def _model(
     if device is not None:
         settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
     torch.set_num_threads(settings.hyperparameters.torch_threads)
-    device_of(settings.hyperparameters.device)
+    resolve_device(settings.hyperparameters.device)
     compile_kernels(settings)
     if newest is not None and settings.engine is None:
         return restored_model(settings, newest)

@@ -17,7 +17,7 @@ from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
-from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
@@ -110,7 +110,7 @@ def run_tuning(
     tuning = Tuning(request, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
     _begin(tuning, overwrite)
     try:
-        with ctrl_c_told("stopped at once; finished trials and the newest checkpoint are kept"):
+        with ctrl_c_as_error("stopped at once; finished trials and the newest checkpoint are kept"):
             found = _go_on(tuning, _study(tuning), trials)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None

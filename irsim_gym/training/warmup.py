@@ -24,7 +24,7 @@ from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.look import begin_level
+from irsim_gym.training.inspection import begin_level
 
 WARMUP_STEPS = 3
 """The first one is recorded, later ones take a shorter way."""

@@ -8,7 +8,7 @@ from torch.cuda import is_available as cuda
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.training.algorithms import ALGORITHMS
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear, load_hyperparameters
-from irsim_gym.training.models import device_of
+from irsim_gym.training.models import resolve_device
 from irsim_gym.training.training_request import TrainingRequest
 
 
@@ -138,9 +138,9 @@ def test_what_there_is_not() -> None:
         Hyperparameters(1, 1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}).algorithm_arguments()
     if not cuda():
         with pytest.raises(IrsimGymError, match=r"device cuda: PyTorch \S+ finds none here"):
-            device_of("cuda")
-    assert device_of("cpu") == "cpu"
-    assert device_of("auto") == ("cuda" if cuda() else "cpu")
+            resolve_device("cuda")
+    assert resolve_device("cpu") == "cpu"
+    assert resolve_device("auto") == ("cuda" if cuda() else "cpu")
 
 
 def test_networks_for_pictures_look_for_a_graphics_card() -> None:

@@ -18,7 +18,7 @@ from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.training.demonstrations import load_demonstrations
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
-from irsim_gym.training.models import for_dicts, network
+from irsim_gym.training.models import dict_policy_arguments, network_kind
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.recorder import record_demonstrations
 from irsim_gym.training.run import Settings
@@ -91,10 +91,10 @@ def test_functions_of_what_is_seen(tmp_path: Path) -> None:
 
 def test_networks_for_spaces() -> None:
     picture, numbers = Box(0, 255, (36, 36, 2), np.uint8), Box(-1, 1, (3,), np.float32)
-    assert [network(space) for space in (picture, numbers, Dict({"a": picture}))] == ["Cnn", "Mlp", "MultiInput"]
+    assert [network_kind(space) for space in (picture, numbers, Dict({"a": picture}))] == ["Cnn", "Mlp", "MultiInput"]
     given = {"features_extractor_kwargs": {"features_dim": 9}, "net_arch": [4]}
-    assert for_dicts(given) == {"features_extractor_kwargs": {"cnn_output_dim": 9}, "net_arch": [4]}
-    assert for_dicts({"net_arch": [4]}) == {"net_arch": [4]}
+    assert dict_policy_arguments(given) == {"features_extractor_kwargs": {"cnn_output_dim": 9}, "net_arch": [4]}
+    assert dict_policy_arguments({"net_arch": [4]}) == {"net_arch": [4]}
 
 
 def test_pictures_have_hyperparameters_of_their_own(tmp_path: Path) -> None:
