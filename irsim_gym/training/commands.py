@@ -22,7 +22,7 @@ from irsim_gym.training.folders import evaluation_folder, has_results
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
-from irsim_gym.training.remembered import remembered_parameters, tell_changes
+from irsim_gym.training.remembered import remembered_parameters, report_changes
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, called, point_in, reached, score_run
 from irsim_gym.training.training_request import TrainingRequest
@@ -165,7 +165,7 @@ def run_evaluation(
     if out is not None and has_results(out) and not overwrite:
         raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
     folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
-    tell_changes(scenario, sources, task, strict=strict)
+    report_changes(scenario, sources, task, strict=strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(
         scenario,
@@ -208,7 +208,7 @@ def run_rollout(
     if team and record is not None:
         raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
     used = remembered_parameters(scenario, [policy], parameters, strict=strict)
-    tell_changes(scenario, [policy], task, strict=strict)
+    report_changes(scenario, [policy], task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     if team:
         of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
@@ -259,7 +259,7 @@ def run_record(
     from irsim_gym.training.record import record_film, record_html, record_sheet
 
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
-    tell_changes(scenario, policies, task, strict=strict)
+    report_changes(scenario, policies, task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     chosen |= {"team": team}
     names_page = out is not None and out.suffix.lower() == ".html"

@@ -13,7 +13,7 @@ from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.methods import Sources, by_method
 from irsim_gym.training.policies import Source
-from irsim_gym.training.remembered import change_told, changes_since
+from irsim_gym.training.remembered import change_message, changes_since
 
 
 def evaluate(
@@ -85,4 +85,4 @@ def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: 
     for source in sources:
         found = changes_since(scenario, source, task, strict=strict) if isinstance(source, str | Path) else []
         if found:
-            warnings.warn(change_told(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)
+            warnings.warn(change_message(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)

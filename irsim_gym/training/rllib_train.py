@@ -146,7 +146,7 @@ class Learning:
             self._bar.stop()
             self._logger.close()
         self._write()
-        self._bar.tell(progress, self._success)
+        self._bar.print_line(progress, self._success)
         files.export_policy(self.run.policy, self.model)
         if stop.signal is not None:
             raise stopped_at_end(progress.steps, stop.signal)
@@ -199,7 +199,7 @@ class Learning:
     def _save(self) -> None:
         self._clock.stop()
         self._write()
-        self._bar.tell(self.progress, self._success)
+        self._bar.print_line(self.progress, self._success)
         self._clock.start()
 
     def _write(self) -> None:

@@ -18,7 +18,7 @@ from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.interruption import ctrl_c_as_error
-from irsim_gym.training.remembered import tell_changes
+from irsim_gym.training.remembered import report_changes
 from irsim_gym.training.run import Run
 from irsim_gym.training.seed_summary import (
     Figures,
@@ -88,7 +88,7 @@ def sum_up(folder: Path, runs: Sequence[Run], levels: int) -> None:
     """Evaluate finished runs of one training, write the sum beside them and print it."""
     settings, screen = runs[0].settings(), Console(stderr=True)
     is_team, places = settings.hyperparameters.team is not None, [run.folder for run in runs]
-    tell_changes(settings.scenario, places[:1], settings.task, strict=settings.strict)
+    report_changes(settings.scenario, places[:1], settings.task, strict=settings.strict)
     chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
     evaluated = evaluate_team_policies if is_team else evaluate_policies
     method = settings.algorithm

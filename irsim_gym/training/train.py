@@ -218,7 +218,7 @@ def _learn(
         try:
             left = wanted.n_timesteps - model.num_timesteps
             model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
-            watch.note()
+            watch.update_progress()
         except StopLearningError:
             assert stop.signal is not None
             raise stopped_early(progress.steps, stop.signal) from None
@@ -226,7 +226,7 @@ def _learn(
             watch.finish()
             model.logger.close()
         last = save()
-        watch.tell()
+        watch.print_line()
         if (last / NORMALIZATION).is_file():
             write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)
