@@ -24,7 +24,7 @@ from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, report_changes
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.score import MARKS, Point, called, point_in, reached, score_run
+from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.verdict import look_command, verdict
 
@@ -66,7 +66,7 @@ def run_training(
         console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
     if remark:
         console.print(remark, **PLAIN)
-    what = f"{settings.algorithm.upper()} on {called(settings)}, seed {settings.seed}"
+    what = f"{settings.algorithm.upper()} on {scenario_title(settings)}, seed {settings.seed}"
     after = "" if settings.origin is None else f", from {settings.origin['policy']}"
     console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
     for note in _notes(settings):
@@ -117,7 +117,7 @@ def _verdict_lines(run: Run, last: Point) -> list[str]:
     for name, part, own in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
         scenario, task = _task_of(own, team=team)
         look = look_command(part.scenario, run.folder, team=team, task=part.task)
-        found = verdict(point_in(last, name) if is_mixed else last, scenario, task, look)
+        found = verdict(scenario_point(last, name) if is_mixed else last, scenario, task, look)
         lines += [f"{name}:", *found] if is_mixed and found else found
     return lines
 

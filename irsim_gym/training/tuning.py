@@ -196,7 +196,7 @@ def _study(tuning: Tuning) -> Any:
         study.tell(trial.number, state=states.FAIL)
         study.enqueue_trial(trial.params)
     if not study.get_trials(deepcopy=False):
-        found, outside = tuning.space.present(tuning.settings.hyperparameters.to_plain())
+        found, outside = tuning.space.to_parameters(tuning.settings.hyperparameters.to_plain())
         if outside:
             said = f"{tuning.space.file} has not the present values of {', '.join(outside)}"
             tuning.console.print(f"{said}: the first trial draws them", **PLAIN)

@@ -26,7 +26,7 @@ from irsim_gym.training.mixture import MixturePart, read_part, shared_worlds
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.score import point_in, together
+from irsim_gym.training.score import combined, scenario_point
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
 
@@ -134,15 +134,15 @@ def test_figures_together_and_of_each() -> None:
         "a": {"levels": 10, "success": 0.5, "success_low": 0.2, "success_high": 0.8, "collision": 0.5},
         "b": {"levels": 10, "success": 0.9, "success_low": 0.6, "success_high": 1.0, "collision": 0.1},
     }
-    point = {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **together(parts)}
+    point = {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **combined(parts)}
     assert (point["levels"], point["success"], point["collision"]) == (20, pytest.approx(0.7), pytest.approx(0.3))
     low, high = 0.481, 0.855  # Wilson's interval of 14 of 20
     assert (point["success_low"], point["success_high"]) == (
         pytest.approx(low, abs=1e-3),
         pytest.approx(high, abs=1e-3),
     )
-    assert point_in(point, "b") == {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **parts["b"]}
-    assert together({"a": parts["a"]}) == parts["a"]
+    assert scenario_point(point, "b") == {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **parts["b"]}
+    assert combined({"a": parts["a"]}) == parts["a"]
 
 
 def weights(run: Run) -> torch.Tensor:

@@ -135,7 +135,7 @@ def test_the_shipped_space_fits_the_shipped_settings() -> None:
         asked = TrainingRequest(scenario)
         settings = asked.settings()
         check_space(asked, settings, space)
-        assert space.present(settings.hyperparameters.to_plain())[1] == []
+        assert space.to_parameters(settings.hyperparameters.to_plain())[1] == []
     with pytest.raises(
         IrsimGymError, match=r"no search space for td3 is shipped \(only for ppo\): give one with --space"
     ):
