@@ -76,9 +76,9 @@ def check(
     file without a section task.
     """
     from irsim_gym.training.check import check_files
-    from irsim_gym.training.trial import Reading
+    from irsim_gym.training.trial import ReadOptions
 
-    if not check_files(files, Reading(read_parameters(given), modules or (), not lenient), team=team):
+    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient), team=team):
         raise typer.Exit(1)
 
 

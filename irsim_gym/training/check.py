@@ -12,13 +12,13 @@ from irsim_gym.scenario.parameters import describe_parameters
 from irsim_gym.tasks import Task
 from irsim_gym.tasks.sight import unseen
 from irsim_gym.training.inspection import fitting_task, team_error
-from irsim_gym.training.trial import Reading, try_out
+from irsim_gym.training.trial import ReadOptions, try_files
 
 Read = tuple[Scenario, Task | None, ScenarioError | None]
 """A scenario, its task (None without learners), and the reason why no robot can learn (None if one can)."""
 
 
-def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
+def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bool:
     """Read files, run each for a few steps, print the results, and return whether all of them are valid.
 
     Args:
@@ -34,7 +34,7 @@ def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
             read[file] = scenario, *fitting_task(scenario, team=team)
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
-    failures |= try_out(list(read), reading) if read else {}
+    failures |= try_files(list(read), reading) if read else {}
     for file in files:
         if file in failures:
             print(failures[file], file=sys.stderr)

@@ -34,7 +34,7 @@ from irsim_gym.training.fitting import check_policies, observed_by, report_perce
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.run import machine
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 WORLDS = 128
 """Default number of worlds that are stepped together."""
@@ -125,16 +125,16 @@ def evaluate_policies(
     episodes = make_episodes(scenario, n_worlds=max(1, min(n_worlds, levels)), **made)
     worlds = Perceived(episodes)
     chosen, seeds = named_policies(sources, ALWAYS_SHOWN if references else ())
-    atlas = None if folder is None else Atlas(episodes)
-    rows = drive_policies(evaluate, worlds, chosen, levels, split, console or Console(stderr=True), atlas)
+    figure = None if folder is None else TrajectoryFigure(episodes)
+    rows = drive_policies(evaluate, worlds, chosen, levels, split, console or Console(stderr=True), figure)
     played = played_levels(episodes.simulation, split, levels)
     summaries = [summarize(name, rows[name]) for name in rows]
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
     found = Evaluation(label, split, rows, summaries, played, seeds, observes)
-    if folder is not None and atlas is not None:
+    if folder is not None and figure is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
         said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
-        atlas.draw(folder, f"{found.scenario}: {levels:,} {split} levels", said, levels)
+        figure.draw(folder, f"{found.scenario}: {levels:,} {split} levels", said, levels)
     return found
 
 
@@ -177,7 +177,7 @@ def drive_policies(
     levels: int,
     split: str,
     console: Console,
-    atlas: Atlas | None = None,
+    figure: TrajectoryFigure | None = None,
 ) -> dict[str, list[Row]]:
     """Play the same levels with several policies, and return their rows; show a progress bar.
 
@@ -188,7 +188,7 @@ def drive_policies(
         levels: Number of levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         console: Console for the progress bar, which only a terminal shows.
-        atlas: Collects the trajectories for a figure; None for no figure.
+        figure: Collects the trajectories for a figure; None for no figure.
 
     Raises:
         UnfitPolicyError: If some policies cannot drive the agents.
@@ -206,6 +206,6 @@ def drive_policies(
                 split,
                 optima=optima,
                 on_episodes=lambda count, line=line: bar.advance(line, count),
-                watcher=None if atlas is None else atlas.follow(name),
+                watcher=None if figure is None else figure.follow(name),
             )
     return rows

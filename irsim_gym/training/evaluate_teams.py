@@ -27,7 +27,7 @@ from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, 
 from irsim_gym.training.fitting import observed_by
 from irsim_gym.training.methods import Sources
 from irsim_gym.training.run import machine
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 
 @dataclass(frozen=True)
@@ -121,19 +121,19 @@ def evaluate_team_policies(
     if references:
         shown, _ = named_policies((), [name for name in TEAM_SHOWN if name not in chosen])
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
-    atlas = None if folder is None else Atlas(episodes)
-    rows = drive_policies(evaluate_team, worlds, chosen, levels, split, screen, atlas)
+    figure = None if folder is None else TrajectoryFigure(episodes)
+    rows = drive_policies(evaluate_team, worlds, chosen, levels, split, screen, figure)
     played = played_levels(episodes.simulation, split, levels)
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
     found = TeamEvaluation(label, split, rows, summarize_teams(rows), played, seeds, observes)
-    if folder is not None and atlas is not None:
+    if folder is not None and figure is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
         said = {
             each.policy: f"all arrive in {rate_text(each.cooperative_success)} of the levels, "
             f"{percent(each.individual_success)} % of the robots"
             for each in found.summaries
         }
-        atlas.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", said, levels)
+        figure.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", said, levels)
     return found
 
 

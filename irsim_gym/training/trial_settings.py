@@ -1,4 +1,4 @@
-"""What a trial of a tuning trains: files of hyper-parameters and of the task, made from drawn values."""
+"""The settings of a tuning's trial: its hyper-parameter file and its task file, made from drawn values."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ HYPERPARAMETERS, TASK = "hyperparameters.yaml", "task.yaml"
 def write_settings(
     place: Path, request: TrainingRequest, settings: Settings, hyperparameters: Values, factors: Values
 ) -> TrainingRequest:
-    """Write the files of a trial, and return what it trains.
+    """Write the files of a trial, and return the arguments of its training.
 
     Args:
         place: Folder of the trial.
-        request: What is tuned.
-        settings: Its present settings.
-        hyperparameters: Drawn values by key.
-        factors: Factors of the weights of rewards.
+        request: Arguments of the training that is tuned.
+        settings: Settings of this training.
+        hyperparameters: Drawn hyper-parameters by key.
+        factors: Drawn factors on the weights of rewards, by reward.
 
     Raises:
-        IrsimGymError: The task has no such rewards.
+        IrsimGymError: If the task has no such rewards, or they have no weights.
     """
     chosen = {key: value for key, value in settings.hyperparameters.to_plain().items() if value is not None}
     for key, value in hyperparameters.items():
@@ -50,10 +50,10 @@ def write_settings(
 
 
 def weighted_task(settings: Settings, factors: Values) -> Values:
-    """Return the task with other weights of its rewards, complete: it builds on no other file.
+    """Return the complete task, which does not extend another file, with scaled weights of its rewards.
 
     Raises:
-        IrsimGymError: The task gives no weights for these rewards.
+        IrsimGymError: If the task has no such rewards, or they have no weights.
     """
     scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
     _, merged = merged_task(scenario, settings.task)
@@ -68,10 +68,10 @@ def weighted_task(settings: Settings, factors: Values) -> Values:
 
 
 def check_space(request: TrainingRequest, settings: Settings, space: SearchSpace) -> None:
-    """Make sure that the settings have what the space changes, and take its least and greatest hyper-parameters.
+    """Check that a training accepts all choices and the limits of all ranges of a search space.
 
     Raises:
-        IrsimGymError: They do not.
+        IrsimGymError: If it does not. The message lists every problem with its line in the file of the space.
     """
     report = Report(read_file(space.file))
     for name in space.rewards:

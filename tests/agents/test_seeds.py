@@ -13,7 +13,7 @@ from irsim_gym.training.results_files import read_results
 from irsim_gym.training.seed_runs import group_folder
 from irsim_gym.training.seed_summary import seed_cells
 from irsim_gym.training.training_request import TrainingRequest
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 TINY = "n_timesteps: 64, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, policy_kwargs: {net_arch: [8]}"
 FILE = """\
@@ -30,7 +30,7 @@ WORDS = ("train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--dev-levels", 
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A new working directory with a scenario and hyper-parameters for short runs; pictures of ways take too long."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(Atlas, "draw", lambda *args: None)
+    monkeypatch.setattr(TrajectoryFigure, "draw", lambda *args: None)
     Path("yard.yaml").write_text(FILE)
     Path("ppo.yaml").write_text(f"default: {{{TINY}}}")
     return tmp_path
