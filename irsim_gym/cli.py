@@ -1,4 +1,4 @@
-"""The command ``irsim-gym``. Everything heavy is imported by the command that needs it."""
+"""The command ``irsim-gym``. Each command imports the heavy packages that it needs."""
 
 from __future__ import annotations
 
@@ -211,10 +211,10 @@ def record(
     """
     from irsim_gym.training.commands import run_record
 
-    asked = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
-    if len(asked) > 1:
+    kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
+    if len(kinds) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
-    kind, parameters = (*asked, "film")[0], read_parameters(given)
+    kind, parameters = (*kinds, "film")[0], read_parameters(given)
     chosen: dict[str, Any] = {"kind": kind, "strict": not lenient}
     run_record(scenario, policies, level or [0], split, task, out, parameters, team, **chosen)
 
@@ -328,7 +328,7 @@ def run(command: Callable[..., object]) -> None:
 
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
-    if isinstance(sys.stdout, io.TextIOWrapper):  # the code page of a redirected output may lack a character
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
     _guarded(app)
 
