@@ -154,5 +154,5 @@ LearnerGpus = Annotated[
 ]
 Address = Annotated[
     str | None,
-    typer.Option(help="Ray cluster, e.g. ray://head:10001 or auto (default: a local Ray that only listens here)."),
+    typer.Option(help="Address of a Ray cluster, e.g. ray://head:10001 or auto (default: start Ray on this machine)."),
 ]

@@ -65,10 +65,10 @@ def test_the_present_settings_are_the_first_trial(tmp_path: Path) -> None:
         "gamma": 0.99,
         "policy_kwargs": {"net_arch": [64, 64]},
     }
-    found, outside = space_of(tmp_path, SPACE).present(present)
+    found, outside = space_of(tmp_path, SPACE).to_parameters(present)
     assert found == {"learning_rate": 0.003, "n_epochs": 3, "policy_kwargs.net_arch": "[64, 64]", "reward.arrival": 1.0}
     assert outside == ["gamma", "policy_kwargs.log_std_init"]
-    _, outside = space_of(tmp_path, SPACE).present({**present, "learning_rate": 3e-3})
+    _, outside = space_of(tmp_path, SPACE).to_parameters({**present, "learning_rate": 3e-3})
     assert "learning_rate" in outside  # constant, where the space has schedules
 
 
