@@ -111,7 +111,7 @@ def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) 
             raise IrsimGymError(f"train takes one scenario, got {given}: --mixture trains one policy in all")
         return scenarios[0]
     if seeds is not None:
-        raise IrsimGymError("--seeds sums up one scenario: train each seed of a mixture by itself, with --seed")
+        raise IrsimGymError("--seeds is for one scenario: train each seed of a mixture separately, with --seed")
     return read_part(scenarios[0]).scenario
 
 

@@ -166,5 +166,5 @@ def read_card(policy: Path) -> PolicyCard | None:
     try:
         return PolicyCard.model_validate_json(file.read_bytes())
     except ValidationError as error:
-        told = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-        raise IrsimGymError(f"{file} is no card of a policy: {told}") from error
+        problems = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
+        raise IrsimGymError(f"{file} is not a policy card: {problems}") from error

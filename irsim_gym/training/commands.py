@@ -180,7 +180,7 @@ def run_evaluation(
     )
     for table in found.tables:
         print_table(table)
-    print(f"rows, figures, table, and a picture of the ways (ways.png, ways.pdf): {folder}")
+    print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
     return found
 
 

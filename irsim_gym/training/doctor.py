@@ -159,8 +159,8 @@ def _optional() -> list[Finding]:
     found = []
     for extra, commands in OPTIONAL.items():
         absent = missing(extra)
-        told = f"{', '.join(absent)} not found" if absent else _packages_of(EXTRAS[extra])
-        found.append(Finding(f"{extra}: {commands}", told, pip_command(extra) if absent else ""))
+        result = f"{', '.join(absent)} not found" if absent else _packages_of(EXTRAS[extra])
+        found.append(Finding(f"{extra}: {commands}", result, pip_command(extra) if absent else ""))
     return found
 
 

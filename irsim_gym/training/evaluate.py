@@ -133,8 +133,8 @@ def evaluate_policies(
     found = Evaluation(label, split, rows, summaries, played, seeds, observes)
     if folder is not None and figure is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
-        said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
-        figure.draw(folder, f"{found.scenario}: {levels:,} {split} levels", said, levels)
+        rates = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
+        figure.draw(folder, f"{found.scenario}: {levels:,} {split} levels", rates, levels)
     return found
 
 

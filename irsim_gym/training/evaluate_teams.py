@@ -128,12 +128,12 @@ def evaluate_team_policies(
     found = TeamEvaluation(label, split, rows, summarize_teams(rows), played, seeds, observes)
     if folder is not None and figure is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
-        said = {
+        rates = {
             each.policy: f"all arrive in {rate_text(each.cooperative_success)} of the levels, "
             f"{percent(each.individual_success)} % of the robots"
             for each in found.summaries
         }
-        figure.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", said, levels)
+        figure.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", rates, levels)
     return found
 
 

@@ -213,8 +213,8 @@ def _gru(policy: GruPolicy) -> Step:
 
 def _words(name: str, steps: Sequence[Step]) -> str:
     """Return a description of steps: ``action: 64, relu, 64, relu, 2``."""
-    told = [_word(options, arrays) for options, arrays in steps if options["kind"] != "flatten"]
-    return f"{name}: {', '.join(told) or 'as it is'}"
+    words = [_word(options, arrays) for options, arrays in steps if options["kind"] != "flatten"]
+    return f"{name}: {', '.join(words) or 'as it is'}"
 
 
 def _word(options: Options, arrays: Mapping[str, NDArray[Any]]) -> str:

@@ -77,7 +77,7 @@ def export(
     _check_name(name, target, overwrite)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy) or not isinstance(loaded.model, BaseAlgorithm):
-        raise IrsimGymError(f"{source} is no trained policy of Stable-Baselines3")
+        raise IrsimGymError(f"{source} is not a trained policy of Stable-Baselines3")
     network = export_network(loaded.model, loaded.normalization)
     found = [part for file in results for part in read_results(file, source)]
     settings, training = _training(source, found)
@@ -108,7 +108,7 @@ def export(
 
 def _check_name(name: str, target: Path, overwrite: bool) -> None:
     if not name.isidentifier():
-        raise IrsimGymError(f"a name on the shelf has letters, digits and _ alone, got '{name}'")
+        raise IrsimGymError(f"the name of a policy must consist of letters, digits and _, got '{name}'")
     if name in policy_kinds():
         raise IrsimGymError(f"'{name}' is the name of a behavior: choose another one")
     if target.exists() and not overwrite:

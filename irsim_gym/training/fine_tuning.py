@@ -39,7 +39,7 @@ def load_origin(source: str | Path) -> tuple[Path, SavedPolicy]:
     loaded = load_policy(file)
     assert isinstance(loaded, SavedPolicy)
     if not isinstance(loaded.model, BaseAlgorithm):
-        raise IrsimGymError(f"{file} holds what drives alone, without a critic: --from needs a run or a policy.zip")
+        raise IrsimGymError(f"{file} holds an actor without a critic: --from needs a run or a policy.zip")
     return file, loaded
 
 

@@ -88,7 +88,7 @@ def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Pa
     for split in splits:
         check_split(split)
     if len(set(splits)) < len(splits):
-        raise IrsimGymError(f"--split: a split is there twice: {','.join(splits)}")
+        raise IrsimGymError(f"--split names a split twice: {','.join(splits)}")
     simulation = wanted.simulation(min(WORLDS, count))
     with bar("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)

@@ -303,8 +303,8 @@ class Player:
         """Return the maximum speeds of the keys as text, limited to those of the robot."""
         names = self._scenario.bodies[self._body].kinematics.command_names
         fastest = self._worlds.simulation.model.velocity_max[0, self._body]
-        said, turning = f"{min(speed, fastest[0]):g} m/s", min(turn_rate, fastest[len(names) - 1])
-        return said if names == ("x", "y") else f"{said}, {turning:g} rad/s"
+        linear, turning = f"{min(speed, fastest[0]):g} m/s", min(turn_rate, fastest[len(names) - 1])
+        return linear if names == ("x", "y") else f"{linear}, {turning:g} rad/s"
 
     def _say(self, message: str) -> None:
         """Show a message for ``MESSAGE_S`` seconds."""

@@ -42,8 +42,8 @@ class OptunaTrial(Protocol):
 class Range:
     """A range of numbers."""
 
-    low: int | float = option(meaning="The least value.")
-    high: int | float = option(meaning="The greatest value.")
+    low: int | float = option(meaning="The smallest value.")
+    high: int | float = option(meaning="The largest value.")
     log: bool = option(False, meaning="Draw the logarithm evenly.")
     schedule: Literal["linear"] | None = option(None, meaning="The value falls linearly to 0 during the run.")
 

@@ -65,7 +65,7 @@ def run_seeds(
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops it. Finished parts are on disk.
     """
     if dev_levels < 1:
-        raise IrsimGymError("--seeds sums up scored checkpoints: --dev-levels must be at least 1")
+        raise IrsimGymError("--seeds summarizes scored checkpoints: --dev-levels must be at least 1")
     folder = out or group_folder(request)
     runs = []
     for seed in range(request.seed, request.seed + count):
@@ -98,14 +98,14 @@ def summarize_runs(folder: Path, runs: Sequence[Run], levels: int) -> None:
     )
     test = _by_run(folder / TEST / "summary.json", runs)
     summary = summarize_seeds(test["conditions"]["scenario"], places, [test])
-    said = _summary_line(summary, found, method)
+    line = _summary_line(summary, found, method)
     head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
     write_seeds(folder, RESULTS, summary, called=found.scenario)
-    write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", said, ""]))
+    write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", line, ""]))
     title = f"{found.scenario}: {method.upper()}, {levels:,} test levels, {found.level_set}"
     print_table(screen_table(title, head, rows))
     print(
-        f"{said}\ntable, figures and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
+        f"{line}\ntable, summary and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
     )
 
 

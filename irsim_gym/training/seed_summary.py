@@ -41,7 +41,7 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
     """
     is_team = "cooperative_success" in tests[0]["policies"][0]
     if not is_team and len(tests) > 1:
-        raise IrsimGymError(f"the seeds of one robot are summed up over one evaluation, got {len(tests)}")
+        raise IrsimGymError(f"the seeds of a single robot need one evaluation, got {len(tests)}")
     conditions = [test["conditions"] for test in tests]
     labelled = {label(test["conditions"], conditions): test for test in tests}
     seeds = [read_seed(run, labelled) for run in runs]
@@ -53,8 +53,8 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
             f"median_test_{key}": {test: _median([seed["test"][test] for seed in seeds], name) for test in labelled}
             for key, name in rates.items()
         }
-        said = {name: test["conditions"] for name, test in labelled.items()}
-        return {"scenario": scenario, "conditions": said, **middle, "seeds": seeds, "references": others}
+        by_test = {name: test["conditions"] for name, test in labelled.items()}
+        return {"scenario": scenario, "conditions": by_test, **middle, "seeds": seeds, "references": others}
     (only,) = labelled
     seeds = [{**seed, "test": seed["test"][only]} for seed in seeds]
     return {

@@ -26,8 +26,8 @@ def trained_perception(policy: str | Path) -> Perception | None:
     try:
         return perception_in(run.own_settings())
     except IrsimGymError as error:
-        text = f"{run.folder}: what its policy was trained to observe cannot be read, so it observes what the task says"
-        warn_caller(f"{text} that is played: {error}", UnknownPerceptionWarning)
+        text = f"{run.folder}: the observations of its training cannot be read, so its policy uses those of the task"
+        warn_caller(f"{text}: {error}", UnknownPerceptionWarning)
         return None
 
 

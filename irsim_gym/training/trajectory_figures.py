@@ -132,13 +132,11 @@ class TrajectoryFigure:
             for name, kept in self._recorders.items()
         ]
         source = f"the first {KEPT_LEVELS} of {levels:,} levels" if levels > KEPT_LEVELS else f"{levels} levels"
-        note = (
-            f"Ways: at most {FEW} that succeeded and {FEW} that failed, from {source}. Marks: where episodes failed, "
-        )
-        note += "from all levels. Grey: obstacles that stand still"
+        note = f"Trajectories: at most {FEW} that succeeded and {FEW} that failed, from {source}. "
+        note += "Marks: where episodes failed, from all levels. Grey: static obstacles"
         if any(panel.levels for panel in panels):
-            note += ", the darker in the more levels. Small pictures: single levels at their end, failed ones first; "
-            note += "light grey is what else moves. `irsim-gym record` with --level N plays level N"
+            note += ", darker where more levels have one. Small pictures: single levels at their end, failed ones "
+            note += "first, with moving bodies in light grey. `irsim-gym record` with --level N plays level N"
         draw_ways([folder / name for name in FILES], panels, self._density, title, f"{note}.")
 
     def _differs(self, kept: TrajectoryRecorder) -> bool:

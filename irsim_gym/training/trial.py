@@ -89,10 +89,10 @@ def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Failures,
             child.kill()
             child.wait()
         lines = results.read_text(encoding="utf-8").splitlines() if results.is_file() else []
-        said = dict(json.loads(line) for line in lines)
+        reported = dict(json.loads(line) for line in lines)
         trace = crash.read_text(encoding="utf-8", errors="replace") if crash.is_file() else ""
-    failures = {file: message for file, message in said.items() if message}
-    return failures, "" if status == 0 and len(said) == len(files) else _end(status, trace)
+    failures = {file: message for file, message in reported.items() if message}
+    return failures, "" if status == 0 and len(reported) == len(files) else _end(status, trace)
 
 
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
@@ -110,7 +110,7 @@ def _end(status: int, trace: str) -> str:
     how = f"by signal {known.get(-status, -status)}" if status < 0 else f"with status {number}"
     shown = "".join(f"\n    {line}" for line in trace.strip().splitlines()[:12])
     return (
-        f"the process that played it for some steps ended {how}.\n"
+        f"the process that ran it for some steps ended {how}.\n"
         "  The mistake is in irsim_gym or in an imported module, not in the file. Please report it with the file, the "
         f"command and these lines.{shown}"
     )

@@ -166,7 +166,7 @@ def _begin(tuning: Tuning, overwrite: bool) -> None:
                 "replace the study with --overwrite"
             )
     elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise IrsimGymError(f"{folder} holds something else than a study: choose another folder with --out")
+        raise IrsimGymError(f"{folder} holds something other than a study: choose another folder with --out")
     else:
         write_json(path, now)
 
@@ -198,8 +198,8 @@ def _study(tuning: Tuning) -> Any:
     if not study.get_trials(deepcopy=False):
         found, outside = tuning.space.to_parameters(tuning.settings.hyperparameters.to_plain())
         if outside:
-            said = f"{tuning.space.file} has not the present values of {', '.join(outside)}"
-            tuning.console.print(f"{said}: the first trial draws them", **PLAIN)
+            missing = f"{tuning.space.file} does not contain the current values of {', '.join(outside)}"
+            tuning.console.print(f"{missing}: the first trial draws them", **PLAIN)
         study.enqueue_trial(found)
     return study
 

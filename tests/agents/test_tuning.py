@@ -94,7 +94,7 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     assert "yard.yaml: 2 trials, 0 of them pruned" in said.out
     best = "--hyperparameters study/best_hyperparameters.yaml --task study/best_task.yaml"
     assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seeds 5 {best}"
-    assert "space.yaml has not the present values of ent_coef: the first trial draws them" in said.err
+    assert "space.yaml does not contain the current values of ent_coef: the first trial draws them" in said.err
     first, second = rows("study")
     assert (first["trial"], first["gamma"], first["reward.arrival"], first["ending"]) == (
         "0",
@@ -128,7 +128,7 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     Path("other/file").write_text("mine")
     capsys.readouterr()
     assert command(monkeypatch, *WORDS, "--out", "other", "--overwrite") == 1
-    assert "other holds something else than a study" in capsys.readouterr().err
+    assert "other holds something other than a study" in capsys.readouterr().err
 
 
 def test_an_interrupted_study_ends_as_an_uninterrupted_one(monkeypatch: pytest.MonkeyPatch) -> None:
