@@ -216,7 +216,7 @@ def test_names_on_the_shelf_are_policies(tmp_path: Path, monkeypatch: pytest.Mon
         load_policy("cluttered_rom")
     with pytest.raises(UnknownNameError, match="no policy named 'dash' on the shelf"):
         irsim_gym.load_policy("dash")
-    with pytest.raises(IrsimGymError, match="what drives alone, without a critic"):
+    with pytest.raises(IrsimGymError, match="holds an actor without a critic"):
         load_origin("cluttered_room")
 
 
