@@ -1,4 +1,4 @@
-"""The command ``irsim-gym``. Everything heavy is imported by the command that needs it."""
+"""The command ``irsim-gym``. Each command imports the heavy packages that it needs."""
 
 from __future__ import annotations
 
@@ -76,9 +76,9 @@ def check(
     file without a section task.
     """
     from irsim_gym.training.check import check_files
-    from irsim_gym.training.trial import Reading
+    from irsim_gym.training.trial import ReadOptions
 
-    if not check_files(files, Reading(read_parameters(given), modules or (), not lenient), team=team):
+    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient), team=team):
         raise typer.Exit(1)
 
 
@@ -211,10 +211,10 @@ def record(
     """
     from irsim_gym.training.commands import run_record
 
-    asked = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
-    if len(asked) > 1:
+    kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
+    if len(kinds) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
-    kind, parameters = (*asked, "film")[0], read_parameters(given)
+    kind, parameters = (*kinds, "film")[0], read_parameters(given)
     chosen: dict[str, Any] = {"kind": kind, "strict": not lenient}
     run_record(scenario, policies, level or [0], split, task, out, parameters, team, **chosen)
 
@@ -277,12 +277,12 @@ def play(
 ) -> None:
     """Drive a robot by hand in a window, level after level. The window lists the keys; esc quits."""
     from irsim_gym.tasks.levels import check_split
-    from irsim_gym.training.manual_play import Wishes
+    from irsim_gym.training.manual_play import PlaySettings
     from irsim_gym.training.manual_play import play as play_by_hand
 
     check_split(split)
-    wishes = Wishes(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
-    played = play_by_hand(wishes)
+    settings = PlaySettings(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
+    played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:
         print(f"{played.record}: {played.recorded} episode{'' if played.recorded == 1 else 's'}")
@@ -300,7 +300,7 @@ def draw(
     modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
-    from irsim_gym.training.look import draw_level
+    from irsim_gym.training.inspection import draw_level
 
     print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))
 
@@ -328,7 +328,7 @@ def run(command: Callable[..., object]) -> None:
 
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
-    if isinstance(sys.stdout, io.TextIOWrapper):  # the code page of a redirected output may lack a character
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
     _guarded(app)
 

@@ -36,17 +36,17 @@ def arena(
         ),
     ] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the arena in the folder.")] = False,
-    replays: Annotated[int, typer.Option(min=0, help="Greatest number of episodes that the page can play.")] = 200,
+    replays: Annotated[int, typer.Option(min=0, help="Maximum number of episodes that the page can play.")] = 200,
     team: Team = False,
     mix: Annotated[
         bool,
-        typer.Option("--mix", help="Cross-play: let also two policies drive the robots of one team, in every pairing."),
+        typer.Option("--mix", help="Cross-play: let every pair of policies drive the robots of one team, too."),
     ] = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Let policies play the same levels, and write one page that shows who solves what, with replays of failures."""
+    """Play the same levels with several policies, and write a page of the results, with replays of failures."""
     from irsim_gym.arenas.command import run_arena
 
     chosen: dict[str, Any] = {"levels": levels, "split": split, "task": task, "team": team, "mix": mix}

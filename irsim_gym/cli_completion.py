@@ -1,4 +1,4 @@
-"""What the shell offers for names on the command line; where nothing fits, it offers files by itself."""
+"""Completion of names on the command line. If nothing matches, the shell completes files."""
 
 from __future__ import annotations
 
@@ -7,35 +7,35 @@ from pathlib import Path
 
 
 def scenarios(incomplete: str) -> list[str]:
-    """Return the shipped scenarios, and the YAML files here, that begin so."""
+    """Return the matching shipped scenarios and YAML files."""
     from irsim_gym.scenario.library import every_scenario
 
     return [*_beginning(incomplete, every_scenario()), *_files(incomplete)]
 
 
 def tasks(incomplete: str) -> list[str]:
-    """Return the shipped tasks, and the YAML files here, that begin so."""
+    """Return the matching shipped tasks and YAML files."""
     from irsim_gym.scenario.library import names
 
     return [*_beginning(incomplete, names("tasks")), *_files(incomplete)]
 
 
 def algorithms(incomplete: str) -> list[str]:
-    """Return the algorithms that begin so."""
+    """Return the matching algorithms."""
     from irsim_gym.training.algorithms import ALGORITHMS
 
     return _beginning(incomplete, ALGORITHMS)
 
 
 def splits(incomplete: str) -> list[str]:
-    """Return the splits of levels that begin so."""
+    """Return the matching splits of levels."""
     from irsim_gym.scenario.level_set import SPLITS
 
     return _beginning(incomplete, SPLITS)
 
 
 def policies(incomplete: str) -> list[str]:
-    """Return the policies on the shelf, and the runs in ``runs/``, that begin so."""
+    """Return the matching shipped policies, behaviours, and finished runs in ``runs/``."""
     from irsim_gym.training.shelf import shelf_files
 
     runs = sorted(file.parent.as_posix() for file in Path("runs").glob("*/policy.zip"))
@@ -43,7 +43,7 @@ def policies(incomplete: str) -> list[str]:
 
 
 def services(incomplete: str) -> list[str]:
-    """Return where a log can be sent to, as it begins so."""
+    """Return the matching services for logs."""
     return _beginning(incomplete, ["wandb", "mlflow"])
 
 
@@ -52,7 +52,7 @@ def _beginning(incomplete: str, names: Iterable[str]) -> list[str]:
 
 
 def _files(incomplete: str) -> list[str]:
-    """Return the YAML files that begin so, below the folder that is named so far."""
+    """Return the matching YAML files in the folder that the incomplete text names."""
     from irsim_gym.scenario.library import SUFFIXES
 
     folder, slash, _ = incomplete.rpartition("/")

@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym levels``: levels as files. Everything heavy is imported by the command that needs it."""
+"""The commands ``irsim-gym levels``: levels as files. Each command imports the heavy packages that it needs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from irsim_gym.cli_options import MOST_LEVELS, Given, Imports, Lenient, Scenario
 from irsim_gym.cli_tools import read_parameters
 
 levels = typer.Typer(
-    help="Levels as files: draw them, import those of others, certify and show them.",
+    help="Levels as files: draw them, import those of other projects, certify and show them.",
     no_args_is_help=True,
     add_completion=False,
 )
@@ -41,10 +41,10 @@ def draw(
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Write levels into a file, which a scenario reads with `levels: FILE.npz` and everybody with NumPy."""
-    from irsim_gym.training.level_commands import Wanted, run_draw
+    """Write levels to a file. Scenarios read it with `levels: FILE.npz`; NumPy can open it, too."""
+    from irsim_gym.training.level_commands import ScenarioRequest, run_draw
 
-    run_draw(Wanted(scenario, task, team, read_parameters(given), not lenient), split.split(","), count, out)
+    run_draw(ScenarioRequest(scenario, task, team, read_parameters(given), not lenient), split.split(","), count, out)
 
 
 @levels.command()
@@ -60,17 +60,17 @@ def certify(
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Measure levels, let reference policies drive them, and write what is found (docs/levels.md).
+    """Measure levels, play them with reference policies, and write a certificate (docs/levels.md).
 
     `evaluate` finds the certificate beside the scenario, or beside its file of levels, and reports by difficulty.
     """
-    from irsim_gym.training.level_commands import Wanted, run_certify
+    from irsim_gym.training.level_commands import ScenarioRequest, run_certify
 
-    wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
+    wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
     run_certify(wanted, split, count, policies or None, out)
 
 
-imports = typer.Typer(help="Convert levels of others, from your own copy.", no_args_is_help=True)
+imports = typer.Typer(help="Convert levels of other projects, from your own copy.", no_args_is_help=True)
 levels.add_typer(imports, name="import")
 
 
@@ -123,9 +123,9 @@ def show(
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Draw levels into one picture, from the easiest to the hardest where they have a certificate."""
-    from irsim_gym.training.level_commands import Wanted
+    """Draw levels into one picture, from the easiest to the hardest if they have a certificate."""
+    from irsim_gym.training.level_commands import ScenarioRequest
     from irsim_gym.training.level_sheet import show_levels
 
-    wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
+    wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
     print(show_levels(wanted, split, count, number, out))

@@ -10,8 +10,8 @@ import typer
 from irsim_gym import cli_completion
 from irsim_gym.cli_tools import import_modules
 
-LAST_SEED = 2**32 - 1  # of NumPy's generator, which Stable-Baselines3 seeds
-LAST_LEVEL = 2**53 - 1  # that an environment takes
+LAST_SEED = 2**32 - 1  # largest seed of NumPy's legacy generator, which Stable-Baselines3 seeds
+LAST_LEVEL = 2**53 - 1  # largest level of an environment
 MOST_LEVELS = 10**9
 
 Scenario = Annotated[
@@ -52,10 +52,10 @@ Seeds = Annotated[
     int | None,
     typer.Option(
         min=1,
-        help="Train so many seeds, from --seed on, in a folder above their runs, and sum them up.",
+        help="Train this number of seeds, starting with --seed, with their runs in one folder, and summarize them.",
     ),
 ]
-TestLevels = Annotated[int, typer.Option(min=1, help="Number of test levels that --seeds is summed up on.")]
+TestLevels = Annotated[int, typer.Option(min=1, help="Number of test levels for the summary of --seeds.")]
 Reference = Annotated[
     str,
     typer.Option(
@@ -134,7 +134,7 @@ TeamMode = Annotated[
 ]
 Curriculum = Annotated[
     str | None,
-    typer.Option(help="Play levels again that the policy solves sometimes (learnability); see docs/levels.md."),
+    typer.Option(help="Repeat levels that the policy solves only sometimes (learnability); see docs/levels.md."),
 ]
 
 EngineName = Annotated[
@@ -154,5 +154,5 @@ LearnerGpus = Annotated[
 ]
 Address = Annotated[
     str | None,
-    typer.Option(help="A Ray cluster, e.g. ray://head:10001 or auto; without it Ray runs here, on the loopback alone."),
+    typer.Option(help="Address of a Ray cluster, e.g. ray://head:10001 or auto (default: start Ray on this machine)."),
 ]

@@ -10,7 +10,7 @@ import typer
 from irsim_gym.cli_options import Imports, Levels
 from irsim_gym.extras import require
 
-policies = typer.Typer(help="The shelf of shipped policies: list it, show cards, add policies.", no_args_is_help=True)
+policies = typer.Typer(help="The shipped policies: list them, show their cards, export policies.", no_args_is_help=True)
 
 
 @policies.command("list")
@@ -26,7 +26,7 @@ def show_policy(
     policy: Annotated[str, typer.Argument(help="Name of a shipped policy, or an exported .npz file.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print the card as JSON.")] = False,
 ) -> None:
-    """Print the card of a policy: task, observation, network, training, figures, weaknesses."""
+    """Print the card of a policy: task, observation, network, training, results, weaknesses."""
     from irsim_gym.training.shelf_tables import print_card
 
     print_card(policy, as_json=as_json)
@@ -35,12 +35,12 @@ def show_policy(
 @policies.command("export")
 def export_policy(
     source: Annotated[str, typer.Argument(metavar="RUN", help="A run's folder or a policy.zip.")],
-    name: Annotated[str, typer.Argument(help="What the policy is called.")],
+    name: Annotated[str, typer.Argument(help="Name of the policy.")],
     out: Annotated[Path, typer.Option(help="Folder for NAME.npz and NAME.json.")] = Path("runs/shelf"),
     results: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Take the card's figures from this summary.json of evaluate or file of agents/results, instead of "
+            help="Take the card's results from this summary.json of evaluate or file of agents/results, instead of "
             "playing test levels; may be repeated."
         ),
     ] = None,
@@ -51,7 +51,7 @@ def export_policy(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace files of that name.")] = False,
     modules: Imports = None,
 ) -> None:
-    """Write a trained policy as a small file of numbers, with a card. It loads without PyTorch, and runs no code."""
+    """Write a trained policy as a small file of numbers, with a card. Loading it needs no PyTorch and runs no code."""
     require("train", "irsim-gym policies export")
     from irsim_gym.training.exporting import export
 

@@ -19,7 +19,7 @@ def new(
 
 
 def doctor() -> None:
-    """Show versions, the cache of kernels, processors, display and graphics card, and what commands lack."""
+    """Show versions, the cache of kernels, processors, display and graphics card, and what commands need."""
     from irsim_gym.training.doctor import print_examination
 
     if not print_examination():

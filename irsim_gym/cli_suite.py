@@ -17,7 +17,7 @@ suite = typer.Typer(help="The benchmark suite: list it, play policies on it, pri
 def list_suite(
     names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks (default: all).")] = None,
 ) -> None:
-    """List benchmarks: id, tiers, what each asks of a policy, and its reference rows."""
+    """List benchmarks: id, tiers, what each tests, and its reference results."""
     from irsim_gym.suite.listing import print_suite
 
     print_suite(names or [])
@@ -26,7 +26,7 @@ def list_suite(
 @suite.command("run")
 def run_suite(
     names: Annotated[
-        str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help="Tiers or benchmarks, divided by commas.")
+        str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help="Tiers or benchmarks, separated by commas.")
     ],
     policies: Annotated[
         list[str],
@@ -37,10 +37,10 @@ def run_suite(
     levels: Levels = 1000,
     split: Split = "test",
     out: Annotated[Path | None, typer.Option(help="Folder for rows and summary (default: runs/suite-NAMES).")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in the folder.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
     modules: Imports = None,
 ) -> None:
-    """Play policies on benchmarks and print the table. The same command goes on where it was stopped."""
+    """Play policies on benchmarks and print the table. The same command continues an interrupted run."""
     from irsim_gym.suite.members import shipped_suite
     from irsim_gym.suite.playing import play_suite
     from irsim_gym.suite.suite_tables import markdown
@@ -60,7 +60,7 @@ def print_table(
     folder: Annotated[Path, typer.Argument(help="Folder of a run of the suite.")],
     latex: Annotated[bool, typer.Option("--latex", help="LaTeX (package booktabs) instead of Markdown.")] = False,
 ) -> None:
-    """Print the tables of a run, with the conditions that its figures hold for."""
+    """Print the tables of a run, with the conditions of its results."""
     from irsim_gym.suite import suite_tables
     from irsim_gym.suite.scores import score_suite
     from irsim_gym.suite.suite_record import read_record

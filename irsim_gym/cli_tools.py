@@ -1,4 +1,4 @@
-"""Helpers of several commands: importing modules, and printing option tables."""
+"""Helpers of several commands: importing modules, parsing parameters, and printing tables."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def import_modules(names: Sequence[str] | None) -> Sequence[str]:
         names: Paths of ``.py`` files, or dotted names of modules in the current folder or installed.
 
     Raises:
-        IrsimGymError: A file or module does not exist.
+        IrsimGymError: If a file or module does not exist, or a module of this name is already loaded.
     """
     for name in names or ():
         if name.endswith(".py"):
@@ -39,7 +39,7 @@ def _import_module(name: str) -> None:
         importlib.import_module(name)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{name}.".startswith(f"{error.name}."):
-            raise  # the module exists, but something that it imports does not
+            raise  # the module exists, but one that it imports does not
         raise IrsimGymError(
             f"--import: no module named '{name}' in this folder or installed; name a file with its suffix, .py"
         ) from None
@@ -102,10 +102,10 @@ def _row(head: str, about: str) -> str:
 
 
 def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
-    """Return the values of ``--set name=value`` as text; the scenario converts them.
+    """Return the values of ``--set name=value`` as text. The scenario converts them.
 
     Raises:
-        IrsimGymError: A setting is not of the form ``name=value``, or a name appears twice.
+        IrsimGymError: If a setting is not of the form ``name=value``, a name appears twice, or it is not allowed.
     """
     given: dict[str, Any] = {}
     if settings:
@@ -129,7 +129,7 @@ def print_options(name: str) -> None:
     """Print the options of a section or kind as tables, e.g. of ``world``, ``rvo`` or ``behavior rvo``.
 
     Raises:
-        IrsimGymError: There is no such section or kind; the message suggests the nearest name.
+        IrsimGymError: If there is no such section or kind. The message suggests a similar name.
     """
     from rich.console import Console
     from rich.table import Table
@@ -156,12 +156,12 @@ def print_options(name: str) -> None:
 
 @contextmanager
 def progress(words: str, total: int, *, shown: bool = True) -> Iterator[Callable[[], None]]:
-    """Yield a function that advances a progress bar by one step; only terminals show the bar.
+    """Show a progress bar, and yield a function that advances it by one step. Only a terminal shows the bar.
 
     Args:
         words: Text beside the bar.
-        total: Greatest number of steps.
-        shown: Show the bar if the output is a terminal.
+        total: Maximum number of steps.
+        shown: Whether to show the bar at all.
     """
     from rich.console import Console
     from rich.progress import Progress

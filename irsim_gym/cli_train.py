@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym train`` and ``irsim-gym tune``."""
+"""The commands ``irsim-gym train``, ``irsim-gym tune`` and ``irsim-gym sweep``."""
 
 from __future__ import annotations
 
@@ -70,12 +70,12 @@ def train(
     address: Address = None,
     log: Log = None,
 ) -> None:
-    """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
-    from irsim_gym.training.asked import Asked
+    """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.engines import engine_of
+    from irsim_gym.training.training_request import TrainingRequest
 
-    asked = Asked(
+    request = TrainingRequest(
         _first_scenario(scenario, mixture, seeds),
         algorithm,
         seed,
@@ -94,15 +94,15 @@ def train(
     )
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
-        run_training(asked, out, **how)
+        run_training(request, out, **how)
         return
     from irsim_gym.training.seed_runs import run_seeds
 
-    run_seeds(asked, seeds, out, test_levels=test_levels, **how)
+    run_seeds(request, seeds, out, test_levels=test_levels, **how)
 
 
 def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) -> str:
-    """Return the name of the first scenario, after a check that as many are wanted as are given."""
+    """Return the name of the first scenario, after checking that the options fit the number of scenarios."""
     from irsim_gym.training.mixture import read_part
 
     if not mixture:
@@ -111,24 +111,24 @@ def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) 
             raise IrsimGymError(f"train takes one scenario, got {given}: --mixture trains one policy in all")
         return scenarios[0]
     if seeds is not None:
-        raise IrsimGymError("--seeds sums up one scenario: train each seed of a mixture by itself, with --seed")
+        raise IrsimGymError("--seeds is for one scenario: train each seed of a mixture separately, with --seed")
     return read_part(scenarios[0]).scenario
 
 
 def tune(
     scenario: Scenario,
     trials: Annotated[
-        int, typer.Option(min=1, help="Number of trials, those that the folder holds already included.")
+        int, typer.Option(min=1, help="Total number of trials, including those already in the folder.")
     ] = 40,
     space: Annotated[
-        Path | None, typer.Option(help="YAML file of what may change (default: the algorithm's shipped one).")
+        Path | None, typer.Option(help="YAML file of the search space (default: the shipped one of the algorithm).")
     ] = None,
     algorithm: Algorithm = None,
     seed: Seed = 0,
     steps: Steps = None,
     task: Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder of the study (default: runs/tune-, then as the folder of a run).")
+        Path | None, typer.Option(help="Folder of the study (default: runs/tune-RUN, RUN as the folder of train).")
     ] = None,
     hyperparameters: Hyperparameters = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the study in the folder.")] = False,
@@ -140,32 +140,32 @@ def tune(
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Search for hyper-parameters and weights of rewards with Optuna. The same command goes on where it was stopped.
+    """Search for hyper-parameters and weights of rewards with Optuna. The same command continues an interrupted study.
 
     Each trial is a training run with one seed. Trials whose success on dev levels stays below the median are pruned.
     """
     require("tune", "irsim-gym tune")
-    from irsim_gym.training.asked import Asked
+    from irsim_gym.training.training_request import TrainingRequest
     from irsim_gym.training.tuning import run_tuning
 
     parameters = read_parameters(given)
-    asked = Asked(
+    request = TrainingRequest(
         scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device, None, curriculum
     )
-    run_tuning(asked, trials, space=space, out=out, overwrite=overwrite, dev_levels=dev_levels)
+    run_tuning(request, trials, space=space, out=out, overwrite=overwrite, dev_levels=dev_levels)
 
 
 def sweep(
-    file: Annotated[Path, typer.Argument(metavar="SWEEP.yaml", help="What is trained, see docs/rllib.md.")],
+    file: Annotated[Path, typer.Argument(metavar="SWEEP.yaml", help="Description of the sweep, see docs/rllib.md.")],
     out: Annotated[Path | None, typer.Option(help="Folder of the sweep (default: runs/sweep-NAME).")] = None,
     workers: Annotated[int, typer.Option(min=1, max=10_000, help="Trainings at a time on this machine.")] = 1,
     address: Address = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the sweep in the folder.")] = False,
     modules: Imports = None,
 ) -> None:
-    """Train every combination of seeds, hyper-parameters, rewards, scenarios and parameters in a file, by Ray Tune.
+    """Train every combination of seeds, hyper-parameters, rewards, scenarios and parameters in a file, with Ray Tune.
 
-    The same command goes on where it was stopped. One table at the end sums the seeds up.
+    The same command continues an interrupted sweep. At the end, one table summarizes the seeds.
     """
     require("rllib", "irsim-gym sweep")
     from irsim_gym.training.ray_session import prepare

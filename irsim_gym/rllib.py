@@ -1,4 +1,4 @@
-"""Everything for Ray RLlib: a runner that samples whole arrays, its configuration, and registered environments."""
+"""Support for Ray RLlib: an environment runner that samples arrays, its configuration, and registered environments."""
 
 from __future__ import annotations
 
@@ -50,25 +50,25 @@ def configure(
     strict: bool = True,
     parameters: Mapping[str, object] | None = None,
 ) -> Config:
-    """Let a configuration of PPO or APPO learn in the worlds of a scenario.
+    """Configure PPO or APPO to learn in the worlds of a scenario.
 
-    It chooses the runner, the learner, the spaces, and how much is sampled for an update; RLlib's connectors, which
-    take episodes, are left out. All else may be set before and after. Robots of a team are rows of one policy; rows
-    that wait are not learned from.
+    This sets the environment runner, the learner, the spaces and the batch size of an update, and removes RLlib's
+    learner connectors, which process episodes. All other settings may be changed before and after. The robots of a team
+    share one policy. Steps of robots that wait are not used for learning.
 
     Args:
-        config: The configuration; it is changed.
+        config: The configuration, which is changed.
         scenario: Name of a shipped scenario, id, path of a YAML file, or plain data.
-        workers: Processes that sample; 0 samples in this one.
-        worlds_per_worker: Worlds of each of them.
-        steps: Steps of each world for an update.
+        workers: Number of processes that sample; 0 samples in this process.
+        worlds_per_worker: Number of worlds of each process.
+        steps: Number of steps of each world for an update.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
-        max_steps: Time limit [steps]; None for the task's.
-        team: ``"episode"`` or ``"respawn"``: all robots learn, and those that have ended wait or begin again at once;
-            None where one learns.
-        first_level: Level that the first world begins with, the others with those after it; None for any.
-        reward_scale: Factor on the rewards that are learned from.
-        strict: False ignores unused keys of the scenario.
+        max_steps: Time limit [steps]; None for the task's own.
+        team: Team mode: all robots learn, and those whose episode has ended wait (``"episode"``) or restart
+            (``"respawn"``). None for a single learner.
+        first_level: Level of the first world; the other worlds begin with the following ones. None for random levels.
+        reward_scale: Factor on the rewards that the algorithm gets.
+        strict: Whether unused keys of the scenario are an error; False ignores them.
         parameters: Values for the scenario's parameters.
 
     Returns:
@@ -78,12 +78,12 @@ def configure(
     chosen |= {"first_level": first_level, "reward_scale": reward_scale, "strict": strict}
     chosen["parameters"] = dict(parameters or {})
     config.environment("irsim_gym/World-v0", env_config=chosen)
-    _take_arrays(config, workers, worlds_per_worker, steps)
+    _configure_sampling(config, workers, worlds_per_worker, steps)
     return config
 
 
-def _take_arrays(config: PPOConfig | APPOConfig, workers: int, worlds: int, steps: int) -> None:
-    """Choose runner, learner, spaces and the size of what is sampled for an update."""
+def _configure_sampling(config: PPOConfig | APPOConfig, workers: int, worlds: int, steps: int) -> None:
+    """Set the environment runner, the learner, the spaces and the batch size of an update."""
     rows, is_ppo = make_rows(1, config.env_config), isinstance(config, PPOConfig)
     rows.close()
     config.environment(observation_space=rows.single_observation_space, action_space=rows.single_action_space)
@@ -103,12 +103,12 @@ def _take_arrays(config: PPOConfig | APPOConfig, workers: int, worlds: int, step
 
 
 def register_environments(*ids: str) -> None:
-    """Register environments with Ray, so that its workers know them and RLlib's own runner takes them.
+    """Register environments with Ray, so that its workers and RLlib's own environment runner can make them.
 
-    A runner that makes a batch gets one that begins the next episode as RLlib expects, in the step after the end.
+    Batches use the autoreset mode that RLlib expects: the next episode begins in the step after the end.
 
     Args:
-        *ids: Ids such as ``"irsim_gym/cluttered_room-v0"``; by default all that this package registers.
+        *ids: Ids such as ``"irsim_gym/cluttered_room-v0"``; by default, all environments of this package.
     """
     every = [one for one in gymnasium.registry if one.startswith("irsim_gym/")]
     for one in ids or every:
@@ -116,7 +116,7 @@ def register_environments(*ids: str) -> None:
 
 
 def _make_registered(one: str, chosen: Mapping[str, Any]) -> Any:
-    """Make an environment, or a batch where ``num_envs`` is given, with the other keywords of ``env_config``."""
+    """Make an environment, or a batch if ``env_config`` has ``num_envs``, with its other values as keywords."""
     given = dict(chosen)
     num_envs = given.pop("num_envs", None)
     return make(one, **given) if num_envs is None else make_vec(one, num_envs, **given)

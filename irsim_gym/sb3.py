@@ -1,4 +1,4 @@
-"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, a curriculum and a log."""
+"""Support for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots and their buffers, a curriculum and a log."""
 
 from irsim_gym.extras import require
 

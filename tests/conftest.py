@@ -46,7 +46,7 @@ def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 def played_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let ``check`` play files in this process: another one takes seconds to start, and has tests of its own."""
 
-    def play(files: Sequence[str], reading: trial.Reading) -> tuple[trial.Failures, str]:
+    def play(files: Sequence[str], reading: trial.ReadOptions) -> tuple[trial.Failures, str]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ScenarioWarning)
             found = {file: trial._failure(file, reading) for file in files}

@@ -76,14 +76,14 @@ import sys
 from pathlib import Path
 from irsim_gym.jit.watch import compilation
 from irsim_gym.training.commands import run_rollout
-from irsim_gym.training.look import draw_level
-from irsim_gym.training.trial import Reading, play
+from irsim_gym.training.inspection import draw_level
+from irsim_gym.training.trial import ReadOptions, run_briefly
 from irsim_gym.training.warmup import warm_up
 
 name, folder = "empty_goal", Path(FOLDER)
 warm_up([name])
 ready = compilation().compiled
-play(name, Reading({}))
+run_briefly(name, ReadOptions({}))
 draw_level(name, 0, "dev", None, folder / "level.png")
 run_rollout(name, "dash", 1, "dev", None, None)
 print(ready, compilation().compiled - ready)

@@ -13,7 +13,7 @@ from PIL import Image
 from builder.films import film, small, write_film
 from irsim_gym.render import Renderer
 from irsim_gym.scenario import load_scenario
-from irsim_gym.training.look import begin_level
+from irsim_gym.training.inspection import begin_level
 
 EXTRA = "extra"
 """Folder beside that of the pictures whose content Sphinx copies to the top of the site."""

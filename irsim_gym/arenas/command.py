@@ -9,8 +9,8 @@ from typing import Any
 from irsim_gym.arenas.contest import Arena, arena
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.training.folders import evaluation_folder
-from irsim_gym.training.interruption import ctrl_c_told
-from irsim_gym.training.remembered import remembered_parameters, tell_changes
+from irsim_gym.training.interruption import ctrl_c_as_error
+from irsim_gym.training.remembered import remembered_parameters, report_changes
 
 
 def run_arena(
@@ -42,11 +42,11 @@ def run_arena(
         TrainingInterruptedError: Ctrl-C; what has finished is on disk.
     """
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
-    tell_changes(scenario, policies, chosen.get("task"), strict=strict)
+    report_changes(scenario, policies, chosen.get("task"), strict=strict)
     of_teams = bool(chosen.get("team") or chosen.get("mix"))
     folder = out or evaluation_folder(scenario, split, used, of_teams, overwrite=overwrite, resume=resume, kind="arena")
     kept = f"stopped; policies that have finished are in {folder}. To continue, run the same command with --resume."
-    with ctrl_c_told(kept):
+    with ctrl_c_as_error(kept):
         how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "parameters": used, "strict": strict}
         found = arena(scenario, policies, folder, split=split, **how, **chosen)
     for table in found.standings.tables(found.title):

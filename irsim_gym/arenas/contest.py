@@ -31,7 +31,7 @@ from irsim_gym.levels.played import played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import conditions, make_episodes, team_conditions
-from irsim_gym.training.fitting import check_policies, tell_perceptions
+from irsim_gym.training.fitting import check_policies, report_perceptions
 from irsim_gym.training.folders import has_results
 from irsim_gym.training.policies import Source, policy_names
 from irsim_gym.training.run import machine
@@ -145,7 +145,7 @@ class Contest:
         self.names = [entrant.name for entrant in entrants]
         self.players: dict[str, Policy] = {entrant.name: entrant.policy for entrant in entrants}
         check_policies(self.players, self.worlds)
-        tell_perceptions(self.players, self.worlds)
+        report_perceptions(self.players, self.worlds)
         drivers = None
         if mix:
             check_mix(entrants, self.worlds)

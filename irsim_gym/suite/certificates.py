@@ -14,7 +14,7 @@ from irsim_gym.scenario import load_scenario
 from irsim_gym.suite.members import Member, shipped_suite
 from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord, read_record
-from irsim_gym.training.level_commands import WORLDS, Wanted, bar, write_certificate
+from irsim_gym.training.level_commands import WORLDS, ScenarioRequest, bar, write_certificate
 
 
 def certify_members(folder: Path, names: Sequence[str]) -> None:
@@ -32,7 +32,7 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
     for member in shipped_suite().chosen(names or list(record.members)):
         if member.name not in record.members:
             raise IrsimGymError(f"{folder} holds no rows of {member.name}: play them with `irsim-gym suite run`")
-        wanted = Wanted(member.scenario, team=member.team, parameters=member.parameters)
+        wanted = ScenarioRequest(member.scenario, team=member.team, parameters=member.parameters)
         count = member.levels_of(record.levels)
         episodes = wanted.episodes(min(WORLDS, count))
         with bar(f"certifying {member.name}", count) as advance:

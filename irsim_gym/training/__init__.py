@@ -1,1 +1,1 @@
-"""Learning, scoring and filming agents: what the commands ``train``, ``evaluate``, ``record`` and ``demo`` do."""
+"""Training, evaluation and recording: the commands ``train``, ``evaluate``, ``record`` and ``demo``."""

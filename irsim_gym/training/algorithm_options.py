@@ -1,6 +1,6 @@
-"""What hyper-parameter files may say: our own keys, those of algorithms and those of their networks.
+"""Keys of hyper-parameter files: our own, those of the algorithms, and those of their networks.
 
-Which of the latter an algorithm takes follows from its signature; what stands here is what a value has to be.
+The tables define which values are valid. Which of the keys an algorithm takes follows from its signature.
 """
 
 from __future__ import annotations
@@ -17,24 +17,25 @@ ACTIVATIONS = {
     "gelu": "GELU",
     "leaky_relu": "LeakyReLU",
 }
-"""Activation functions, and their classes in ``torch.nn``."""
+"""Names of activation functions, and their classes in ``torch.nn``."""
 SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
-"""Keys that take ``lin_<number>`` as well."""
+"""Keys that also take ``lin_<number>``."""
 AUTOMATIC = ("ent_coef", "target_entropy")
-"""Keys that take ``auto`` as well where an algorithm adjusts them itself."""
+"""Keys that also take ``auto``, if the algorithm adjusts them itself."""
 GIVEN_ELSEWHERE = {
     "env": "is made from the scenario",
     "seed": "is given by --seed",
     "tensorboard_log": "is the folder tensorboard/ of the run",
     "_init_setup_model": "is for Python",
 }
-"""Arguments of algorithms that no file may give, and why."""
-HARDLY_IN_FILES = "is a class, which a file cannot hold"
+"""Arguments of algorithms that a file must not set, and the reason."""
+NOT_IN_FILES = "is a class, which a file cannot hold"
+"""Reason for arguments whose values are Python objects."""
 
 
 @kind
 class RunKeys:
-    """Keys that are ours."""
+    """Our own keys."""
 
     n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
     n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")
@@ -44,16 +45,16 @@ class RunKeys:
     )
     curriculum: Literal["learnability"] | None = option(
         None,
-        meaning="Which levels are played again: those in which the policy sometimes succeeds and sometimes fails.",
+        meaning="learnability repeats levels in which the policy sometimes succeeds and sometimes fails.",
     )
     clone: str | None = option(
-        None, min_length=1, meaning="Policy that the actor imitates before it learns, e.g. pursuit:known=seen."
+        None, min_length=1, meaning="Policy that the actor imitates before the training, e.g. pursuit:known=seen."
     )
-    clone_levels: int = option(2000, ge=1, meaning="Levels of ``train`` that the imitated policy plays.")
-    clone_epochs: int = option(8, ge=1, meaning="Passes over what it did in the levels that it won.")
-    torch_threads: int = option(1, ge=1, le=1024, meaning="Threads of PyTorch.")
+    clone_levels: int = option(2000, ge=1, meaning="Number of ``train`` levels that the imitated policy plays.")
+    clone_epochs: int = option(8, ge=1, meaning="Number of passes over its successful episodes.")
+    torch_threads: int = option(1, ge=1, le=1024, meaning="Number of threads of PyTorch.")
     checkpoint_every: int = option(100_000, ge=1, unit="steps", meaning="Steps between checkpoints.")
-    reward_scale: float = option(1.0, gt=0.0, meaning="Factor on the rewards that the algorithm sees.")
+    reward_scale: float = option(1.0, gt=0.0, meaning="Factor on the rewards that the algorithm gets.")
     normalize: Any = option(None, meaning="Arguments of VecNormalize; true for its defaults, false for none.")
     device: str = option("cpu", min_length=1, meaning="Device of the networks: auto, cpu, cuda, cuda:1 or mps.")
 
@@ -65,8 +66,8 @@ class AlgorithmKeys:
     policy: str = option(min_length=1, meaning="Name of the policy's class, e.g. MlpPolicy.")
     learning_rate: float = option(gt=0.0, meaning="Learning rate of the optimiser.")
     n_steps: int = option(ge=1, meaning="Steps of each world in a rollout, or of an n-step return.")
-    batch_size: int = option(ge=1, meaning="Rows of a minibatch.")
-    n_epochs: int = option(ge=1, meaning="Passes over a rollout.")
+    batch_size: int = option(ge=1, meaning="Size of a minibatch.")
+    n_epochs: int = option(ge=1, meaning="Number of passes over a rollout.")
     gamma: float = option(ge=0.0, le=1.0, meaning="Discount factor.")
     gae_lambda: float = option(ge=0.0, le=1.0, meaning="Trade-off between bias and variance of the advantages (GAE).")
     clip_range: float = option(gt=0.0, meaning="Clipping range of the policy's ratio.")
@@ -74,7 +75,7 @@ class AlgorithmKeys:
     normalize_advantage: bool = option(meaning="Normalise the advantages of a minibatch.")
     ent_coef: float = option(ge=0.0, meaning="Weight of the entropy in the loss.")
     vf_coef: float = option(ge=0.0, meaning="Weight of the value loss.")
-    max_grad_norm: float = option(gt=0.0, meaning="Greatest norm of the gradient.")
+    max_grad_norm: float = option(gt=0.0, meaning="Maximum norm of the gradient.")
     target_kl: float | None = option(gt=0.0, meaning="Stop an update at this KL divergence.")
     use_sde: bool = option(meaning="Use state-dependent exploration (gSDE).")
     sde_sample_freq: int = option(ge=-1, meaning="Steps between new draws of the gSDE noise; -1: once per rollout.")
@@ -112,8 +113,8 @@ class PolicyKeys:
     use_expln: bool = option(meaning="Use expln instead of exp for standard deviations.")
     squash_output: bool = option(meaning="Squash actions by tanh.")
     share_features_extractor: bool = option(meaning="Actor and critic share the extractor.")
-    normalize_images: bool = option(meaning="Divide pictures by 255.")
-    clip_mean: float = option(ge=0.0, meaning="Bound of the mean action with use_sde.")
+    normalize_images: bool = option(meaning="Divide images by 255.")
+    clip_mean: float = option(ge=0.0, meaning="Limit of the mean action with use_sde.")
     n_critics: int = option(ge=1, meaning="Number of critics.")
     n_quantiles: int = option(ge=1, meaning="Number of quantiles per critic.")
     memory_size: int = option(ge=1, meaning="Length of the memory of gru_ppo.")

@@ -1,4 +1,4 @@
-"""The algorithms that agents are trained with: where they come from, and which actions they take."""
+"""The learning algorithms: which classes implement them, and which actions they support."""
 
 from __future__ import annotations
 
@@ -21,17 +21,18 @@ SHIPPED_TASK = "discrete_navigation"
 
 @dataclass(frozen=True)
 class Algorithm:
-    """One algorithm of Stable-Baselines3 or sb3-contrib.
+    """A learning algorithm, usually of Stable-Baselines3 or sb3-contrib.
 
     Attributes:
-        name: As ``--algorithm`` takes it.
+        name: Name, as ``--algorithm`` takes it.
         module: Module of the class.
         class_name: Name of the class.
-        actions: Which kinds of actions it takes: ``continuous``, ``discrete``.
-        team_module: Module of the class that leaves out waiting robots, where the algorithm needs one of its own.
-        policy_suffix: What its policies' names have before ``Policy``.
-        has_critic: Its critic may observe more than its actor.
-        engine: The engine that alone has it; the class is then one with the same policies.
+        actions: Supported kinds of actions: ``continuous``, ``discrete``.
+        team_module: Module of the subclass that masks waiting robots; empty if the algorithm needs none.
+        policy_suffix: Part of the policies' class names between the kind of network and ``Policy``.
+        has_critic: Whether its critic may observe more than its actor.
+        engine: The only engine that implements it; empty for Stable-Baselines3. With an engine, the class is one of
+            Stable-Baselines3 that has the same policies.
     """
 
     name: str
@@ -44,13 +45,13 @@ class Algorithm:
     engine: str = ""
 
     def load(self, team: bool = False) -> type[BaseAlgorithm]:
-        """Return the class.
+        """Import and return the class.
 
         Args:
-            team: The one for teams, where robots wait for others.
+            team: Return the class for teams, which masks robots that wait for others.
 
         Raises:
-            MissingExtraError: It is not installed.
+            MissingExtraError: If its package is not installed.
         """
         module, name = self.module, self.class_name
         if team and self.team_module:
@@ -60,10 +61,10 @@ class Algorithm:
         return found
 
     def check_critic(self, critic_observations: Collection[Any]) -> None:
-        """Make sure that it can use what a task shows the critic alone.
+        """Check that the algorithm supports a task's observations for the critic alone.
 
         Raises:
-            IrsimGymError: It cannot; the message names algorithms that can.
+            IrsimGymError: If it does not. The message names algorithms that do.
         """
         if critic_observations and not self.has_critic:
             others = ", ".join(one.name for one in ALGORITHMS.values() if one.has_critic)
@@ -73,14 +74,14 @@ class Algorithm:
             )
 
     def check_action(self, action: Any, named: str) -> None:
-        """Make sure that it can learn with a task's action.
+        """Check that the algorithm supports a task's action.
 
         Args:
             action: The task's action.
-            named: What the action is called.
+            named: Name of the action.
 
         Raises:
-            IrsimGymError: It cannot; the message names algorithms that can, and what to change in the task.
+            IrsimGymError: If it does not. The message names algorithms that do, and what to change in the task.
         """
         kind = DISCRETE if action.n_choices else CONTINUOUS
         if kind in self.actions:
@@ -121,7 +122,7 @@ def find_algorithm(name: str) -> Algorithm:
     """Return the algorithm of a name.
 
     Raises:
-        UnknownNameError: There is none; the message offers the nearest.
+        UnknownNameError: If no algorithm has this name. The message suggests a similar name.
     """
     if name not in ALGORITHMS:
         near = suggestion(name, ALGORITHMS)

@@ -1,6 +1,6 @@
-"""Networks in NumPy: what a policy on the shelf computes, without PyTorch.
+"""Neural networks in NumPy: they run the shipped policies without PyTorch.
 
-A network is plain data: steps by name with their options, and the arrays of each step.
+A network is plain data: a list of steps, each with its kind, options and arrays.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import IrsimGymError, suggestion
 
 Options = Mapping[str, Any]
-"""What a step does: ``kind``, and the numbers that this kind takes."""
+"""Options of a step: its ``kind``, and the parameters of this kind."""
 Arrays = Mapping[str, NDArray[Any]]
-MOST_TERMS = 200_000
-"""Products of two numbers in one product of matrices; OpenBLAS takes several threads for more than 262,144."""
+MAX_TERMS = 200_000
+"""Largest number of multiplications in one matrix product. OpenBLAS uses several threads above 262,144."""
 
 
 def apply_steps(steps: Sequence[Options], arrays: Sequence[Arrays], rows: NDArray[Any]) -> Floats:
-    """Return what steps make of rows, one after the other, in double precision.
+    """Apply steps to rows, one after the other, in double precision.
 
     Args:
-        steps: What each does.
-        arrays: The arrays of each.
-        rows: Of shape ``(n, ...)``.
+        steps: Options of each step.
+        arrays: Arrays of each step.
+        rows: Inputs, ``(n, ...)``.
     """
     found: Floats = rows.astype(np.float64)
     for step, own in zip(steps, arrays, strict=True):
@@ -37,10 +37,10 @@ def apply_steps(steps: Sequence[Options], arrays: Sequence[Arrays], rows: NDArra
 
 
 def check_steps(steps: Sequence[Options]) -> None:
-    """Make sure that all steps are known.
+    """Check that all steps are of a known kind.
 
     Raises:
-        IrsimGymError: One is not.
+        IrsimGymError: If a kind is unknown. The message suggests a similar one.
     """
     for step in steps:
         if step.get("kind") not in STEPS:
@@ -54,7 +54,7 @@ def linear(rows: Floats, arrays: Arrays, step: Options) -> Floats:
 
 
 def convolution(rows: Floats, arrays: Arrays, step: Options) -> Floats:
-    """Return the correlation with each filter: ``(n, n_in, height, width)`` to ``(n, n_out, ...)``, without padding."""
+    """Return the cross-correlation with each filter, unpadded: ``(n, n_in, height, width)`` to ``(n, n_out, ...)``."""
     weight = arrays["weight"]
     windows = sliding_window_view(rows, weight.shape[2:], axis=(2, 3))
     down, right = step["stride"]
@@ -64,12 +64,12 @@ def convolution(rows: Floats, arrays: Arrays, step: Options) -> Floats:
 
 
 def product(rows: Floats, weight: Floats) -> Floats:
-    """Return ``rows @ weight.T``, a few rows at a time.
+    """Return ``rows @ weight.T``, computed a few rows at a time.
 
-    OpenBLAS divides larger products between threads, which wait for each other where other programs run. As all
-    parts are of one size, what becomes of a row does not depend on the others.
+    OpenBLAS distributes larger products over threads, which slow each other down on a busy machine. All parts have
+    the same size, so the result of a row does not depend on the other rows.
     """
-    size = max(2, MOST_TERMS // weight.size)
+    size = max(2, MAX_TERMS // weight.size)
     parts = -(-len(rows) // size)
     padded = np.zeros((parts * size, rows.shape[1]))
     padded[: len(rows)] = rows
@@ -77,10 +77,10 @@ def product(rows: Floats, weight: Floats) -> Floats:
     return found.reshape(-1, len(weight))[: len(rows)]
 
 
-def remember(rows: Floats, memory: Floats, arrays: Arrays) -> Floats:
-    """Return what a GRU remembers after one more step, ``(n, n_in)`` and ``(n, size)`` to ``(n, size)``.
+def gru_cell(rows: Floats, memory: Floats, arrays: Arrays) -> Floats:
+    """Return the next memory of a GRU: ``(n, n_in)`` and ``(n, size)`` to ``(n, size)``.
 
-    Its weights stand one below the other: those of the reset gate, of the update gate, and of what is new.
+    The weights of the reset gate, the update gate and the candidate are stacked in this order, as in PyTorch.
     """
     given = product(rows, arrays["weight_ih"]) + arrays["bias_ih"]
     known = product(memory, arrays["weight_hh"]) + arrays["bias_hh"]
@@ -92,13 +92,13 @@ def remember(rows: Floats, memory: Floats, arrays: Arrays) -> Floats:
 
 
 def standardize(rows: Floats, arrays: Arrays, step: Options) -> Floats:
-    """Return rows as ``VecNormalize`` does: less the mean, over the standard deviation, cut off."""
+    """Normalise rows as ``VecNormalize`` does: subtract the mean, divide by the standard deviation, and clip."""
     scaled = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])
     return np.asarray(np.clip(scaled, -step["clip"], step["clip"]).astype(np.float32), np.float64)
 
 
 def gelu(rows: Floats) -> Floats:
-    """Return ``x`` times the normal distribution's share below ``x``."""
+    """Return ``x`` times the cumulative distribution function of the standard normal distribution at ``x``."""
     from scipy.special import ndtr
 
     return np.asarray(rows * ndtr(rows))
@@ -126,4 +126,4 @@ STEPS: dict[str, Callable[[Floats, Arrays, Options], Floats]] = {
     "elu": lambda rows, arrays, step: np.where(rows > 0.0, rows, step["alpha"] * np.expm1(np.minimum(rows, 0.0))),
     "leaky_relu": lambda rows, arrays, step: np.where(rows > 0.0, rows, step["slope"] * rows),
 }
-"""What each kind of step computes, of rows, its arrays and its options."""
+"""Function of each kind of step. It takes the rows, and the step's arrays and options."""

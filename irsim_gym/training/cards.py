@@ -1,4 +1,4 @@
-"""Cards of policies: what a policy does, where it comes from, and how good it is."""
+"""Policy cards: a policy's inputs and outputs, its training, and its results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class _Fixed(BaseModel):
 
 
 class CardShare(_Fixed):
-    """A share of levels or robots, with its 95 % Wilson interval."""
+    """A share of levels or robots, with its 95 % Wilson score interval."""
 
     count: int
     value: float
@@ -24,14 +24,14 @@ class CardShare(_Fixed):
 
 
 class CardScenario(_Fixed):
-    """Where a policy was trained.
+    """The scenario that a policy was trained in.
 
     Attributes:
-        name: The scenario.
+        name: Name of the scenario.
         parameters: Values of its parameters.
-        task: The task; None for the scenario's own.
-        team: What robots that had ended did while others learned on; None where one robot learned.
-        sha256: Hash of all that the scenario and its task say, but for pictures.
+        task: Name of the task; None for the scenario's own.
+        team: Team mode of the training, ``"episode"`` or ``"respawn"``; None for a single learner.
+        sha256: Hash of the contents of the scenario and its task, without image files.
     """
 
     name: str
@@ -42,14 +42,14 @@ class CardScenario(_Fixed):
 
 
 class CardTerm(_Fixed):
-    """A part of an observation: its name in the task, and the shape of its numbers."""
+    """A term of the observation: its name in the task, and its shape."""
 
     name: str
     shape: tuple[int, ...]
 
 
 class CardAction(_Fixed):
-    """What a policy gives: the kind of the action, its components, and the number of its choices where it has some."""
+    """The action of a policy: its kind, its components, and the number of choices if it is discrete."""
 
     name: str
     components: tuple[str, ...]
@@ -57,7 +57,7 @@ class CardAction(_Fixed):
 
 
 class CardNetwork(_Fixed):
-    """What computes the action: layers in words, and how many weights they have."""
+    """The network of a policy: a description of each layer, and the number of weights."""
 
     layers: tuple[str, ...]
     weights: int
@@ -67,14 +67,14 @@ class CardTraining(_Fixed):
     """How a policy was trained, and at what cost.
 
     Attributes:
-        algorithm: The algorithm.
-        hyperparameters: Its settings.
+        algorithm: Name of the algorithm.
+        hyperparameters: Hyper-parameters of the training.
         seed: Seed of this policy.
-        seeds: Seeds that were trained alike, this one among them.
-        steps: Training steps.
-        training_seconds: Wall-clock time [s], of learning alone.
-        cpu_seconds: Processor time [s], likewise.
-        machine: Machine and versions.
+        seeds: Seeds that were trained in the same way, including this one.
+        steps: Number of training steps.
+        training_seconds: Wall-clock time of training alone [s].
+        cpu_seconds: Processor time of training alone [s].
+        machine: Machine, and versions of packages.
     """
 
     algorithm: str
@@ -88,21 +88,21 @@ class CardTraining(_Fixed):
 
 
 class CardResult(_Fixed):
-    """How good a policy is on some levels.
+    """Results of a policy on the levels of a split.
 
     Attributes:
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        levels: How many levels of it, from 0.
-        level_hash: Hash of what was drawn for them; None where the source does not have it.
+        levels: Number of levels, from 0.
+        level_hash: Hash of these levels; None if the source does not record it.
         parameters: Values of the scenario's parameters.
-        team: The figures are those of whole teams.
-        success: CardShare of levels that it solves; of a team, with all robots.
-        individual_success: CardShare of robots that arrive; None for one robot.
-        collision: CardShare of robots that collide.
-        timeout: CardShare of robots that run out of time.
+        team: Whether the figures are those of whole teams.
+        success: Share of solved levels; for a team, of levels that all robots solve.
+        individual_success: Share of robots that reach their goals; None for a single robot.
+        collision: Share of robots that collide.
+        timeout: Share of robots that run out of time.
         spl: Success weighted by path length.
-        seeds: Success of each seed of the training on the same levels, by run.
-        source: Where the figures are from.
+        seeds: Success of each training seed on the same levels, by run.
+        source: File or table that the figures come from.
     """
 
     split: str
@@ -120,19 +120,19 @@ class CardResult(_Fixed):
 
 
 class PolicyCard(_Fixed):
-    """What is known of a policy.
+    """Description of a shipped policy.
 
     Attributes:
-        name: Name on the shelf.
-        scenario: Where it was trained.
-        observation: Parts of its observation, in order.
-        action: What it gives.
-        network: What computes it.
-        training: How it was trained.
-        results: How good it is.
-        weaknesses: What it does badly, in sentences.
-        sha256: Hash of its file.
-        size: Of its file [bytes].
+        name: Name of the policy.
+        scenario: The scenario that it was trained in.
+        observation: Terms of its observation, in order.
+        action: Its action.
+        network: Its network.
+        training: How it was trained, and at what cost.
+        results: Its results.
+        weaknesses: Known weaknesses, in sentences.
+        sha256: Hash of the file.
+        size: Size of the file [bytes].
         exported_by: Version of irsim_gym that wrote the file.
     """
 
@@ -150,15 +150,15 @@ class PolicyCard(_Fixed):
 
 
 def card_file(policy: Path) -> Path:
-    """Return where the card of a policy's file is: beside it."""
+    """Return the path of the card of a policy file, in the same folder."""
     return policy.with_suffix(".json")
 
 
 def read_card(policy: Path) -> PolicyCard | None:
-    """Return the card of a policy's file; None where it has none.
+    """Return the card of a policy file; None if it has none.
 
     Raises:
-        IrsimGymError: It is no card.
+        IrsimGymError: If the file is not a valid card.
     """
     file = card_file(policy)
     if not file.is_file():
@@ -166,5 +166,5 @@ def read_card(policy: Path) -> PolicyCard | None:
     try:
         return PolicyCard.model_validate_json(file.read_bytes())
     except ValidationError as error:
-        told = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-        raise IrsimGymError(f"{file} is no card of a policy: {told}") from error
+        problems = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
+        raise IrsimGymError(f"{file} is not a policy card: {problems}") from error

@@ -1,4 +1,4 @@
-"""What ``irsim-gym check`` says of scenario files."""
+"""The command ``irsim-gym check``: validate scenario files."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from irsim_gym.scenario.notes import notes
 from irsim_gym.scenario.parameters import describe_parameters
 from irsim_gym.tasks import Task
 from irsim_gym.tasks.sight import unseen
-from irsim_gym.training.look import fitting_task, refused_as_team
-from irsim_gym.training.trial import Reading, try_out
+from irsim_gym.training.inspection import fitting_task, team_error
+from irsim_gym.training.trial import ReadOptions, try_files
 
 Read = tuple[Scenario, Task | None, ScenarioError | None]
-"""A scenario, its task, and the reason why no robot can learn."""
+"""A scenario, its task (None without learners), and the reason why no robot can learn (None if one can)."""
 
 
-def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
-    """Read files and play them for some steps, print what is found, and return whether all can be used.
+def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bool:
+    """Read files, run each for a few steps, print the results, and return whether all of them are valid.
 
     Args:
         files: Scenario files or shipped names.
-        reading: How they are read; what was imported is imported where they are played too.
-        team: All robots have to be able to learn together.
+        reading: How the files are read. The child process that runs them imports the same plugins.
+        team: Whether all robots have to be able to learn together.
     """
     read: dict[str, Read] = {}
     failures: dict[str, str] = {}
@@ -34,7 +34,7 @@ def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
             read[file] = scenario, *fitting_task(scenario, team=team)
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
-    failures |= try_out(list(read), reading) if read else {}
+    failures |= try_files(list(read), reading) if read else {}
     for file in files:
         if file in failures:
             print(failures[file], file=sys.stderr)
@@ -46,7 +46,7 @@ def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
 def _describe(file: str, read: Read, *, team: bool) -> None:
     """Print that a file is valid, with its learners, parameters and notes."""
     scenario, task, unfit = read
-    refused = None if team or unfit else refused_as_team(scenario)
+    refused = None if team or unfit else team_error(scenario)
     robots = len(scenario.robots)
     learned = f"task '{task.name}'" if task is not None else f"no robot {'that can' if robots else 'to'} learn"
     obstacles = len(scenario.bodies) - robots
@@ -68,7 +68,7 @@ def _describe(file: str, read: Read, *, team: bool) -> None:
 
 
 def _blind_spots(scenario: Scenario, task: Task | None) -> list[Problem]:
-    """Return a note where learners may run into what no observation shows."""
+    """Return a note if the learners may collide with bodies that no observation shows."""
     hidden = "" if task is None else unseen(scenario, task)
     if task is None or not hidden:
         return []

@@ -1,8 +1,8 @@
-"""Checkpoints: everything that a run needs to continue as if it had never stopped.
+"""Checkpoints: all that a run needs to continue as if it had never stopped.
 
-A checkpoint is a folder named by its steps. It is written under another name and renamed, so a folder with the
-right name is always whole. Only the newest keeps what resuming needs; the older ones keep their policy, which
-is scored afterwards.
+A checkpoint is a folder named after its number of steps. It is written under a temporary name and renamed, so a folder
+with the final name is always complete. Only the newest keeps the state for resuming. Older ones keep their policy,
+which is scored after the training.
 """
 
 from __future__ import annotations
@@ -31,29 +31,30 @@ from irsim_gym.training.checkpoint_files import (
     REPLAY_BUFFER,
     STATE,
     RunProgress,
-    forget_state,
     list_checkpoints,
+    remove_state,
 )
 from irsim_gym.training.environment import worlds_state
 
-EPISODES_UNDER_WAY = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
+EPISODE_STATE = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
+"""Attributes of a model that belong to the current episodes, which a policy does not need."""
 
 
 def save_checkpoint(
     folder: Path, model: BaseAlgorithm, progress: RunProgress, levels: LearnableLevels | None = None
 ) -> Path:
-    """Write a checkpoint below ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
+    """Write a checkpoint into ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
     return write_checkpoint(folder, model, progress, {**_state(model), "levels": levels})
 
 
 def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> Path:
-    """Write a checkpoint below ``folder`` and return its own folder.
+    """Write a checkpoint into ``folder`` and return its own folder.
 
     Args:
         folder: The run's folder of checkpoints.
-        model: Whose policy, normalisation and replay buffer are written.
-        progress: How far the run is.
-        state: What else it takes to go on.
+        model: Model whose policy, normalisation and replay buffer are saved.
+        progress: Progress of the run.
+        state: Further state for resuming.
     """
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
@@ -71,12 +72,12 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     partial.rename(target)
     for older in list_checkpoints(folder):
         if older != target:
-            forget_state(older)
+            remove_state(older)
     return target
 
 
 def export_policy(path: Path, model: BaseAlgorithm) -> None:
-    """Write what is needed to drive, a third of a checkpoint's size; the optimisers of ``model`` are emptied."""
+    """Write the policy without optimiser state, a third of a checkpoint's size. Clears the optimisers of ``model``."""
     parts = [model, model.policy, *(getattr(model, name, None) for name in ("actor", "critic"))]
     for part in parts:
         for name in ("optimizer", "ent_coef_optimizer"):
@@ -84,18 +85,18 @@ def export_policy(path: Path, model: BaseAlgorithm) -> None:
             if optimizer is not None:
                 optimizer.state.clear()
     content = io.BytesIO()
-    model.save(content, exclude=EPISODES_UNDER_WAY)
+    model.save(content, exclude=EPISODE_STATE)
     write_bytes(path, content.getvalue())
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
-    """Read the state of worlds, random generators and curriculum. Open only files of your own: it is a pickle."""
+    """Read the state of worlds, random generators and curriculum. It is a pickle: open only files that you trust."""
     state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
     return state
 
 
 def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
-    """Put all random generators where they stood."""
+    """Restore the state of all random generators."""
     saved = state["random"]
     random.setstate(saved["python"])
     np.random.set_state(saved["numpy"])  # noqa: NPY002  (Stable-Baselines3 shuffles with the global generator)
@@ -106,13 +107,13 @@ def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
 
 
 def restore_memories(model: BaseAlgorithm, state: dict[str, Any]) -> None:
-    """Give a recurrent policy back what it remembers of the episodes under way."""
+    """Restore a recurrent policy's memory of the current episodes."""
     if state.get("memories") is not None:
-        setattr(model, _memory_name(model), _moved(state["memories"], model.device))
+        setattr(model, _memory_name(model), _to_device(state["memories"], model.device))
 
 
 def _memory_name(model: BaseAlgorithm) -> str:
-    """Return where a model keeps what a recurrent policy remembers."""
+    """Return the attribute of a model that holds the memory of a recurrent policy."""
     return "last_memory" if hasattr(model, "last_memory") else "_last_lstm_states"
 
 
@@ -121,7 +122,7 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     assert env is not None, "a model in training has an environment"
     return {
         "worlds": worlds_state(env),
-        "memories": _moved(getattr(model, _memory_name(model), None), torch.device("cpu")),
+        "memories": _to_device(getattr(model, _memory_name(model), None), torch.device("cpu")),
         "random": {
             "python": random.getstate(),
             "numpy": np.random.get_state(),  # noqa: NPY002
@@ -132,11 +133,11 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     }
 
 
-def _moved(value: object, device: torch.device) -> Any:
-    """Return tensors, also inside (named) tuples, on another device, so that any machine can read them."""
+def _to_device(value: object, device: torch.device) -> Any:
+    """Move tensors, also those inside (named) tuples, to a device. On the CPU, any machine can read them."""
     if isinstance(value, torch.Tensor):
         return value.to(device)
     if isinstance(value, tuple):
-        parts = [_moved(part, device) for part in value]
+        parts = [_to_device(part, device) for part in value]
         return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
     return value

@@ -1,4 +1,4 @@
-"""Which files a checkpoint has, and how far it is; needs no PyTorch."""
+"""The files of a checkpoint, and the progress that it records. Needs no PyTorch."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ PARTIAL = ".partial"
 
 @dataclass
 class RunProgress:
-    """How far a run has come.
+    """Progress of a run.
 
     Attributes:
-        steps: Steps taken, over all worlds.
-        training_seconds: Wall-clock time of training alone [s]: no imports, compilation, checkpoints or scores.
-        cpu_seconds: Processor time of the same [s].
+        steps: Number of steps taken in all worlds together.
+        training_seconds: Wall-clock time of training alone [s], without imports, compilation, checkpoints and scores.
+        cpu_seconds: Processor time of training alone [s].
         history: Rows of the training log.
     """
 
@@ -30,28 +30,28 @@ class RunProgress:
 
 
 def list_checkpoints(folder: Path) -> list[Path]:
-    """Return the whole checkpoints below ``folder``, oldest first."""
+    """Return the complete checkpoints in ``folder``, oldest first."""
     return sorted(path for path in folder.glob("[0-9]*") if (path / POLICY).is_file())
 
 
 def newest_checkpoint(folder: Path) -> Path | None:
-    """Return the newest checkpoint that can be resumed; None when there is none."""
+    """Return the newest checkpoint that can be resumed; None if there is none."""
     whole = [path for path in list_checkpoints(folder) if (path / STATE).is_file()]
     return whole[-1] if whole else None
 
 
 def load_progress(checkpoint: Path) -> RunProgress:
-    """Read how far a checkpoint is."""
+    """Read the progress of a checkpoint."""
     return RunProgress(**json.loads((checkpoint / PROGRESS).read_text(encoding="utf-8")))
 
 
 def remove_partial(folder: Path) -> None:
-    """Remove checkpoints that a killed process left half written."""
+    """Remove incomplete checkpoints, which a killed process leaves behind."""
     for unfinished in folder.glob(f"{PARTIAL}*"):
         shutil.rmtree(unfinished)
 
 
-def forget_state(checkpoint: Path) -> None:
-    """Remove what resuming needs; the policy and its progress stay."""
+def remove_state(checkpoint: Path) -> None:
+    """Remove the state for resuming; keep the policy and its progress."""
     for name in (STATE, REPLAY_BUFFER):
         (checkpoint / name).unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Behavioural cloning: the actor imitates a policy, such as a planner, before it learns (Pomerleau 1991)."""
+"""Behavioural cloning (Pomerleau 1991): before the training, the actor imitates a policy, such as a planner."""
 
 from __future__ import annotations
 
@@ -31,73 +31,73 @@ from irsim_gym.training.run import Settings
 BATCH = 1024
 """Rows of a minibatch."""
 LEARNING_RATE = 2e-3
-"""Of Adam at the start; it falls to 0 in proportion to what remains."""
+"""Learning rate of Adam at the start. It decreases linearly to 0."""
 
 
 @dataclass
-class Imitated:
-    """A policy that drives, and all that its agents see and do while their episodes run.
+class RecordingPolicy:
+    """A policy that records the observations and actions of its agents until their episodes end.
 
     Attributes:
-        policy: What drives.
-        seen: Observations of each step, ``(n, ...)``.
-        done: Actions of each step, as ``Policy.act`` returns them with an axis of agents.
-        episode: Level and agent of each row, ``(n, 2)``.
+        policy: The policy that acts.
+        observations: For each step, an array ``(n, ...)`` with a row per running agent.
+        actions: For each step, the actions of these agents, ``(n, ...)``.
+        episodes: For each step, the level and the agent of each row, ``(n, 2)``.
     """
 
     policy: Policy
-    seen: list[NDArray[Any]] = field(default_factory=list)
-    done: list[NDArray[Any]] = field(default_factory=list)
-    episode: list[Ints] = field(default_factory=list)
+    observations: list[NDArray[Any]] = field(default_factory=list)
+    actions: list[NDArray[Any]] = field(default_factory=list)
+    episodes: list[Ints] = field(default_factory=list)
     _level: dict[int, int] = field(default_factory=dict)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Take note of the levels that begin in worlds."""
+        """Store the levels that begin in worlds, and inform the policy."""
         self._level.update(zip(worlds.tolist(), levels.tolist(), strict=True))
         self.policy.begin(episodes, worlds, levels)
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
-        """Return what the policy does, and keep it for the agents that have not ended."""
+        """Return the actions of the policy, and record those of the agents whose episodes have not ended."""
         actions = self.policy.act(episodes, worlds)
         runs = (episodes.view.infos["outcome"][worlds] == Outcome.RUNNING).ravel()
-        seen = observation_layout(episodes).formed(percepts(episodes, worlds))
+        observations = observation_layout(episodes).formed(percepts(episodes, worlds))
         by_row = by_agent(actions, episodes, worlds)
         rows = [(self._level[w], a) for w in worlds.tolist() for a in range(episodes.n_agents)]
-        self.seen.append(np.array(seen)[runs])
-        self.done.append(by_row.reshape(-1, *by_row.shape[2:])[runs])
-        self.episode.append(np.array(rows, np.int64)[runs])
+        self.observations.append(np.array(observations)[runs])
+        self.actions.append(by_row.reshape(-1, *by_row.shape[2:])[runs])
+        self.episodes.append(np.array(rows, np.int64)[runs])
         return actions
 
 
 def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -> tuple[float, float]:
-    """Let the actor of a new model imitate the policy that the hyper-parameters name.
+    """Train the actor of a new model to imitate the policy that the hyper-parameters name.
 
-    The policy plays levels of the run's own part of ``train``; what its agents saw and did in the episodes that they
-    won is learnt. A continuous actor learns the mean of its actions, and keeps ``log_std_init``; a discrete one learns
-    the probabilities. The critic is left as it is.
+    The policy plays levels of ``train``, beginning with the run's first one. The actor learns from the successful
+    episodes. A continuous actor learns the mean of its actions and keeps ``log_std_init``; a discrete one learns the
+    probabilities. The critic does not change.
 
     Args:
         model: A model of an on-policy algorithm without memory.
-        settings: What the run trains, with ``clone``.
-        console: Where progress bars go; none where it is no terminal.
+        settings: Settings of the run, with ``clone``.
+        console: Console for progress bars, which only a terminal shows.
 
     Returns:
-        The wall-clock and the processor time that it took [s].
+        The elapsed wall-clock time and processor time [s].
 
     Raises:
-        IrsimGymError: The model cannot imitate, or the policy cannot drive these robots or never succeeds.
+        IrsimGymError: If the model does not support cloning, or the policy cannot drive these robots or never succeeds.
     """
     begun = time.perf_counter(), time.process_time()
-    _refuse(model, settings)
+    _check_model(model, settings)
     assert settings.hyperparameters.clone is not None
     played = [demonstrations(part, settings.hyperparameters.clone, console) for part in settings.parts()]
-    seen, done = (np.concatenate(rows) for rows in zip(*played, strict=True))
-    imitate(model, seen, done, settings.hyperparameters.clone_epochs, console)
+    observations, actions = (np.concatenate(rows) for rows in zip(*played, strict=True))
+    imitate(model, observations, actions, settings.hyperparameters.clone_epochs, console)
     return time.perf_counter() - begun[0], time.process_time() - begun[1]
 
 
-def _refuse(model: BaseAlgorithm, settings: Settings) -> None:
-    """Raise if a model cannot imitate."""
+def _check_model(model: BaseAlgorithm, settings: Settings) -> None:
+    """Raise if a model does not support cloning."""
     policy, problems = model.policy, []
     if not isinstance(policy, ActorCriticPolicy) or memory_shape(model) is not None:
         problems.append(f"{settings.algorithm} has no actor that can: use ppo or a2c")
@@ -110,15 +110,15 @@ def _refuse(model: BaseAlgorithm, settings: Settings) -> None:
 
 
 def demonstrations(settings: Settings, source: str, console: Console) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return what the agents of a policy saw and did in the episodes that they won, ``(n, ...)`` each.
+    """Return the observations and actions of a policy in its successful episodes, ``(n, ...)`` each.
 
     Args:
-        settings: What the run trains.
+        settings: Settings of the run.
         source: The policy, as ``load_policy`` takes it.
-        console: Where the progress bar goes.
+        console: Console for the progress bar, which only a terminal shows.
 
     Raises:
-        IrsimGymError: It never succeeds.
+        IrsimGymError: If the policy never succeeds.
     """
     count = settings.hyperparameters.clone_levels
     episodes = make_episodes(
@@ -129,35 +129,37 @@ def demonstrations(settings: Settings, source: str, console: Console) -> tuple[N
         team=settings.hyperparameters.team is not None,
         strict=settings.strict,
     )
-    imitated, won = Imitated(load_policy(source)), set[tuple[int, int]]()
+    recorded, won = RecordingPolicy(load_policy(source)), set[tuple[int, int]]()
     levels = range(settings.first_level, settings.first_level + count)
     with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
         line = bar.add_task(f"{source} plays", total=count)
-        for _, worlds, played in drive(imitated, episodes, levels, "train"):
+        for _, worlds, played in drive(recorded, episodes, levels, "train"):
             outcomes = episodes.view.infos["outcome"][worlds] == Outcome.SUCCESS
             won |= {(played[k], int(agent)) for k, agent in zip(*np.nonzero(outcomes), strict=True)}
             bar.advance(line, len(worlds))
-    good = np.array([(level, agent) in won for level, agent in np.concatenate(imitated.episode).tolist()], np.bool_)
+    good = np.array([(level, agent) in won for level, agent in np.concatenate(recorded.episodes).tolist()], np.bool_)
     if not good.any():
         raise IrsimGymError(f"clone: {source} wins none of {count:,} levels, so there is nothing to imitate")
-    return np.concatenate(imitated.seen)[good], np.concatenate(imitated.done)[good]
+    return np.concatenate(recorded.observations)[good], np.concatenate(recorded.actions)[good]
 
 
-def imitate(model: BaseAlgorithm, seen: NDArray[Any], done: NDArray[Any], epochs: int, console: Console) -> None:
+def imitate(
+    model: BaseAlgorithm, observations: NDArray[Any], actions: NDArray[Any], epochs: int, console: Console
+) -> None:
     """Fit an actor to observations and actions, ``(n, ...)`` each."""
     policy = model.policy
     assert isinstance(policy, ActorCriticPolicy)
-    aims: NDArray[Any] = np.clip(done, -1.0, 1.0) if isinstance(model.action_space, Box) else done
-    wanted = torch.as_tensor(aims, device=policy.device)
+    targets: NDArray[Any] = np.clip(actions, -1.0, 1.0) if isinstance(model.action_space, Box) else actions
+    wanted = torch.as_tensor(targets, device=policy.device)
     optimizer = torch.optim.Adam(policy.parameters(), lr=LEARNING_RATE)
-    batches = -(-len(seen) // BATCH)
+    batches = -(-len(observations) // BATCH)
     schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, epochs * batches)
     policy.set_training_mode(True)
     with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
         for _ in bar.track(range(epochs), description="imitating"):
-            order = torch.randperm(len(seen))
-            for part in (order[k : k + BATCH] for k in range(0, len(seen), BATCH)):
-                rows, _ = policy.obs_to_tensor(seen[part.numpy()])
+            order = torch.randperm(len(observations))
+            for part in (order[k : k + BATCH] for k in range(0, len(observations), BATCH)):
+                rows, _ = policy.obs_to_tensor(observations[part.numpy()])
                 found = policy.get_distribution(rows)
                 loss = _loss(found, wanted[part])
                 optimizer.zero_grad()
@@ -168,7 +170,7 @@ def imitate(model: BaseAlgorithm, seen: NDArray[Any], done: NDArray[Any], epochs
 
 
 def _loss(found: Any, wanted: torch.Tensor) -> torch.Tensor:
-    """Return the squared error of a Gaussian's mean, or the negative logarithm of the probability of choices."""
+    """Return the squared error of the mean for a Gaussian, else the negative log-likelihood of the actions."""
     if isinstance(found, DiagGaussianDistribution):
         return torch.nn.functional.mse_loss(found.distribution.mean, wanted.float())
     probability: torch.Tensor = found.log_prob(wanted)

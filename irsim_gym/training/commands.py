@@ -1,4 +1,4 @@
-"""What the command line does with runs, policies and levels, and what it says."""
+"""The commands that train, evaluate, roll out and record policies, with their output."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from irsim_gym.extras import require
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.folders import evaluation_folder, has_results
-from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
-from irsim_gym.training.remembered import remembered_parameters, tell_changes
+from irsim_gym.training.remembered import remembered_parameters, report_changes
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.score import MARKS, Point, called, point_in, reached, score_run
+from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.verdict import look_command, verdict
 
 Parameters = Mapping[str, object] | None
@@ -33,7 +33,7 @@ PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
 def run_training(
-    asked: Asked,
+    request: TrainingRequest,
     out: Path | None = None,
     *,
     resume: bool = False,
@@ -41,48 +41,48 @@ def run_training(
     dev_levels: int = 1000,
     address: str | None = None,
 ) -> Run:
-    """Train, score the checkpoints and say what came out.
+    """Train a policy, score the checkpoints, print the results, and return the run.
 
     Args:
-        asked: What is trained.
-        out: Folder of the run; None for one named after what is trained.
-        resume: Go on with the run in the folder.
+        request: Arguments of the training.
+        out: Folder of the run; None for the default folder.
+        resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.
-        dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.
-        address: A Ray cluster, for a run with RLlib; None for this machine.
+        dev_levels: Number of ``dev`` levels on which each checkpoint is scored; 0 for no scores.
+        address: Address of a Ray cluster, for a run with RLlib; None for this machine.
     """
-    require("train" if asked.engine is None else "rllib", "irsim-gym train")
+    require("train" if request.engine is None else "rllib", "irsim-gym train")
     from irsim_gym.training.train import train
 
     if resume and overwrite:
         raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
     console = Console(stderr=True)
-    settings = asked.settings()
-    folder, said = (out, "") if out is not None else asked.place(settings, resume, overwrite)
+    settings = request.settings()
+    folder, remark = (out, "") if out is not None else request.choose_folder(settings, resume, overwrite)
     run = Run(folder)
     if resume and run.exists():
-        settings = asked.to_resume(run, settings)
+        settings = request.resumed_settings(run, settings)
     elif resume:
         console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
-    if said:
-        console.print(said, **PLAIN)
-    what = f"{settings.algorithm.upper()} on {called(settings)}, seed {settings.seed}"
+    if remark:
+        console.print(remark, **PLAIN)
+    what = f"{settings.algorithm.upper()} on {scenario_title(settings)}, seed {settings.seed}"
     after = "" if settings.origin is None else f", from {settings.origin['policy']}"
     console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
     for note in _notes(settings):
         console.print(f"note: {note}", **PLAIN)
-    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
     how["address"] = address
-    how["log"] = asked.log
+    how["log"] = request.log
     try:
-        with ctrl_c_told("stopped at once; the newest checkpoint is kept"):
+        with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(
             f"{stop}. To continue, run the same command with --resume.", stop.signal
         ) from None
     if dev_levels:
-        with ctrl_c_told("the training is finished, but its scoring is not: run the same command to continue."):
+        with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
             points = score_run(run, levels=dev_levels, console=console)
         print_table(marks_table(points))
         for line in _verdict_lines(run, points[-1]):
@@ -92,7 +92,7 @@ def run_training(
 
 
 def _notes(settings: Settings) -> Iterator[str]:
-    """Yield what is allowed but hardly meant."""
+    """Yield warnings of settings that are valid but probably not intended."""
     wanted = settings.hyperparameters
     if wanted.team is not None and _team_size(settings) == 1:
         yield "this team has one robot; --team needs several"
@@ -111,19 +111,19 @@ def _task_of(settings: Settings, *, team: bool) -> tuple[Scenario, Task]:
 
 
 def _verdict_lines(run: Run, last: Point) -> list[str]:
-    """Return what a training that ended near 0 % looks like and what to try; of a mixture in each such scenario."""
+    """Return advice for a training that ended near 0 % success; for a mixture, for each such scenario."""
     settings, lines = run.settings(), list[str]()
     team, is_mixed = settings.hyperparameters.team is not None, bool(settings.mixture)
     for name, part, own in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
         scenario, task = _task_of(own, team=team)
         look = look_command(part.scenario, run.folder, team=team, task=part.task)
-        found = verdict(point_in(last, name) if is_mixed else last, scenario, task, look)
+        found = verdict(scenario_point(last, name) if is_mixed else last, scenario, task, look)
         lines += [f"{name}:", *found] if is_mixed and found else found
     return lines
 
 
 def marks_table(points: Sequence[Point]) -> Table:
-    """Say when which success was reached for good, and what the last checkpoint scores."""
+    """Return a table of when each success rate was reached for good, and of the last checkpoint's score."""
     last = points[-1]
     whose = "success of whole teams" if "individual_success" in last else "success"
     table = Table(title=f"{whose} on {last['levels']:,} dev levels", title_justify="left")
@@ -152,10 +152,10 @@ def run_evaluation(
     strict: bool = True,
     overwrite: bool = False,
 ) -> Evaluation | TeamEvaluation:
-    """Evaluate policies, of one robot or of teams, print the table and write the files.
+    """Evaluate policies of single robots or of teams, print the tables, write the files, and return the results.
 
     Raises:
-        IrsimGymError: There is nothing to evaluate, or ``out`` holds results already.
+        IrsimGymError: If there is no policy, or ``out`` already holds results.
     """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
@@ -165,7 +165,7 @@ def run_evaluation(
     if out is not None and has_results(out) and not overwrite:
         raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
     folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
-    tell_changes(scenario, sources, task, strict=strict)
+    report_changes(scenario, sources, task, strict=strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(
         scenario,
@@ -180,7 +180,7 @@ def run_evaluation(
     )
     for table in found.tables:
         print_table(table)
-    print(f"rows, figures, table, and a picture of the ways (ways.png, ways.pdf): {folder}")
+    print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
     return found
 
 
@@ -196,10 +196,10 @@ def run_rollout(
     record: Path | None = None,
     strict: bool = True,
 ) -> None:
-    """Drive a policy through a few levels and print a line for each; of a team, one for each robot.
+    """Play a few levels with a policy, and print a line for each; with a team, a line for each robot.
 
     Raises:
-        IrsimGymError: The task has several learners; a file holds demonstrations of one.
+        IrsimGymError: If ``record`` is combined with ``team``: a file holds demonstrations of a single robot.
     """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
 
@@ -208,7 +208,7 @@ def run_rollout(
     if team and record is not None:
         raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
     used = remembered_parameters(scenario, [policy], parameters, strict=strict)
-    tell_changes(scenario, [policy], task, strict=strict)
+    report_changes(scenario, [policy], task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     if team:
         of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
@@ -242,28 +242,28 @@ def run_record(
     kind: str = "film",
     strict: bool = True,
 ) -> None:
-    """Film policies, or write a ``replay``, a ``sheet`` or a ``strobe`` picture of them; print the file's name.
+    """Write a film, a replay page, a ``sheet`` or a ``strobe`` picture of policies, and print the file's name.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        policies: As ``load_policy`` takes them.
+        policies: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         task: Shipped name or path of a task; None for the scenario's own.
-        out: File to write; None for one in ``runs``. A name that ends in ``.html`` asks for a replay.
+        out: File to write; None for a default name in ``runs``. A name that ends in ``.html`` means a replay page.
         parameters: Values for the scenario's parameters.
-        team: The policies drive all robots, unless the task names some.
+        team: Whether the policies drive all robots; if the task names robots, only these.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
-        strict: False ignores unused keys.
+        strict: Whether unused keys are an error; False ignores them.
     """
     from irsim_gym.training.record import record_film, record_html, record_sheet
 
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
-    tell_changes(scenario, policies, task, strict=strict)
+    report_changes(scenario, policies, task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     chosen |= {"team": team}
-    asked_by_name = out is not None and out.suffix.lower() == ".html"
-    if kind == "replay" or (kind == "film" and asked_by_name):
+    names_page = out is not None and out.suffix.lower() == ".html"
+    if kind == "replay" or (kind == "film" and names_page):
         print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))
     elif kind == "film":
         print(record_film(scenario, policies, levels, out or Path("runs/film.mp4"), **chosen))

@@ -1,4 +1,4 @@
-"""Policies of any kind on the same levels: the evaluation as one function."""
+"""The function ``irsim_gym.evaluate``: compare policies of any kind on the same levels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.methods import Sources, by_method
 from irsim_gym.training.policies import Source
-from irsim_gym.training.remembered import change_told, changes_since
+from irsim_gym.training.remembered import change_message, changes_since
 
 
 def evaluate(
@@ -30,32 +30,33 @@ def evaluate(
     parameters: Mapping[str, object] | None = None,
     strict: bool = True,
 ) -> Evaluation | TeamEvaluation:
-    """Let policies drive the same levels, each once, and return rates, times and path lengths; print it to read them.
+    """Play the same levels with each policy, and return success rates, times and path lengths; print it for tables.
 
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, ``"random"``, the name
-    of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets
-    what the environment observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and
-    returns the actions of ``env.step``, ``(n, action_dim)`` or ``(n,)``. A policy of a run or of the shelf observes and
-    acts as in its training; what counts is said by ``task`` for all. A ``ChangedScenarioWarning`` reports a scenario
-    that has changed since a run was trained in it.
+    of a shipped policy or of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, which may
+    have a memory. A function gets the observations of the environment, stacked for n robots (float32
+    ``(n, n_features)``, or a dict of such arrays), and returns actions as ``env.step`` takes them, ``(n, action_dim)``
+    or ``(n,)``. A policy of a run and a shipped policy observe and act as in their training. Rewards and the ends of
+    episodes follow from ``task`` for all policies. A ``ChangedScenarioWarning`` reports a scenario that has changed
+    since a run was trained in it.
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
-        policies: One, several, or several by the names that they get in the results; a list behind a name holds the
-            seeds of one method.
-        levels: How many levels of the split, from 0.
-        split: ``"test"``, which no training meets, ``"dev"`` or ``"train"``.
+        policies: A policy, a sequence of policies, or a mapping from the names in the results to policies. In a
+            mapping, a list holds the seeds of one method.
+        levels: Number of levels of the split, from 0.
+        split: ``"test"``, which is never used for training, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
-        team: All robots are driven by the policy, each by what it observes itself.
-        references: Add the reference policies.
-        n_worlds: Worlds stepped together; the results do not depend on it.
-        folder: Where tables, rows and pictures go; None writes none.
+        team: Whether each policy drives all robots, each by its own observation.
+        references: Whether to add the reference policies.
+        n_worlds: Number of worlds stepped together; the results do not depend on it.
+        folder: Folder for tables, rows and pictures; None to write no files.
         parameters: Values for the scenario's parameters.
-        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
+        strict: Whether unused keys are an error; False ignores them with an ``IgnoredKeyWarning``.
 
     Raises:
-        ValueError: There is no level to drive.
-        IrsimGymError: There is no such policy, or it does not fit the task.
+        ValueError: If ``levels`` is less than 1.
+        IrsimGymError: If a policy does not exist, or does not fit the task.
     """
     if levels < 1:
         raise ValueError(f"levels must be >= 1, got {levels}")
@@ -78,10 +79,10 @@ def evaluate(
 
 
 def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: TaskSource, strict: bool) -> None:
-    """Warn the caller of ``evaluate`` of a scenario that has changed since policies were trained in it."""
+    """Warn the caller of ``evaluate`` if the scenario has changed since policies were trained in it."""
     if not isinstance(scenario, str | Path) or not isinstance(task, str | Path | None):
         return
     for source in sources:
         found = changes_since(scenario, source, task, strict=strict) if isinstance(source, str | Path) else []
         if found:
-            warnings.warn(change_told(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)
+            warnings.warn(change_message(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)

@@ -1,4 +1,4 @@
-"""The demonstration: from a scenario file to a film of a robot that learned to cross it."""
+"""The command ``irsim-gym demo``: train a policy, score it, evaluate it, and film it."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from pathlib import Path
 from rich.console import Console
 
 from irsim_gym.evaluation.tables import write_bytes
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.evaluate import evaluate_policies
-from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import reached, score_run
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 
 FILMED = (0, 1, 2, 3)
+"""Levels of the film."""
 FILES = {
     "film": "film.mp4",
     "curve": "curve.png",
@@ -31,28 +32,28 @@ FILES = {
 def run_demo(
     folder: Path, *, scenario: str = "cluttered_room", steps: int | None = None, levels: int = 1000, seed: int = 0
 ) -> None:
-    """Train, score, evaluate and film; each stage that is already done is not done again.
+    """Train, score, evaluate and film a policy. Stages that are already done are skipped.
 
     Args:
-        folder: Where everything goes; the training run lies in ``folder / "run"``.
-        scenario: What to learn.
-        steps: Training steps; None for those of the hyper-parameter file.
-        levels: Levels of the evaluation on ``test``; the learning curve uses as many of ``dev``.
+        folder: Folder of all results; the training run is in ``folder / "run"``.
+        scenario: Shipped name, environment id, or path of a scenario file.
+        steps: Number of training steps; None for that of the hyper-parameter file.
+        levels: Number of ``test`` levels of the evaluation, and of ``dev`` levels of the learning curve.
         seed: Seed of the training.
 
     Raises:
-        TrainingInterruptedError: Ctrl-C, or SIGTERM during training; the next call resumes.
+        TrainingInterruptedError: If Ctrl-C or, during training, SIGTERM stops it. The next call resumes.
     """
-    with ctrl_c_told("stopped. Run the same command to continue."):
+    with ctrl_c_as_error("stopped. Run the same command to continue."):
         _stages(folder, scenario, steps, levels, seed)
 
 
 def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: int) -> None:
     screen, run = Console(stderr=True), Run(folder / "run")
-    asked = Asked(scenario, "ppo", seed, steps)
-    settings = asked.settings()
+    request = TrainingRequest(scenario, "ppo", seed, steps)
+    settings = request.settings()
     if run.exists():
-        settings = asked.to_resume(run, settings)
+        settings = request.resumed_settings(run, settings)
     _say(screen, 1, f"training PPO on {scenario}, {settings.hyperparameters.n_timesteps:,} steps", run.finished())
     try:
         train(settings, run.folder, resume=True, console=screen)
@@ -80,7 +81,7 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
 
 
 def _copy(run: Run, folder: Path) -> None:
-    """Put the policy where a visitor looks for it; an equal file keeps its age."""
+    """Copy the policy into the folder of the demonstration. An identical file keeps its modification time."""
     for name in (NORMALIZATION, run.policy.name):
         source, target = run.folder / name, folder / name
         if source.is_file() and not (target.is_file() and target.read_bytes() == source.read_bytes()):
@@ -88,7 +89,7 @@ def _copy(run: Run, folder: Path) -> None:
 
 
 def _evaluated(folder: Path, levels: int) -> bool:
-    """Return whether there is a table for as many levels that is not older than the policy."""
+    """Return whether there is a table for this number of levels that is not older than the policy."""
     table = folder / FILES["table"]
     try:
         found = json.loads((folder / FILES["summary"]).read_text(encoding="utf-8"))

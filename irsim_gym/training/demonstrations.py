@@ -1,7 +1,7 @@
-"""Demonstrations for imitation learning: observations and actions of a driver, in one file.
+"""Demonstrations for imitation learning: the observations and actions of a driver, in one file.
 
-The file is NumPy's ``.npz``. Its arrays are those of ``Demonstrations``, observations in a dict as
-``observations/NAME``; ``about`` is a text in JSON with what the environment was.
+The file is an ``.npz`` archive of NumPy with the arrays of ``Demonstrations``. Dict observations are stored as
+``observations/NAME``. ``about`` is a JSON text that describes the environment.
 """
 
 from __future__ import annotations
@@ -28,32 +28,35 @@ FORMAT = 1
 OBSERVED = ("observations", "final_observations")
 
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
-"""What reading a file raises that is something else, or broken."""
+"""Errors that NumPy and JSON raise for broken files and for files of another kind."""
 
 Array = NDArray[Any]
 Observations = Array | dict[str, Array]
 
 
 class DemonstrationError(IrsimGymError, ValueError):
-    """A file of demonstrations that cannot be used."""
+    """Raised for files of demonstrations that cannot be used."""
 
 
 @dataclass(frozen=True)
 class Demonstrations:
-    """Steps of whole episodes, one after another, in the order in which they were driven.
+    """The steps of whole episodes, one after the other, in the order of recording.
 
     Attributes:
-        observations: What was seen before each step, ``(n_steps, ...)``, or a dict of such arrays.
-        actions: What was done then, as the environment takes it: ``(n_steps, action_dim)`` in [-1, 1], or
+        observations: Observation before each step, ``(n_steps, ...)``, or a dict of such arrays.
+        actions: Action of each step, as the environment takes it: ``(n_steps, action_dim)`` in [-1, 1], or
             ``(n_steps,)`` choices.
-        rewards: What it was paid, ``(n_steps,)``.
-        terminations: The step ended its episode, ``(n_steps,)``.
-        truncations: The step was cut off: by the time limit, or because the driver stopped there, ``(n_steps,)``.
-        episode_starts: The step is the first of an episode, ``(n_steps,)``.
-        by_hand: A person drove, not a behaviour, ``(n_steps,)``.
-        final_observations: What was seen after the last step of each episode, ``(n_episodes, ...)``, or a dict.
+        rewards: Reward of each step, ``(n_steps,)``.
+        terminations: Whether the step terminated its episode, ``(n_steps,)``.
+        truncations: Whether the step truncated its episode, by the time limit or because the driver stopped,
+            ``(n_steps,)``.
+        episode_starts: Whether the step is the first of an episode, ``(n_steps,)``.
+        by_hand: Whether a person drove, ``(n_steps,)``; False for a behaviour.
+        final_observations: Observation after the last step of each episode, ``(n_episodes, ...)``, or a dict of such
+            arrays.
         levels: Level of each episode, ``(n_episodes,)``.
-        outcomes: How it ended, numbers of ``irsim_gym.tasks.Outcome``, 0 where the driver stopped, ``(n_episodes,)``.
+        outcomes: Outcome of each episode, ``(n_episodes,)``: numbers of ``irsim_gym.tasks.Outcome``, 0 if the driver
+            stopped.
         about: Scenario, parameters, task, robot, split, step time [s] and spaces, as plain data.
     """
 
@@ -74,17 +77,17 @@ class Demonstrations:
 
     @property
     def n_episodes(self) -> int:
-        """How many episodes there are."""
+        """Number of episodes."""
         return len(self.levels)
 
     @property
     def ends(self) -> Flags:
-        """The step is the last of an episode, ``(n_steps,)``."""
+        """Whether each step is the last of an episode, ``(n_steps,)``."""
         return np.asarray(self.terminations | self.truncations)
 
     @property
     def next_observations(self) -> Observations:
-        """What was seen after each step, in the form of ``observations``."""
+        """Observation after each step, in the same form as ``observations``."""
         if isinstance(self.observations, dict):
             assert isinstance(self.final_observations, dict)
             return {key: self._shifted(rows, self.final_observations[key]) for key, rows in self.observations.items()}
@@ -114,11 +117,11 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
     """Read demonstrations from a file that ``irsim-gym play --record`` or ``record_demonstrations`` wrote.
 
     Raises:
-        FileNotFoundError: There is none.
-        DemonstrationError: It holds something else.
+        FileNotFoundError: If the file does not exist.
+        DemonstrationError: If the file is broken or of another kind.
     """
     try:
-        # Opened here: NumPy would leave a broken file open.
+        # Open the file here: NumPy would not close a broken one.
         with Path(path).open("rb") as content, np.load(content, allow_pickle=False) as file:
             held = {name: file[name] for name in file.files}
         about = json.loads(str(held.pop("about")))
@@ -137,7 +140,7 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
 
 
 def _what_is_wrong(path: Path, error: Exception) -> str:
-    """Return what a file is that holds no demonstrations, and what would be one."""
+    """Return why a file holds no demonstrations, and how to make one that does."""
     if not path.is_file() or zipfile.is_zipfile(path):
         return str(error)
     found = "it is empty" if path.stat().st_size == 0 else "it is not a complete .npz archive"
@@ -145,7 +148,7 @@ def _what_is_wrong(path: Path, error: Exception) -> str:
 
 
 def save_demonstrations(path: Path, found: Demonstrations) -> None:
-    """Write demonstrations to a file that appears only when it is whole."""
+    """Write demonstrations to a file. The file appears only when it is complete."""
     arrays = {name: getattr(found, name) for name in ARRAYS}
     for name in OBSERVED:
         seen = getattr(found, name)
@@ -156,7 +159,7 @@ def save_demonstrations(path: Path, found: Demonstrations) -> None:
 
 
 def describe_space(space: Space[Any]) -> dict[str, Any]:
-    """Return a space as plain data: kind, shape, type and bounds (numbers where all are the same)."""
+    """Return a space as plain data: kind, shape, dtype and bounds. Equal bounds are given as a single number."""
     if isinstance(space, Dict):
         return {"kind": "Dict", "spaces": {name: describe_space(part) for name, part in space.spaces.items()}}
     if isinstance(space, Discrete):
@@ -168,13 +171,13 @@ def describe_space(space: Space[Any]) -> dict[str, Any]:
 
 
 def _bound(bound: Array) -> Any:
-    """Return bounds as numbers, infinite ones as text, which JSON has: one where all are the same."""
+    """Return bounds as a list of numbers, or as a single one if all are equal. Infinite bounds are text, for JSON."""
     values = [value if np.isfinite(value) else str(value) for value in bound.ravel().tolist()]
     return values[0] if len(set(values)) == 1 else values
 
 
 def _checked(found: Demonstrations) -> Demonstrations:
-    """Return demonstrations whose arrays belong together."""
+    """Return demonstrations, after checking that the lengths of their arrays match."""
     for name in (*OBSERVED, *ARRAYS):
         value, of_episodes = getattr(found, name), name in ("final_observations", "levels", "outcomes")
         wanted = int(found.ends.sum()) if of_episodes else len(found.rewards)
@@ -185,7 +188,7 @@ def _checked(found: Demonstrations) -> Demonstrations:
 
 
 def _joined(name: str, held: Mapping[str, Array]) -> Any:
-    """Return an array, or the dict of those that are called ``name/...``."""
+    """Return the array of a name, or a dict of the arrays named ``name/...``."""
     if name in held:
         return held[name]
     parts = {key.removeprefix(f"{name}/"): rows for key, rows in held.items() if key.startswith(f"{name}/")}

@@ -1,4 +1,4 @@
-"""What ``irsim-gym describe`` shows: an environment in words, and where its observations look."""
+"""The command ``irsim-gym describe``: print what an environment observes, and draw the directions it observes."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".png", ".pdf", ".svg")
 FAR = 5.0
-"""How far sectors are drawn at most [m]."""
+"""Largest radius of drawn sectors [m]."""
 LEVEL = 0
-"""The level that a picture shows."""
+"""Level that a picture shows."""
 
 
 def describe_scenario(
@@ -34,20 +34,19 @@ def describe_scenario(
     as_json: bool,
     picture: Path | None,
 ) -> None:
-    """Print what an environment is, and draw where its observations look.
+    """Print the description of an environment, and draw the directions that its observations cover.
 
     Args:
-        scenario: Shipped name, id or file.
-        task: A task in place of the scenario's own.
-        parameters: Values of the scenario's parameters.
-        team: All robots learn; those that observe and act alike are described once.
-        strict: Refuse unused keys.
-        as_json: Print JSON: one object, with ``team`` a list of them.
-        picture: File to draw, or None.
+        scenario: Shipped name, id or path of a scenario file.
+        task: Shipped name or path of a task; None for the scenario's own.
+        parameters: Values for the scenario's parameters.
+        team: Whether all robots learn. Robots that observe and act alike are described once.
+        strict: Whether unused keys are an error; False ignores them.
+        as_json: Print JSON: an object, or a list of objects with ``team``.
+        picture: File to draw; None for none.
 
     Raises:
-        IrsimGymError: The picture is to have another ending than ``.png``, ``.pdf`` or ``.svg``, or there is nothing
-            to draw.
+        IrsimGymError: If the picture's suffix is not ``.png``, ``.pdf`` or ``.svg``, or there is nothing to draw.
     """
     if picture is not None and picture.suffix.lower() not in SUFFIXES:
         raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{picture}'")
@@ -67,7 +66,7 @@ def describe_scenario(
 
 
 def _each(worlds: Worlds, team: bool) -> Iterator[Description]:
-    """Yield a description for each sort of learner."""
+    """Yield a description for each kind of learner."""
     known: set[str] = set()
     for name in worlds.agent_names:
         if name not in known:
@@ -77,10 +76,10 @@ def _each(worlds: Worlds, team: bool) -> Iterator[Description]:
 
 
 def draw(worlds: Worlds, path: Path) -> None:
-    """Draw where the columns of the first learner's observations look, at the beginning of a level.
+    """Draw the directions and images that the first learner observes at the beginning of a level.
 
     Raises:
-        IrsimGymError: It observes neither directions nor pictures.
+        IrsimGymError: If it observes neither directions nor images.
     """
     from irsim_gym.render import Renderer
     from irsim_gym.render.sectors_plot import draw_sectors
@@ -100,7 +99,7 @@ def draw(worlds: Worlds, path: Path) -> None:
 
 
 def _panels(worlds: Worlds, description: Description) -> Iterator[SectorPanel | ImagePanel]:
-    """Yield what is drawn: each row of sectors, and each channel of a picture, or the picture where it has colours."""
+    """Yield the panels to draw: each row of sectors, and each channel of an image; a colour image is one panel."""
     from irsim_gym.render.sectors_plot import ImagePanel, SectorPanel
 
     view = worlds.episodes.view

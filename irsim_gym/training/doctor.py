@@ -1,4 +1,4 @@
-"""What is installed here, what works, and which command lacks what."""
+"""The command ``irsim-gym doctor``: report what is installed, what works, and what commands still need."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PACKAGES = (
     *("numpy", "numba", "llvmlite", "gymnasium", "pettingzoo", "pydantic"),
     *("scipy", "shapely", "matplotlib", "Pillow", "imageio", "moviepy"),
 )
-"""Packages whose versions a report of a problem should name."""
+"""Packages whose versions a bug report should name."""
 OPTIONAL = {
     "train": "train, demo, policies export; evaluate and record with a policy.zip",
     "contrib": "train --algorithm tqc, recurrent_ppo",
@@ -32,20 +32,20 @@ OPTIONAL = {
     "mlflow": "train --log mlflow",
     "play": "play, faster keys",
 }
-"""Commands that need an extra."""
+"""Commands that need an extra, by extra."""
 TOOLKITS = ("tkinter", "PySide6", "PyQt6", "PySide2", "PyQt5", "gi", "wx")
-"""Modules with which matplotlib opens windows."""
+"""Modules that matplotlib can open windows with."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """The result of one check.
 
     Attributes:
-        topic: What it is.
-        found: What was found.
-        advice: What to do about it; empty where all is well.
-        is_wrong: Something that everybody needs does not work.
+        topic: What was checked.
+        found: Result of the check.
+        advice: What to do about it; empty if there is nothing to do.
+        is_wrong: Whether something does not work that every command needs.
     """
 
     topic: str
@@ -55,13 +55,13 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Return what is installed here, and what works. Nothing is changed, and nothing is compiled."""
+    """Check the installation and return the results. Nothing is changed, and nothing is compiled."""
     machine = [_compiler(), _cache(), _threads(), _graphics_card(), _display(), _films()]
     return [*_versions(), *_packages(), *machine, *_optional()]
 
 
 def print_examination(console: Console | None = None) -> bool:
-    """Print what is found, a line each with advice below, and return whether all that everybody needs works."""
+    """Print a line for each check, with advice below it, and return whether everything required works."""
     findings, screen = examine(), console or Console(highlight=False)
     width = max(len(one.topic) for one in findings)
     for one in findings:
@@ -159,13 +159,13 @@ def _optional() -> list[Finding]:
     found = []
     for extra, commands in OPTIONAL.items():
         absent = missing(extra)
-        told = f"{', '.join(absent)} not found" if absent else _packages_of(EXTRAS[extra])
-        found.append(Finding(f"{extra}: {commands}", told, pip_command(extra) if absent else ""))
+        result = f"{', '.join(absent)} not found" if absent else _packages_of(EXTRAS[extra])
+        found.append(Finding(f"{extra}: {commands}", result, pip_command(extra) if absent else ""))
     return found
 
 
 def _packages_of(modules: Sequence[str]) -> str:
-    """Return modules with the versions of their packages, where they are known."""
+    """Return the packages of modules with their versions, separated by commas."""
     packages = packages_distributions()
     names = [packages.get(module, [module])[0] for module in modules]
     return ", ".join(f"{name} {version(name)}" for name in names)

@@ -1,4 +1,4 @@
-"""Which settings a run with RLlib may have."""
+"""The check that the engine of a run supports its settings."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from irsim_gym.training.run import Settings
 
 PPO_KEYS = ("batch_size", "n_epochs", "gae_lambda")
 KEYS = ("n_steps", "learning_rate", "gamma", "ent_coef", "vf_coef", "max_grad_norm", "clip_range", "policy_kwargs")
-"""Hyper-parameters that RLlib knows under another name; of those above only PPO."""
+"""Hyper-parameters that are passed to RLlib. PPO also takes ``PPO_KEYS``."""
 
 
 def check_engine(settings: Settings) -> None:
-    """Refuse what the engine of a run does not know.
+    """Check that the engine of a run supports its settings.
 
     Raises:
-        IrsimGymError: The algorithm or a hyper-parameter is not among what is passed on.
+        IrsimGymError: If it does not support the algorithm, a hyper-parameter, a mixture or the device.
     """
     needed = find_algorithm(settings.algorithm).engine
     if settings.engine is None:

@@ -1,4 +1,4 @@
-"""What runs a training: Stable-Baselines3 in this process, or Ray RLlib in several, on one machine or on many."""
+"""The engines of a training: Stable-Baselines3 in this process, or Ray RLlib in several, on one or more machines."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from irsim_gym.errors import IrsimGymError, suggestion
 STABLE_BASELINES, RLLIB = "sb3", "rllib"
 ENGINES = (STABLE_BASELINES, RLLIB)
 WORKERS = 2
-"""Processes that sample, where nothing else is asked for."""
+"""Default number of processes that sample."""
 
 
 @dataclass(frozen=True)
 class Engine:
-    """How Ray RLlib runs a training.
+    """Settings of Ray RLlib.
 
     Attributes:
-        workers: Processes that sample; 0 samples in the process of the learner. None for two.
-        worlds_per_worker: Worlds of each; None shares out ``n_envs`` of the hyper-parameters.
-        learner_gpus: Graphics cards, each of which has a learner; 0 learns on the processor. None for 0.
+        workers: Number of processes that sample; 0 samples in the learner's process. None for the default, 2.
+        worlds_per_worker: Number of worlds of each process; None distributes ``n_envs`` of the hyper-parameters.
+        learner_gpus: Number of GPUs, each with its own learner; 0 learns on the CPU. None for the default, 0.
     """
 
     workers: int | None = None
@@ -29,37 +29,37 @@ class Engine:
     learner_gpus: int | None = None
 
     def chosen(self, n_envs: int) -> Engine:
-        """Return it with numbers in place of None.
+        """Return the engine with defaults in place of None.
 
         Args:
-            n_envs: Worlds of the hyper-parameters.
+            n_envs: Number of worlds of the hyper-parameters.
         """
         workers = WORKERS if self.workers is None else self.workers
         worlds = self.worlds_per_worker or max(1, n_envs // max(1, workers))
         return Engine(workers, worlds, self.learner_gpus or 0)
 
     def or_of(self, other: Engine) -> Engine:
-        """Return it with the other's numbers in place of None."""
+        """Return the engine with another one's values in place of None."""
         given = {name: value for name, value in asdict(self).items() if value is not None}
         return replace(other, **given)
 
     def to_plain(self) -> dict[str, Any]:
-        """Return it as plain data."""
+        """Return the engine as plain data."""
         return {"name": RLLIB, **asdict(self)}
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any] | None) -> Engine | None:
-        """Make it from what ``to_plain`` returned; None, which is Stable-Baselines3, from None."""
+        """Make an engine from the data of ``to_plain``. None means Stable-Baselines3, and gives None."""
         return None if data is None else cls(**{name: value for name, value in data.items() if name != "name"})
 
 
 def engine_of(
     name: str | None, workers: int | None, worlds_per_worker: int | None, learner_gpus: int | None, address: str | None
 ) -> Engine | None:
-    """Return the engine that the command line asks for; None for Stable-Baselines3.
+    """Return the engine of the command line's options; None for Stable-Baselines3.
 
     Raises:
-        IrsimGymError: There is none of that name, or an option belongs to the other one.
+        IrsimGymError: If there is no engine of this name, or an option belongs to another engine.
     """
     if name not in (None, *ENGINES):
         near = suggestion(str(name), ENGINES)

@@ -1,4 +1,4 @@
-"""The batch of worlds that an algorithm learns in, and its state for a checkpoint."""
+"""The vectorised environment of a run, and its state in a checkpoint."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from irsim_gym.training.run import Settings
 
 
 class ScaledReward(VecEnvWrapper):
-    """Multiplies the rewards; the statistics of the episodes stay as they are."""
+    """Multiplies rewards by a factor. The statistics of episodes keep the original rewards."""
 
     def __init__(self, venv: VecEnv, scale: float) -> None:
         super().__init__(venv)
         self.scale = np.float32(scale)
 
     def reset(self) -> VecEnvObs:
-        """Begin episodes in all worlds."""
+        """Reset all worlds."""
         return self.venv.reset()
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Return the step with its rewards scaled."""
+        """Return the results of the step, with scaled rewards."""
         observations, rewards, dones, infos = self.venv.step_wait()
         return observations, rewards * self.scale, dones, infos
 
 
 def build_environment(settings: Settings, normalization: Path | None = None) -> VecEnv:
-    """Make the worlds of a run.
+    """Make the environment of a run, with its wrappers.
 
     Args:
-        settings: What the run trains.
-        normalization: Saved statistics of ``VecNormalize`` to start from.
+        settings: Settings of the run.
+        normalization: File with saved statistics of ``VecNormalize``; None to start without.
     """
     wanted = settings.hyperparameters
     env: VecEnv = make_worlds(settings, wanted.n_envs)
@@ -51,12 +51,12 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
 
 
 def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -> Any:
-    """Make the batch without the run's own wrappers.
+    """Make the environment of a run, without its wrappers.
 
     Args:
-        settings: What the run trains.
+        settings: Settings of the run.
         n_envs: Number of worlds.
-        max_steps: Another time limit than the task's [steps].
+        max_steps: Time limit [steps]; None for the task's own.
     """
     if settings.mixture:
         counts = shared_worlds([one.share for one in settings.mixture], n_envs)
@@ -78,7 +78,7 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
 
 
 def compile_kernels(settings: Settings) -> None:
-    """Step a small batch once, to the end of its episodes, so that no compilation falls into the training time."""
+    """Compile all kernels by stepping a small batch to the end of its episodes, before the training time starts."""
     env = make_worlds(settings, max(2, len(settings.mixture)), max_steps=1)
     env.reset()
     env.step(np.stack([env.action_space.sample() for _ in range(env.num_envs)]))
@@ -86,7 +86,7 @@ def compile_kernels(settings: Settings) -> None:
 
 
 def worlds_state(env: VecEnv) -> dict[str, Any]:
-    """Return the state of all worlds in the midst of their episodes."""
+    """Return the state of all worlds, which may be within episodes."""
     normalization = unwrap_vec_normalize(env)
     return {
         "worlds": pickle.dumps(env.unwrapped),
@@ -95,7 +95,7 @@ def worlds_state(env: VecEnv) -> dict[str, Any]:
 
 
 def restore_worlds(env: VecEnv, state: dict[str, Any]) -> VecEnv:
-    """Put saved worlds in place of those of a freshly built environment."""
+    """Replace the worlds of a newly built environment by saved ones, and return the environment."""
     worlds: VecEnv = pickle.loads(state["worlds"])
     if not isinstance(env, VecEnvWrapper):
         env.close()

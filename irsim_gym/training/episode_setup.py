@@ -1,4 +1,4 @@
-"""Worlds for evaluating and filming: a scenario, its task, and what they are made of."""
+"""Worlds for evaluations and films, and the conditions that published results have to name."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.tasks import Episodes
 
 SIZES = {"circle": ("radius",), "rectangle": ("length", "width")}
-"""Options of shapes that are their sizes."""
+"""Options that define the size of a shape."""
 
 
 def make_episodes(
@@ -26,16 +26,16 @@ def make_episodes(
     team: bool = False,
     strict: bool = True,
 ) -> Episodes:
-    """Make worlds in which a task is done.
+    """Make worlds with a task.
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
         n_worlds: Number of worlds.
-        num_threads: Threads that share them.
+        num_threads: Number of threads that step the worlds.
         parameters: Values for the scenario's parameters.
-        team: All robots are agents, unless the task names some; else there has to be one.
-        strict: False ignores unused keys.
+        team: Whether all robots are agents, unless the task names some. Otherwise there has to be exactly one agent.
+        strict: Whether unused keys are an error; False ignores them.
     """
     chosen: dict[str, Any] = {"task": task, "team": team, "strict": strict}
     if isinstance(scenario, Scenario):
@@ -46,7 +46,7 @@ def make_episodes(
 
 
 def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
-    """Return what a published figure has to name; what differs between the agents of a team is a list."""
+    """Return the conditions that published results have to name. Values that differ between agents are lists."""
     simulation = episodes.simulation
     agents = [_robot(episodes, int(body)) for body in simulation.agents]
     return {
@@ -59,7 +59,7 @@ def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
 
 
 def team_conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
-    """Return ``conditions`` and what matters to teams alone."""
+    """Return ``conditions``, with those that only concern teams."""
     task = episodes.task
     return {
         **conditions(episodes, split, levels),
@@ -71,7 +71,7 @@ def team_conditions(episodes: Episodes, split: str, levels: int) -> dict[str, An
 
 
 def _robot(episodes: Episodes, body: int) -> dict[str, Any]:
-    """Return what a figure has to name of a robot."""
+    """Return the conditions of a robot."""
     simulation, model = episodes.simulation, episodes.simulation.model
     scan = simulation.scan(body)
     options = None if scan is None else scan[0].options[scan[1]]
@@ -94,7 +94,7 @@ def _robot(episodes: Episodes, body: int) -> dict[str, Any]:
 
 
 def _footprint(shape: Any) -> str:
-    """Return a shape with its sizes [m] in words, e.g. ``rectangle 0.42 x 0.33 m``."""
+    """Return a description of a shape with its size [m], e.g. ``rectangle 0.42 x 0.33 m``."""
     name = FOOTPRINTS.name_of(type(shape))
     if shape.is_random or name not in SIZES:
         return name

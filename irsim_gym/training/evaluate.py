@@ -1,4 +1,4 @@
-"""Policies on levels they never saw, beside the reference policies."""
+"""Evaluation of policies on the levels of a split, with the reference policies."""
 
 from __future__ import annotations
 
@@ -30,13 +30,14 @@ from irsim_gym.evaluation.tables import (
 from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.fitting import check_policies, observed_by, tell_perceptions
+from irsim_gym.training.fitting import check_policies, observed_by, report_perceptions
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.run import machine
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 WORLDS = 128
+"""Default number of worlds that are stepped together."""
 
 Row = TypeVar("Row")
 
@@ -47,12 +48,12 @@ class Evaluation:
 
     Attributes:
         scenario: Name of the scenario, with the values of its parameters.
-        split: Which levels.
-        rows: Episodes by policy.
-        summaries: Figures, in the same order.
-        level_set: Hash of the levels, and their certificate.
-        seeds: Names of its policies, for each method that has several.
-        observes: Names of the observations of each policy that decides by some.
+        split: Split of the levels.
+        rows: Episodes of each policy.
+        summaries: Summary of each policy, in the same order.
+        level_set: Hash and certificate of the levels.
+        seeds: Names of the policies of each method that has several.
+        observes: Names of the observations of each policy that uses observations.
     """
 
     scenario: str
@@ -65,19 +66,22 @@ class Evaluation:
 
     @property
     def tables(self) -> list[Table]:
-        """Return the tables of all figures, of the worst levels, and of success by difficulty for certified levels."""
+        """Tables of the summaries, of the worst levels, and, if the levels are certified, of success by difficulty."""
         title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels, {self.level_set}"
         worst = worst_table(self.worst, self.seeds)
         return [summary_table(self.summaries, title), worst, *self.level_set.tables(self.solved)]
 
     @property
     def solved(self) -> dict[str, list[bool]]:
-        """Success in each level, by policy."""
+        """Success in each level, for each policy."""
         return {name: [row.outcome == "success" for row in rows] for name, rows in self.rows.items()}
 
     @property
     def worst(self) -> dict[str, dict[str, float]]:
-        """Success on the worst 5 % and 1 % of levels, by policy and by method of several, see ``worst_levels``."""
+        """Success on the worst 5 % and 1 % of levels, for each policy and each method of several seeds.
+
+        See ``irsim_gym.evaluation.worst_levels``.
+        """
         return worst_of_policies(self.solved, self.seeds)
 
     def __str__(self) -> str:
@@ -100,41 +104,42 @@ def evaluate_policies(
 ) -> Evaluation:
     """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.
 
-    A policy that knows what it was trained to observe observes that, and acts as it did; all others observe and act as
-    the task says. Everything else is that of the task for all.
+    A policy that records the observations and actions of its training keeps them. All others observe and act as the
+    task defines. Everything else follows from the task for all policies.
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
-        sources: Policies as ``load_policy`` takes them; by name, those of a method, one or several seeds.
-        levels: How many levels of the split, from 0.
+        sources: Policies, as ``load_policy`` takes them. In a mapping, each name stands for a method, which is a policy
+            or a sequence of seeds.
+        levels: Number of levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
-        n_worlds: Worlds stepped together; the results do not depend on it.
-        references: Add the reference policies.
-        folder: Where the files go; None writes none.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        n_worlds: Number of worlds stepped together; the results do not depend on it.
+        references: Whether to add the reference policies.
+        folder: Folder for the files; None to write none.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads.
+        strict: Whether unused keys are an error; False ignores them.
     """
     made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=max(1, min(n_worlds, levels)), **made)
     worlds = Perceived(episodes)
     chosen, seeds = named_policies(sources, ALWAYS_SHOWN if references else ())
-    atlas = None if folder is None else Atlas(episodes)
-    rows = drive_policies(evaluate, worlds, chosen, levels, split, console or Console(stderr=True), atlas)
+    figure = None if folder is None else TrajectoryFigure(episodes)
+    rows = drive_policies(evaluate, worlds, chosen, levels, split, console or Console(stderr=True), figure)
     played = played_levels(episodes.simulation, split, levels)
     summaries = [summarize(name, rows[name]) for name in rows]
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
     found = Evaluation(label, split, rows, summaries, played, seeds, observes)
-    if folder is not None and atlas is not None:
+    if folder is not None and figure is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
-        said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
-        atlas.draw(folder, f"{found.scenario}: {levels:,} {split} levels", said, levels)
+        rates = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
+        figure.draw(folder, f"{found.scenario}: {levels:,} {split} levels", rates, levels)
     return found
 
 
 def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object]) -> None:
-    """Write the rows, the figures and the table."""
+    """Write the rows, the summaries and the tables of an evaluation; ``named`` are its conditions."""
     write_episodes(folder / "episodes.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
     figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
@@ -143,19 +148,19 @@ def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object
 
 
 def rate_text(share: Rate) -> str:
-    """Return a share with its interval, in percent."""
+    """Return a share with its confidence interval, in percent."""
     return f"{percent(share)} % ({100.0 * share.low:.1f}\N{EN DASH}{100.0 * share.high:.1f})"
 
 
 def named_policies(sources: Sources, references: Sequence[str]) -> tuple[dict[str, Policy], dict[str, list[str]]]:
-    """Load policies.
+    """Load policies and give them names.
 
     Args:
-        sources: See ``evaluate_policies``.
-        references: Policies that are added where they are not among them.
+        sources: Policies, see ``evaluate_policies``.
+        references: Names of policies to add if they are missing.
 
     Returns:
-        The policies by name, and the names of its policies for each method that has several.
+        The policies by name, and the names of the policies of each method that has several.
     """
     methods = by_method(sources)
     names = names_of_policies(methods)
@@ -172,24 +177,24 @@ def drive_policies(
     levels: int,
     split: str,
     console: Console,
-    atlas: Atlas | None = None,
+    figure: TrajectoryFigure | None = None,
 ) -> dict[str, list[Row]]:
-    """Return the rows of several policies on the same levels, with a progress bar.
+    """Play the same levels with several policies, and return their rows; show a progress bar.
 
     Args:
         evaluation: ``evaluate`` or ``evaluate_team``.
         worlds: The worlds, as each policy perceives them.
-        policies: Those that drive, by name.
-        levels: How many levels of the split, from 0.
+        policies: The policies by name.
+        levels: Number of levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        console: Where the bar goes; it stays quiet when that is no terminal.
-        atlas: Who keeps their ways, for a picture.
+        console: Console for the progress bar, which only a terminal shows.
+        figure: Collects the trajectories for a figure; None for no figure.
 
     Raises:
-        UnfitPolicyError: Some policies cannot drive the agents.
+        UnfitPolicyError: If some policies cannot drive the agents.
     """
     check_policies(policies, worlds)
-    tell_perceptions(policies, worlds)
+    report_perceptions(policies, worlds)
     optima, rows = Optima(split), {}
     with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
         for name, policy in policies.items():
@@ -201,6 +206,6 @@ def drive_policies(
                 split,
                 optima=optima,
                 on_episodes=lambda count, line=line: bar.advance(line, count),
-                watcher=None if atlas is None else atlas.follow(name),
+                watcher=None if figure is None else figure.follow(name),
             )
     return rows

@@ -1,4 +1,4 @@
-"""Policies that drive whole teams through levels they never saw, beside the reference policies."""
+"""Evaluation of policies that drive whole teams on the levels of a split, with the reference policies."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, 
 from irsim_gym.training.fitting import observed_by
 from irsim_gym.training.methods import Sources
 from irsim_gym.training.run import machine
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 
 @dataclass(frozen=True)
 class TeamEvaluation:
-    """Results of several policies on the same levels.
+    """Results of several team policies on the same levels.
 
     Attributes:
-        scenario: Name of the scenario.
-        split: Which levels.
-        rows: Levels by policy.
-        summaries: Figures, in the same order.
-        level_set: Hash of the levels, and their certificate.
-        seeds: Names of its policies, for each method that has several.
-        observes: Names of the observations of each policy that decides by some.
+        scenario: Name of the scenario, with the values of its parameters.
+        split: Split of the levels.
+        rows: Levels of each policy.
+        summaries: Summary of each policy, in the same order.
+        level_set: Hash and certificate of the levels.
+        seeds: Names of the policies of each method that has several.
+        observes: Names of the observations of each policy that uses observations.
     """
 
     scenario: str
@@ -54,7 +54,7 @@ class TeamEvaluation:
 
     @property
     def tables(self) -> list[Table]:
-        """Return the tables of figures, of extra times that are compared, of the worst levels, and by difficulty."""
+        """Tables of the summaries, of compared extra times, of the worst levels, and of success by difficulty."""
         first = self.summaries[0]
         whose = "1 agent" if first.agents == 1 else f"{first.agents} agents"
         title = f"{self.scenario}: {whose}, {first.levels:,} {self.split} levels, {self.level_set}"
@@ -64,12 +64,15 @@ class TeamEvaluation:
 
     @property
     def solved(self) -> dict[str, list[bool]]:
-        """Success of the whole team in each level, by policy."""
+        """Success of the whole team in each level, for each policy."""
         return {name: [row.is_success for row in rows] for name, rows in self.rows.items()}
 
     @property
     def worst(self) -> dict[str, dict[str, float]]:
-        """Success on the worst 5 % and 1 % of levels, by policy and by method of several, see ``worst_levels``."""
+        """Success on the worst 5 % and 1 % of levels, for each policy and each method of several seeds.
+
+        See ``irsim_gym.evaluation.worst_levels``.
+        """
         return worst_of_policies(self.solved, self.seeds)
 
     def __str__(self) -> str:
@@ -92,22 +95,22 @@ def evaluate_team_policies(
 ) -> TeamEvaluation:
     """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json``, ``table.txt``, ``ways.*``.
 
-    A reference policy that cannot drive all robots is left out, and said to be, unless it is among the sources. What
-    policies observe is as in ``evaluate_policies``.
+    Reference policies that cannot drive all robots are left out, with a message. Policies observe what they observe
+    in ``evaluate_policies``.
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
-        sources: Policies as ``load_policy`` takes them; by name, those of a method, one or several seeds. All robots
-            share each of them.
-        levels: How many levels of the split, from 0.
+        sources: Policies, as ``load_policy`` takes them. In a mapping, each name stands for a method, which is a policy
+            or a sequence of seeds. All robots of a team share a policy.
+        levels: Number of levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
-        n_worlds: Worlds stepped together; the results do not depend on it.
-        references: Add the reference policies.
-        folder: Where the files go; None writes none.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        n_worlds: Number of worlds stepped together; the results do not depend on it.
+        references: Whether to add the reference policies.
+        folder: Folder for the files; None to write none.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads.
+        strict: Whether unused keys are an error; False ignores them.
     """
     n_worlds = max(1, min(n_worlds, levels))
     made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
@@ -118,24 +121,24 @@ def evaluate_team_policies(
     if references:
         shown, _ = named_policies((), [name for name in TEAM_SHOWN if name not in chosen])
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
-    atlas = None if folder is None else Atlas(episodes)
-    rows = drive_policies(evaluate_team, worlds, chosen, levels, split, screen, atlas)
+    figure = None if folder is None else TrajectoryFigure(episodes)
+    rows = drive_policies(evaluate_team, worlds, chosen, levels, split, screen, figure)
     played = played_levels(episodes.simulation, split, levels)
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
     found = TeamEvaluation(label, split, rows, summarize_teams(rows), played, seeds, observes)
-    if folder is not None and atlas is not None:
+    if folder is not None and figure is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
-        said = {
+        rates = {
             each.policy: f"all arrive in {rate_text(each.cooperative_success)} of the levels, "
             f"{percent(each.individual_success)} % of the robots"
             for each in found.summaries
         }
-        atlas.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", said, levels)
+        figure.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", rates, levels)
     return found
 
 
 def write_team_evaluation(folder: Path, found: TeamEvaluation, named: Mapping[str, object]) -> None:
-    """Write the rows of agents and levels, the figures and the tables."""
+    """Write the rows of agents and levels, the summaries and the tables; ``named`` are the conditions."""
     write_agents(folder / "episodes.csv", found.rows)
     write_levels(folder / "levels.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
@@ -145,6 +148,7 @@ def write_team_evaluation(folder: Path, found: TeamEvaluation, named: Mapping[st
 
 
 def _fitting(policies: Mapping[str, Policy], episodes: Episodes, screen: Console) -> dict[str, Policy]:
+    """Return the policies that can drive all robots, and print why the others cannot."""
     fitting = {}
     for name, policy in policies.items():
         try:

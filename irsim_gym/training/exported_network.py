@@ -1,4 +1,4 @@
-"""From a model of Stable-Baselines3 to the numbers of a policy on the shelf."""
+"""Export of the network of a Stable-Baselines3 model as plain data, which runs without PyTorch."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class ExportedNetwork:
     """A network as plain data.
 
     Attributes:
-        form: Spaces and steps, as JSON holds them.
-        arrays: Arrays by place, as ``ShelfPolicy`` finds them.
-        layers: The steps in words, a line for each part.
+        form: Spaces and steps, as JSON data.
+        arrays: Arrays by name, as ``ShelfPolicy`` reads them.
+        layers: Description of the steps, a line for each part.
     """
 
     form: dict[str, Any]
@@ -40,13 +40,15 @@ class ExportedNetwork:
 
     @property
     def weights(self) -> int:
-        """How many weights it has."""
+        """Number of weights."""
         names = [name for name in self.arrays if name.rpartition("/")[2].startswith(("weight", "bias"))]
         return sum(self.arrays[name].size for name in names)
 
 
 @dataclass
 class _Writer:
+    """Collects the data of a network. Its methods store arrays, and return the JSON data that belongs to them."""
+
     form: dict[str, Any]
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
 
@@ -61,18 +63,18 @@ class _Writer:
 
 
 class UnfitNetworkError(IrsimGymError):
-    """A model whose network cannot be written as steps of the shelf."""
+    """Raised for networks that cannot be written as steps of ``array_network``."""
 
 
 def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> ExportedNetwork:
-    """Return the part of a model that drives, and the normalisation before it.
+    """Return the actor of a model as plain data, with the normalisation of its observations.
 
     Args:
-        model: PPO, A2C, SAC, TD3, TQC or DQN of Stable-Baselines3 and sb3-contrib with their own networks.
-        normalization: Statistics of the observations that it was trained with.
+        model: A model of PPO, A2C, SAC, TD3, TQC, DQN or gru_ppo with the networks of its library.
+        normalization: Statistics of the observations in the training; None for none.
 
     Raises:
-        UnfitNetworkError: The network has an LSTM, or parts that are not known here.
+        UnfitNetworkError: If the network has an LSTM, or modules that are not supported.
     """
     extractor, trunk, output = _actor(model)
     parts = dict(_parts(model, extractor, normalization))
@@ -99,14 +101,14 @@ def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> 
 
 
 def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
-    """Return what extracts features, the layers after it, and how an action is made of what they return."""
+    """Return the features extractor of the actor, the steps after it, and how their output becomes an action."""
     policy: Any = model.policy
     if getattr(policy, "lstm_hidden_state_shape", None) is not None:
         raise UnfitNetworkError("policies with an LSTM cannot be exported: of those with memory, gru_ppo's can")
     if hasattr(policy, "q_net"):
         return policy.q_net.features_extractor, list(_steps(policy.q_net.q_net)), "argmax"
     actor = getattr(policy, "actor", None)
-    if actor is not None:  # SAC and TQC have mu after latent_pi; the mu of TD3 ends with the hyperbolic tangent itself
+    if actor is not None:  # SAC and TQC have mu after latent_pi. The mu of TD3 includes the final tanh.
         if hasattr(actor, "latent_pi"):
             return actor.features_extractor, [*_steps(actor.latent_pi), *_steps(actor.mu)], "squash"
         *before, last = actor.mu
@@ -127,10 +129,10 @@ def _spaces(model: BaseAlgorithm) -> Mapping[str, Any]:
 def _parts(
     model: BaseAlgorithm, extractor: nn.Module, normalization: VecNormalize | None
 ) -> Iterator[tuple[str, list[Step]]]:
-    """Yield the steps before the features are put side by side, for each part of the observation."""
+    """Yield each part of the observation, with the steps that extract its features."""
     if isinstance(extractor, CombinedExtractor):
         each: Mapping[str, nn.Module] = dict(extractor.extractors.items())
-        if list(_spaces(model)) == [LONE]:  # the only part that an actor sees
+        if list(_spaces(model)) == [LONE]:  # the actor observes a single part
             each = {LONE: next(iter(each.values()))}
     else:
         each = {LONE: extractor}
@@ -161,10 +163,10 @@ def _normalized(name: str, space: Box, normalization: VecNormalize | None) -> li
 
 
 def _steps(module: nn.Module) -> Iterator[Step]:
-    """Yield the steps of a module, one after the other.
+    """Yield the steps of a module in order.
 
     Raises:
-        UnfitNetworkError: It is of a kind that is not known here.
+        UnfitNetworkError: If the module is of a kind that is not supported.
     """
     if isinstance(module, nn.Sequential):
         for part in module:
@@ -195,7 +197,7 @@ ACTIVATIONS: dict[type[nn.Module], Callable[[Any], Options]] = {
     nn.ELU: lambda module: {"kind": "elu", "alpha": module.alpha},
     nn.LeakyReLU: lambda module: {"kind": "leaky_relu", "slope": module.negative_slope},
 }
-"""Activation functions, and the steps that they are."""
+"""Modules of activation functions, and the options of their steps."""
 
 
 def _weights(module: nn.Linear | nn.Conv2d) -> dict[str, NDArray[Any]]:
@@ -210,9 +212,9 @@ def _gru(policy: GruPolicy) -> Step:
 
 
 def _words(name: str, steps: Sequence[Step]) -> str:
-    """Return steps in words: ``action: 64, relu, 64, relu, 2``."""
-    told = [_word(options, arrays) for options, arrays in steps if options["kind"] != "flatten"]
-    return f"{name}: {', '.join(told) or 'as it is'}"
+    """Return a description of steps: ``action: 64, relu, 64, relu, 2``."""
+    words = [_word(options, arrays) for options, arrays in steps if options["kind"] != "flatten"]
+    return f"{name}: {', '.join(words) or 'as it is'}"
 
 
 def _word(options: Options, arrays: Mapping[str, NDArray[Any]]) -> str:

@@ -1,4 +1,4 @@
-"""Putting policies on the shelf: from a run's folder, or a ``policy.zip`` and the results of its training."""
+"""Export of policies: from a run's folder, or from a ``policy.zip`` and the results of its training."""
 
 from __future__ import annotations
 
@@ -43,6 +43,7 @@ from irsim_gym.training.shelf import SUFFIX, ShelfPolicy
 from irsim_gym.training.trained_perception import perception_in
 
 MEASURED = "played by the exported policy"
+"""Source of results that the export measures itself."""
 
 
 def export(
@@ -56,34 +57,34 @@ def export(
     overwrite: bool = False,
     console: Console | None = None,
 ) -> Path:
-    """Write the file and the card of a policy, and return the file.
+    """Write the file and the card of a policy, and return the path of the file.
 
     Args:
         source: A run's folder, or a ``policy.zip``.
-        name: What it is called on the shelf.
-        folder: Where the files go.
-        results: Files with figures of the policy, see ``read_results``. The card has these; without any, the exported
-            policy plays.
-        levels: On how many ``test`` levels it plays.
-        weaknesses: What it does badly, in sentences.
-        overwrite: Replace files of that name.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        name: Name of the exported policy.
+        folder: Folder for the files.
+        results: Files with results of the policy for its card, see ``read_results``. Without any, the exported policy
+            is evaluated.
+        levels: Number of ``test`` levels of this evaluation.
+        weaknesses: Known weaknesses, in sentences.
+        overwrite: Replace existing files of this name.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
 
     Raises:
-        IrsimGymError: The policy cannot be exported, or not enough is known of it.
+        IrsimGymError: If the policy cannot be exported, or the settings and the cost of its training are unknown.
     """
     target = folder / f"{name}{SUFFIX}"
     _check_name(name, target, overwrite)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy) or not isinstance(loaded.model, BaseAlgorithm):
-        raise IrsimGymError(f"{source} is no trained policy of Stable-Baselines3")
+        raise IrsimGymError(f"{source} is not a trained policy of Stable-Baselines3")
     network = export_network(loaded.model, loaded.normalization)
     found = [part for file in results for part in read_results(file, source)]
     settings, training = _training(source, found)
     scenario = _scenario(source, settings)
-    place = _place(source, settings)
-    episodes = make_episodes(place.scenario, team=scenario.team is not None, **_chosen(place))
-    network.form["perception"] = perception_in(place).to_plain()
+    own = _own_settings(source, settings)
+    episodes = make_episodes(own.scenario, team=scenario.team is not None, **_chosen(own))
+    network.form["perception"] = perception_in(own).to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
     SavedPolicy(driver).check(episodes)
     content = _content(network)
@@ -94,7 +95,7 @@ def export(
         action=_action(episodes),
         network=CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
-        results=tuple(part.result for part in found) or (_played(place, driver, scenario, levels, console),),
+        results=tuple(part.result for part in found) or (_evaluate(own, driver, scenario, levels, console),),
         weaknesses=tuple(weaknesses),
         sha256=hashlib.sha256(content).hexdigest(),
         size=len(content),
@@ -107,7 +108,7 @@ def export(
 
 def _check_name(name: str, target: Path, overwrite: bool) -> None:
     if not name.isidentifier():
-        raise IrsimGymError(f"a name on the shelf has letters, digits and _ alone, got '{name}'")
+        raise IrsimGymError(f"the name of a policy must consist of letters, digits and _, got '{name}'")
     if name in policy_kinds():
         raise IrsimGymError(f"'{name}' is the name of a behavior: choose another one")
     if target.exists() and not overwrite:
@@ -115,7 +116,7 @@ def _check_name(name: str, target: Path, overwrite: bool) -> None:
 
 
 def _content(network: ExportedNetwork) -> bytes:
-    """Return the file: arrays and text, no objects; the same content gives the same bytes."""
+    """Return the bytes of the file, which holds arrays and text but no objects. Equal networks give equal bytes."""
     stored: dict[str, NDArray[Any]] = {**network.arrays, "form": np.array(json.dumps(network.form))}
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -127,12 +128,12 @@ def _content(network: ExportedNetwork) -> bytes:
 
 
 def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, CardTraining]:
-    """Return the settings that a policy was trained with, and what the training cost.
+    """Return the settings and the cost of a policy's training.
 
     Raises:
-        IrsimGymError: They are not known: of a lone file only results can tell them.
+        IrsimGymError: If they are unknown: the policy is not in a run's folder, and no results name them.
     """
-    known = next((part.run for part in found if part.run is not None), None) or _of_run(source)
+    known = next((part.run for part in found if part.run is not None), None) or _run_record(source)
     if known is None:
         raise IrsimGymError(
             f"the settings and the cost of the training of {source} are not known: name the run's folder, or give "
@@ -150,8 +151,8 @@ def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, Car
     )
 
 
-def _of_run(source: Path) -> dict[str, Any] | None:
-    """Return settings, machine and cost of a run; None for a file that is in no run's folder."""
+def _run_record(source: Path) -> dict[str, Any] | None:
+    """Return the settings, the machine and the cost of a run; None for a file outside a run's folder."""
     run = Run(policy_file(source).parent)
     if not run.exists():
         return None
@@ -163,8 +164,8 @@ def _of_run(source: Path) -> dict[str, Any] | None:
     return {"settings": config["settings"], "machine": config["machine"], **cost}
 
 
-def _place(source: Path, settings: Settings) -> Settings:
-    """Return where the policy was trained: the run's own copy of its scenario where there is one."""
+def _own_settings(source: Path, settings: Settings) -> Settings:
+    """Return the settings with the run's own copy of its scenario, if there is one."""
     run = Run(policy_file(source).parent)
     return run.own_settings() if run.exists() else settings
 
@@ -176,16 +177,16 @@ def _chosen(settings: Settings) -> dict[str, Any]:
 def _scenario(source: Path, settings: Settings) -> CardScenario:
     snapshot = Run(policy_file(source).parent).snapshot() or settings.snapshot()
     return CardScenario(
-        name=_short(settings.scenario),
+        name=_file_name(settings.scenario),
         parameters=plain(dict(settings.parameters)),
-        task=None if settings.task is None else _short(settings.task),
+        task=None if settings.task is None else _file_name(settings.task),
         team=settings.hyperparameters.team,
         sha256=snapshot.digest,
     )
 
 
-def _short(named: str) -> str:
-    """Return a name as it is, and of a path the name of the file: no card tells folders of a machine."""
+def _file_name(named: str) -> str:
+    """Return a name unchanged, and of a path the file's name: cards do not reveal the folders of a machine."""
     return Path(named).name
 
 
@@ -201,14 +202,14 @@ def _action(episodes: Episodes) -> CardAction:
     return CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
 
 
-def _played(
-    place: Settings, driver: ShelfPolicy, scenario: CardScenario, levels: int, console: Console | None
+def _evaluate(
+    settings: Settings, driver: ShelfPolicy, scenario: CardScenario, levels: int, console: Console | None
 ) -> CardResult:
-    """Return how good the exported policy is on ``test`` levels."""
+    """Evaluate the exported policy on ``test`` levels, and return the result."""
     is_team = scenario.team is not None
     evaluated = evaluate_team_policies if is_team else evaluate_policies
-    chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(place)}
-    found = evaluated(place.scenario, {scenario.name: driver}, **chosen)
+    chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(settings)}
+    found = evaluated(settings.scenario, {scenario.name: driver}, **chosen)
     figures: Any = found.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
     return CardResult(

@@ -1,4 +1,4 @@
-"""Runs that start from a policy: its weights, networks and normalisation, with a new schedule."""
+"""Fine-tuning: runs that start from the weights, networks and normalisation of a policy, with new schedules."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ SHAPES = (
     *("n_critics", "n_quantiles", "memory_size"),
     *("lstm_hidden_size", "n_lstm_layers", "shared_lstm", "enable_critic_lstm"),
 )
-"""Arguments of a policy that decide which weights there are, or what they compute."""
+"""Arguments of a policy that determine the shapes of the weights, or what the networks compute."""
 
 
 def load_origin(source: str | Path) -> tuple[Path, SavedPolicy]:
-    """Return the file of a policy to start from, and the policy.
+    """Load a policy to start from, and return its file and the policy.
 
     Args:
         source: A run's folder, or a ``policy.zip``.
 
     Raises:
-        IrsimGymError: There is no such policy.
+        IrsimGymError: If there is no such policy, or it has no critic.
     """
     file = policy_file(source)
     loaded = load_policy(file)
     assert isinstance(loaded, SavedPolicy)
     if not isinstance(loaded.model, BaseAlgorithm):
-        raise IrsimGymError(f"{file} holds what drives alone, without a critic: --from needs a run or a policy.zip")
+        raise IrsimGymError(f"{file} holds an actor without a critic: --from needs a run or a policy.zip")
     return file, loaded
 
 
@@ -54,11 +54,11 @@ def algorithm_of(policy: SavedPolicy) -> str:
     return next(name for name, one in ALGORITHMS.items() if one.class_name == kind)
 
 
-def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
+def inherit_settings(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
     """Return settings with the networks and the normalisation of the policy that they start from.
 
     Raises:
-        IrsimGymError: Another algorithm trained it, or its networks are made of the user's own classes.
+        IrsimGymError: If the policy was trained with another algorithm, or has custom network classes.
     """
     if algorithm_of(policy) != settings.algorithm:
         raise IrsimGymError(
@@ -80,7 +80,7 @@ def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
 
 
 def _plain_networks(file: Path, networks: Mapping[str, object]) -> dict[str, Any]:
-    """Return the arguments that decide on the networks, as a hyper-parameter file holds them."""
+    """Return the arguments that determine the networks, as in a hyper-parameter file."""
     if "features_extractor_class" in networks:
         raise IrsimGymError(f"{file} has a custom features extractor, which --from does not support")
     found = {name: networks[name] for name in SHAPES if name in networks}
@@ -101,11 +101,11 @@ def _normalization(learned: VecNormalize | None, wanted: Mapping[str, object] | 
     return {**own, **(wanted or {}), **keys, "norm_obs": learned.norm_obs}
 
 
-def take_weights(model: BaseAlgorithm, settings: Settings) -> None:
-    """Copy the weights and statistics of the policy that a run starts from into its new model.
+def copy_weights(model: BaseAlgorithm, settings: Settings) -> None:
+    """Copy the weights and the normalisation of the policy that a run starts from into its new model.
 
     Raises:
-        IrsimGymError: The policy is gone, or was trained with other observations or actions.
+        IrsimGymError: If the policy no longer exists, or was trained with other observations or actions.
     """
     assert settings.origin is not None
     file, policy = load_origin(settings.origin["policy"])

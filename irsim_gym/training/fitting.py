@@ -1,4 +1,4 @@
-"""Which policies can drive the agents of given worlds."""
+"""Checks that policies can drive the agents of worlds, and what they observe there."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from irsim_gym.training.policies import UnfitPolicyError
 
 
 def check_policies(policies: Mapping[str, Policy], worlds: Perceived) -> None:
-    """Make sure that policies can drive the agents, each by what it observes.
+    """Check that policies can drive the agents, each with its own observations.
 
     Args:
         policies: The policies by name.
-        worlds: Where they drive.
+        worlds: The worlds, as each policy perceives them.
 
     Raises:
-        UnfitPolicyError: Some cannot; the message names them all.
+        UnfitPolicyError: If some cannot. The message names all of these.
     """
     problems = []
     for name, policy in policies.items():
@@ -33,8 +33,8 @@ def check_policies(policies: Mapping[str, Policy], worlds: Perceived) -> None:
         raise UnfitPolicyError("\n".join(problems))
 
 
-def tell_perceptions(policies: Mapping[str, Policy], worlds: Perceived) -> None:
-    """Say on standard error which policies observe other things than the task says, a line for those of one kind."""
+def report_perceptions(policies: Mapping[str, Policy], worlds: Perceived) -> None:
+    """Print to standard error which policies do not use the task's observations, a line for equal observations."""
     own: dict[str, list[str]] = {}
     for name, policy in policies.items():
         if worlds.of(policy) is not worlds.episodes:
@@ -45,6 +45,6 @@ def tell_perceptions(policies: Mapping[str, Policy], worlds: Perceived) -> None:
 
 
 def observed_by(policies: Mapping[str, Policy], worlds: Perceived) -> dict[str, list[str]]:
-    """Return the names of the observations of each policy that decides by some."""
+    """Return the names of the observations of each policy that uses observations."""
     found = {name: worlds.observed_by(policy) for name, policy in policies.items()}
     return {name: names for name, names in found.items() if names is not None}

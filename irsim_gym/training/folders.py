@@ -1,4 +1,4 @@
-"""Where runs and evaluations lie that were given no folder, and how two runs differ."""
+"""The default folders of runs and evaluations, and the differences between two runs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irsim_gym.training.run import Run, Settings, scenario_name
 from irsim_gym.training.snapshot import Snapshot, differences, listed
 
 RESULTS = ("summary.json", "episodes.csv", "levels.csv", "table.txt")
-"""Files of an evaluation."""
+"""Files that an evaluation writes."""
 
 
 def default_folder(
@@ -26,15 +26,15 @@ def default_folder(
     *,
     marks: Sequence[str] = (),
 ) -> Path:
-    """Return the folder of a run that was given none.
+    """Return the default folder of a run.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        algorithm: The algorithm.
-        seed: The seed.
-        parameters: Values that were given for the scenario's parameters.
-        team: The team's mode.
-        marks: What else differs from the usual settings, such as ``steps=500000``.
+        algorithm: Name of the algorithm.
+        seed: Seed of the run.
+        parameters: Values that the user sets for the scenario's parameters.
+        team: Team mode; None for a single learner.
+        marks: Other differences from the default settings, such as ``steps=500000``.
     """
     parts = [algorithm, *([] if team is None else [team]), *map(as_name, marks), str(seed)]
     return Path("runs") / f"{labelled(scenario, parameters)}-{'-'.join(parts)}"
@@ -50,17 +50,18 @@ def evaluation_folder(
     resume: bool = False,
     kind: str = "evaluation",
 ) -> Path:
-    """Return the folder of an evaluation, or of an arena, that was given none.
+    """Return the default folder of an evaluation or an arena.
 
-    It is one that holds no results yet; to overwrite it is the first one, and to resume the last one with results.
+    This is the first numbered folder without results. With ``overwrite`` it is the first one, and with ``resume`` the
+    last one that holds results.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         split: Split of the levels.
-        parameters: Values that were given for the scenario's parameters.
-        team: Whole teams play.
-        overwrite: Replace an existing run.
-        resume: Continue an existing run.
+        parameters: Values that the user sets for the scenario's parameters.
+        team: Whether whole teams are evaluated.
+        overwrite: Replace existing results.
+        resume: Continue with existing results.
         kind: ``evaluation`` or ``arena``.
     """
     whose = "-team" if team else ""
@@ -73,46 +74,45 @@ def evaluation_folder(
 
 
 def has_results(folder: Path) -> bool:
-    """Return whether an evaluation wrote into a folder."""
+    """Return whether a folder holds results of an evaluation."""
     return any((folder / name).exists() for name in RESULTS)
 
 
 def labelled(scenario: str, parameters: Mapping[str, object] | None = None) -> str:
-    """Return the name of a scenario with its given parameters, as part of a file's name."""
+    """Return the name of a scenario with the values of its parameters, for use in a file name."""
     given = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
     return as_name(f"{Path(scenario_name(scenario)).stem}{given}")
 
 
 def as_name(text: str) -> str:
-    """Return text as part of a file's name."""
+    """Return text for use in a file name: other characters become underscores."""
     return re.sub(r"[^\w.=-]", "_", text)
 
 
-def free_folder(first: Path, asked: Settings, now: Snapshot) -> tuple[Path, str]:
-    """Return the folder of a new run, and a remark on it.
+def free_folder(first: Path, requested: Settings, now: Snapshot) -> tuple[Path, str]:
+    """Return the folder of a new run, and a remark on it, which may be empty.
 
-    It is the one that holds this very run, if there is one, else the first of ``first``, ``first-run2`` and so on that
-    holds none.
+    This is the first of ``first``, ``first-run2`` and so on that holds no run, or a run with the same settings.
 
     Args:
-        first: Where it would lie.
-        asked: What it trains.
-        now: The scenario and its task.
+        first: The preferred folder.
+        requested: Settings of the run.
+        now: Snapshot of the scenario and its task.
     """
     last: list[str] = []
     for folder in _numbered(first, "-run"):
         run = Run(folder)
         if not run.exists():
             return folder, f"{first} holds a run with other settings ({listed(last)}): this one is new" if last else ""
-        found = run_differences(run, asked, now)
+        found = run_differences(run, requested, now)
         if not found:
             return folder, ""
         last = last or found
     raise AssertionError("there is always another number")
 
 
-def begun_folders(first: Path) -> list[Path]:
-    """Return the folders of runs with a default name, the oldest first."""
+def existing_folders(first: Path) -> list[Path]:
+    """Return the existing folders of runs with a default name, oldest first."""
     found: list[Path] = []
     for folder in _numbered(first, "-run"):
         if not Run(folder).exists():
@@ -122,30 +122,32 @@ def begun_folders(first: Path) -> list[Path]:
 
 
 def _numbered(first: Path, before: str = "-") -> Iterator[Path]:
+    """Yield a folder, and then the folder with the numbers 2, 3 and so on appended."""
     yield first
     for number in count(2):
         yield first.with_name(f"{first.name}{before}{number}")
 
 
-def run_differences(run: Run, asked: Settings, now: Snapshot) -> list[str]:
+def run_differences(run: Run, requested: Settings, now: Snapshot) -> list[str]:
     """Return the settings in which a run on disk and a requested one differ, with both values.
 
     Raises:
-        IrsimGymError: The folder's settings cannot be read.
+        IrsimGymError: If the settings of the run on disk cannot be read.
     """
     before = run.snapshot()
-    found = setting_differences(run.settings(), asked)
-    return [*found, *([] if before is None else [*differences(before, now), *run.changes_in_others(asked)])]
+    found = setting_differences(run.settings(), requested)
+    return [*found, *([] if before is None else [*differences(before, now), *run.changes_in_others(requested)])]
 
 
-def setting_differences(begun: Settings, asked: Settings) -> list[str]:
-    """Return the settings that differ, both values of each."""
-    old, new = (dict(_flat(settings.to_plain(), ())) for settings in (begun, asked))
+def setting_differences(begun: Settings, requested: Settings) -> list[str]:
+    """Return the settings that differ, with both values of each."""
+    old, new = (dict(_flat(settings.to_plain(), ())) for settings in (begun, requested))
     names = [name for name in dict.fromkeys([*old, *new]) if old.get(name) != new.get(name)]
     return [f"{name} {show(old.get(name))}, asked for: {show(new.get(name))}" for name in names]
 
 
 def _flat(data: Mapping[str, object], above: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
+    """Yield the values of nested mappings, each with its dotted name."""
     for key, value in data.items():
         place = () if key == "hyperparameters" else (*above, key)
         if isinstance(value, Mapping) and value:
@@ -154,11 +156,11 @@ def _flat(data: Mapping[str, object], above: tuple[str, ...]) -> Iterator[tuple[
             yield ".".join(place), value
 
 
-def replaceable(run: Run) -> None:
-    """Make sure that a new run may take the place of what is in a folder.
+def check_replaceable(run: Run) -> None:
+    """Check that a new run may replace the contents of a folder.
 
     Raises:
-        IrsimGymError: There is something else than a run.
+        IrsimGymError: If the folder holds something other than a run.
     """
     is_empty = not run.folder.exists() or (run.folder.is_dir() and not any(run.folder.iterdir()))
     if not run.exists() and not is_empty:

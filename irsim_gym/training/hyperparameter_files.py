@@ -1,4 +1,4 @@
-"""Hyper-parameter files, checked as scenarios are: every problem at once, with line and nearest name."""
+"""Hyper-parameter files, and their validation, which reports all problems at once with lines and suggestions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from irsim_gym.training.algorithm_options import (
     ACTIVATIONS,
     AUTOMATIC,
     GIVEN_ELSEWHERE,
-    HARDLY_IN_FILES,
+    NOT_IN_FILES,
     SCHEDULES,
     AlgorithmKeys,
     PolicyKeys,
@@ -28,9 +28,10 @@ from irsim_gym.training.algorithm_options import (
 from irsim_gym.training.algorithms import ALGORITHMS, Algorithm
 
 DEFAULT = "default"
-MOST_NAMES = 24
+MAX_NAMES = 24
+"""Largest number of known arguments that a message lists."""
 SWITCHES = ("training", "norm_obs", "norm_reward")
-"""Arguments of VecNormalize that are true or false."""
+"""Boolean arguments of VecNormalize."""
 _ENTRY = re.compile(r"irsim_gym/[^/]+-v0(/[^/]+)?")
 _PLAIN_NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 _DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
@@ -39,18 +40,19 @@ _DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
 def read_hyperparameters(
     file: Path, algorithm: Algorithm, environment_id: str, task: str | None, given: Iterable[str]
 ) -> dict[str, Any]:
-    """Return what a file says of an environment and a task: their entries, laid over ``default``.
+    """Return the hyper-parameters of a file for an environment and a task.
+
+    The entry of the environment overrides ``default``, and the entry ``ID/TASK`` overrides both.
 
     Args:
-        file: The YAML file; all its entries are checked.
-        algorithm: For which it is.
+        file: Path of the YAML file. All its entries are checked.
+        algorithm: The algorithm that the file is for.
         environment_id: Name of the environment's entry.
-        task: Name of a task in place of the scenario's own; ``ID/TASK`` is its entry, laid over that of the
-            environment.
-        given: Keys that are given elsewhere, so that the file need not have them.
+        task: Name of the task; None for the scenario's own, which has no entry.
+        given: Keys that are set elsewhere, so that the file does not need them.
 
     Raises:
-        ScenarioError: The file cannot be used; the error lists every problem with its line.
+        ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
     source = read_file(file)
     report = Report(source)
@@ -98,7 +100,7 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
         elif key in GIVEN_ELSEWHERE:
             report.add(place, GIVEN_ELSEWHERE[key])
         elif key.endswith("_class"):
-            report.add(place, HARDLY_IN_FILES)
+            report.add(place, NOT_IN_FILES)
         elif key == "policy_kwargs":
             values[key] = _policy(value, algorithm, place, report)
         elif key in arguments:
@@ -120,7 +122,7 @@ def _unknown(key: str, known: list[str], algorithm: Algorithm) -> str:
 
 @functools.cache
 def _arguments(algorithm: Algorithm) -> tuple[str, ...]:
-    """Return the arguments of an algorithm that a file may give; none of one that is not installed."""
+    """Return the arguments of an algorithm that a file may set; none if the algorithm is not installed."""
     try:
         found = inspect.signature(algorithm.load()).parameters
     except IrsimGymError:  # its package is missing
@@ -145,7 +147,7 @@ def _argument(key: str, value: object, algorithm: Algorithm, place: Place, repor
     """Return an argument of the algorithm, as plain data."""
     info = option_fields(AlgorithmKeys).get(key)
     if info is None:
-        return value  # new in the library, or a mapping that it looks at itself
+        return value  # new in the library, or a mapping that the library checks itself
     if key == "train_freq":
         return _train_freq(value, place, report)
     if isinstance(value, str) and key in SCHEDULES and evaluate(value) is None:
@@ -157,13 +159,13 @@ def _argument(key: str, value: object, algorithm: Algorithm, place: Place, repor
 
 
 def _whole(value: object) -> Any:
-    """Return a whole number that is written in another way (``1e6``, which YAML reads as text) as one."""
+    """Convert a whole number in another form, such as ``1e6``, which YAML reads as text, to an int."""
     number = evaluate(value) if isinstance(value, str) else value
     return int(number) if isinstance(number, float) and number.is_integer() else value
 
 
 def _number(value: object) -> Any:
-    """Return a number that YAML reads as text (``1e-3``) as one; other values as they are."""
+    """Convert a number that YAML reads as text, such as ``1e-3``; return other values unchanged."""
     number = evaluate(value) if isinstance(value, str) else None
     return value if number is None else number
 
@@ -236,7 +238,7 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
         where = (*place, key)
         values[key] = one
         if key.endswith("_class"):
-            report.add(where, HARDLY_IN_FILES)
+            report.add(where, NOT_IN_FILES)
         elif known and key not in known:
             report.add(where, f"unknown argument of the policy{suggestion(key, known) or f'; known: {_few(known)}'}")
         elif key == "net_arch":
@@ -254,12 +256,12 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
 
 
 def _few(names: Iterable[str]) -> str:
-    return ", ".join(sorted(names)[:MOST_NAMES])
+    return ", ".join(sorted(names)[:MAX_NAMES])
 
 
 @functools.cache
 def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
-    """Return the arguments of an algorithm's policies; none where they are not known."""
+    """Return the arguments of an algorithm's policies; none if the algorithm is not installed."""
     try:
         policies = algorithm.load().policy_aliases.values()
     except IrsimGymError:  # its package is missing
@@ -273,7 +275,7 @@ def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
 
 
 def _arguments_of(kind: type[Any]) -> Iterator[str]:
-    """Yield the names of a class's arguments; where it passes others on, those of the class that it derives from."""
+    """Yield the names of a class's arguments; with ``**kwargs``, also those of its base classes."""
     for one in kind.__mro__:
         found = inspect.signature(one).parameters.values()
         yield from (each.name for each in found if each.kind is not inspect.Parameter.VAR_KEYWORD)
@@ -282,7 +284,7 @@ def _arguments_of(kind: type[Any]) -> Iterator[str]:
 
 
 def _numbers(value: object, place: Place, report: Report) -> Any:
-    """Return a mapping of further arguments with numbers that YAML reads as text."""
+    """Return a mapping of arguments, after converting numbers that YAML reads as text."""
     if not isinstance(value, Mapping):
         report.add(place, f"must be a mapping, got {show(value)}")
         return {}
@@ -303,7 +305,7 @@ def _check_layers(value: object, place: Place, report: Report) -> None:
 
 
 def _check_together(chosen: Mapping[str, Any], algorithm: Algorithm, entry: str, report: Report) -> None:
-    """Tell values that do not fit each other."""
+    """Report values that contradict each other."""
     frequency, n_envs = chosen.get("train_freq"), chosen.get("n_envs", 1)
     if isinstance(frequency, list) and frequency[1] == "episode" and n_envs > 1:
         report.add((entry, "train_freq"), f"counts episodes with one world only (n_envs is {n_envs}); give steps")

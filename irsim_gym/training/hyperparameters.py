@@ -1,4 +1,4 @@
-"""Hyper-parameters: one YAML file per algorithm, an entry per environment id over a default."""
+"""Hyper-parameters: a YAML file for each algorithm, with defaults and an entry for each environment id."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ PACKAGE = Path(__file__).parent.parent
 
 @dataclass(frozen=True)
 class Linear:
-    """A schedule that falls from ``start`` to 0 in proportion to what remains of the run, and stays there.
+    """A schedule that decreases linearly from ``start`` to 0 at the end of the run, and then stays at 0.
 
-    The last rollout may go beyond the end of the run; what remains is then negative, and so would be the value.
+    The last rollout may exceed the end of the run. The remaining share is then negative, so the value is clipped.
     """
 
     start: float
 
     def __call__(self, remaining: float) -> float:
-        """Return the value when the share ``remaining`` of the run is left."""
+        """Return the value for the ``remaining`` share of the run."""
         return self.start * max(remaining, 0.0)
 
 
 @dataclass(frozen=True)
 class Hyperparameters:
-    """How one agent is trained.
+    """Hyper-parameters of a run.
 
     Attributes:
-        n_timesteps: Steps of the whole run, counted over all worlds and robots, those that wait included.
-        n_envs: Worlds in the batch.
-        team: What robots that have ended do while others learn on, ``"episode"`` or ``"respawn"``; see
-            ``envs.sb3.make_multi_agent_vec_env``. None where one robot learns.
-        curriculum: Which levels are played again, ``"learnability"``: see ``sb3.LearnabilityCallback``; None for none.
-        clone: What the actor imitates first, see ``cloning.clone_behavior``; None for nothing.
-        clone_levels: Levels that the imitated policy plays.
-        clone_epochs: Passes over what it did there.
-        torch_threads: Threads of PyTorch.
-        checkpoint_every: Steps between checkpoints.
-        reward_scale: Factor on the rewards that the algorithm sees.
-        normalize: Arguments of ``VecNormalize``; None to go without.
-        device: Where the networks are: ``"cpu"``, ``"auto"``, ``"cuda"``, ``"cuda:1"`` or ``"mps"``.
-        arguments: The algorithm's own arguments, as plain data.
+        n_timesteps: Steps of the whole run, over all worlds and robots, including robots that wait.
+        n_envs: Number of worlds in the batch.
+        team: Team mode: robots whose episode has ended wait for their world, ``"episode"``, or restart,
+            ``"respawn"``; see ``envs.sb3.make_multi_agent_vec_env``. None for a single learner.
+        curriculum: ``"learnability"``, see ``sb3.LearnabilityCallback``; None for no curriculum.
+        clone: Policy that the actor imitates before the training, see ``cloning.clone_behavior``; None for none.
+        clone_levels: Number of levels that the imitated policy plays.
+        clone_epochs: Number of passes over its observations and actions.
+        torch_threads: Number of threads of PyTorch.
+        checkpoint_every: Number of steps between checkpoints.
+        reward_scale: Factor on the rewards that the algorithm gets.
+        normalize: Arguments of ``VecNormalize``; None to use no ``VecNormalize``.
+        device: Device of the networks: ``"cpu"``, ``"auto"``, ``"cuda"``, ``"cuda:1"`` or ``"mps"``.
+        arguments: Arguments of the algorithm, as plain data.
     """
 
     n_timesteps: int
@@ -69,7 +69,11 @@ class Hyperparameters:
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Hyperparameters:
-        """Make them from a flat mapping, as it stands in the YAML file."""
+        """Make hyper-parameters from a flat mapping, as in the YAML file.
+
+        Raises:
+            IrsimGymError: If a required key is missing, or the team mode or the curriculum is unknown.
+        """
         own = {f.name for f in dataclasses.fields(cls)} - {"arguments"}
         missing = {"n_timesteps", "n_envs"} - data.keys()
         if missing:
@@ -87,15 +91,15 @@ class Hyperparameters:
         return cls(**values, arguments={name: value for name, value in data.items() if name not in own})
 
     def to_plain(self) -> dict[str, Any]:
-        """Return them as the flat mapping that ``from_plain`` reads."""
+        """Return the hyper-parameters as the flat mapping that ``from_plain`` reads."""
         data = dataclasses.asdict(self)
         arguments = data.pop("arguments")
         return {**data, **arguments}
 
     def algorithm_arguments(self) -> dict[str, Any]:
-        """Return the arguments with schedules and activation functions made from their names.
+        """Return the arguments of the algorithm, with schedules and activation functions in place of their names.
 
-        ``action_noise`` stays a number, because the noise of Stable-Baselines3 has as many components as the action.
+        ``action_noise`` remains a number, because the noise needs the size of the action.
         """
         arguments = {name: _schedule(value) for name, value in self.arguments.items()}
         if isinstance(arguments.get("train_freq"), list):
@@ -119,7 +123,7 @@ def _activation(name: str) -> Any:
 
 
 def hyperparameters_folder() -> Path:
-    """Return the folder of the shipped files: inside an installed package, else ``agents/`` of a checkout."""
+    """Return the folder of the shipped files: in the installed package, or in ``agents/`` of a checkout."""
     inside = PACKAGE / "hyperparameters"
     return inside if inside.is_dir() else PACKAGE.parent / "agents" / "hyperparameters"
 
@@ -136,19 +140,19 @@ def load_hyperparameters(
     """Read the hyper-parameters of an algorithm for an environment.
 
     Args:
-        algorithm: One of ``algorithms.ALGORITHMS``, e.g. ``"ppo"``.
-        environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
-        task: Name of a task in place of the scenario's own, which may have an entry of its own.
-        images: Observations hold pictures; where the algorithm has a file for these, ``ALGORITHM_images.yaml``, it is
-            read in place of the other. The networks are then on a graphics card where there is one, unless ``device``
-            says otherwise.
-        file: A file to use in place of the shipped one.
+        algorithm: Name of the algorithm, e.g. ``"ppo"``.
+        environment_id: Id of the environment, e.g. ``"irsim_gym/cluttered_room-v0"``. Without an entry in the file, it
+            gets the defaults.
+        task: Name of the task, which may have an entry of its own; None for the scenario's own task.
+        images: Whether observations contain images. The shipped file is then ``ALGORITHM_images.yaml``, if there is
+            one, and ``device`` defaults to ``"auto"``.
+        file: Path of a hyper-parameter file; None for the shipped one.
         overrides: Values that replace those of the file.
 
     Raises:
-        ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: No such algorithm.
-        IrsimGymError: The algorithm is not installed.
+        ScenarioError: If the file is invalid. The message lists every problem with its line.
+        UnknownNameError: If there is no such algorithm.
+        IrsimGymError: If the algorithm is not installed.
     """
     given = dict(overrides or {})
     stated = stated_hyperparameters(algorithm, environment_id, task=task, images=images, file=file, given=given)
@@ -165,15 +169,15 @@ def stated_hyperparameters(
     file: Path | None = None,
     given: Iterable[str] = (),
 ) -> dict[str, Any]:
-    """Return what stands in a hyper-parameter file for an environment; see ``load_hyperparameters``.
+    """Return the plain values of a hyper-parameter file for an environment; see ``load_hyperparameters``.
 
     Args:
-        algorithm: The algorithm.
-        environment_id: The entry that is laid over the default.
-        task: The task whose entry for this environment is laid over that.
-        images: Observations hold pictures.
-        file: A file to use in place of the shipped one.
-        given: Keys that are given elsewhere, so that the file need not have them.
+        algorithm: Name of the algorithm.
+        environment_id: Id of the environment, whose entry overrides the defaults.
+        task: Name of the task, whose entry overrides both; None for the scenario's own.
+        images: Whether observations contain images.
+        file: Path of a hyper-parameter file; None for the shipped one.
+        given: Keys that are set elsewhere, so that the file does not need them.
     """
     chosen = find_algorithm(algorithm)
     chosen.load()
@@ -181,7 +185,7 @@ def stated_hyperparameters(
 
 
 def _shipped(algorithm: str, images: bool) -> Path:
-    """Return the shipped file of an algorithm; the one for images if requested and available."""
+    """Return the shipped file of an algorithm; the file for images if requested and available."""
     folder = hyperparameters_folder()
     for_images = folder / f"{algorithm}_images.yaml"
     return for_images if images and for_images.is_file() else folder / f"{algorithm}.yaml"

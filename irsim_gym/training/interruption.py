@@ -1,4 +1,4 @@
-"""How a command that was stopped ends."""
+"""The error of an interrupted command."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from irsim_gym.errors import IrsimGymError
 
 
 class TrainingInterruptedError(IrsimGymError):
-    """A run was stopped by a signal; its checkpoint is on disk.
+    """Raised if a signal stops a run. Its checkpoint is on disk.
 
     Attributes:
         signal: Number of the signal.
@@ -22,21 +22,21 @@ class TrainingInterruptedError(IrsimGymError):
 
 
 def stopped_early(steps: int, number: int) -> TrainingInterruptedError:
-    """Return the error of a run that a signal stopped after so many steps."""
+    """Return the error of a run that a signal stopped after ``steps`` steps."""
     return TrainingInterruptedError(f"stopped after {steps:,} steps; nothing is lost", number)
 
 
 def stopped_at_end(steps: int, number: int) -> TrainingInterruptedError:
-    """Return the error of a run that a signal stopped when it had taken all steps."""
+    """Return the error of a run that a signal stopped after its last step."""
     return TrainingInterruptedError(f"stopped after all {steps:,} steps; the run is finished", number)
 
 
 @contextmanager
-def ctrl_c_told(message: str) -> Iterator[None]:
-    """Turn Ctrl-C, where nothing else listens to it, into an error with this message.
+def ctrl_c_as_error(message: str) -> Iterator[None]:
+    """Convert a ``KeyboardInterrupt`` to an error with this message.
 
     Raises:
-        TrainingInterruptedError: Ctrl-C.
+        TrainingInterruptedError: If Ctrl-C is pressed and no other handler takes it.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""The picture of a learning curve."""
+"""The figure of a learning curve."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from irsim_gym.evaluation.tables import write_bytes
 
 INK, ACCENT, FAILURE, GRID = "#1f2933", "#2166ac", "#b2182b", "#d9dee3"
 LINE = 88
-"""Letters in a line of the heading."""
+"""Characters in a line of the title."""
 
 
 def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> None:
-    """Draw success and collisions over training seconds, and say how the last checkpoint scores.
+    """Draw success and collisions over the training time, with the score of the last checkpoint.
 
     Args:
         path: PNG file to write.
-        points: Rows with ``training_seconds``, ``steps``, ``success``, its interval and ``collision``; of teams with
-            ``individual_success`` too.
-        title: Heading: what was trained, and where it was scored.
+        points: Rows with ``training_seconds``, ``steps``, ``success``, ``success_low``, ``success_high`` and
+            ``collision``; for teams also ``individual_success``.
+        title: Title: what was trained, and on which levels it was scored.
     """
     from irsim_gym.render import fonts
 
@@ -70,12 +70,12 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
 
 
 def successes(point: dict[str, float]) -> dict[str, float]:
-    """Return the success in each scenario of a mixture, by name; nothing where there is one scenario."""
+    """Return the success in each scenario of a mixture, by name; an empty dict for a single scenario."""
     return {key.removesuffix("/success"): value for key, value in point.items() if key.endswith("/success")}
 
 
 def _last(point: dict[str, float]) -> str:
-    """Say how the last checkpoint scores."""
+    """Return a line about the last checkpoint and its score."""
     whose = "of teams arrive whole" if "individual_success" in point else "success"
     low, high = 100.0 * point["success_low"], 100.0 * point["success_high"]
     after = f"after {point['steps']:,.0f} steps, {point['training_seconds']:,.0f} s of training"

@@ -1,4 +1,4 @@
-"""What ``irsim-gym levels`` does."""
+"""The commands ``irsim-gym levels``: draw levels, and certify them."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ from irsim_gym.world.model import ACKERMANN
 
 WORLDS = 64
 REFERENCES = ("random", "dash", "orca", "dwa", "pursuit:known=seen", "pursuit")
-"""Reference rows: at random, straight ahead, by velocity, by a local plan, by what was seen, by the whole map."""
+"""Default reference policies: random, straight ahead, ORCA, local planning, paths on the seen and on the full map."""
 POSES = "hybrid_astar"
-"""Beside them, where a robot is no disc or steers like a car: by a way over poses."""
+"""Further reference policy for robots that are not discs or steer like a car: it plans over poses."""
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """A scenario as it is asked for.
+class ScenarioRequest:
+    """The arguments that select a scenario and its task.
 
     Attributes:
         scenario: Shipped name, environment id, or path of a file.
         task: Shipped name or path of a task; None for the scenario's own.
-        team: All robots are agents, unless the task names some.
+        team: Whether all robots are agents; if the task names robots, only these.
         parameters: Values for the scenario's parameters.
-        strict: Unknown keys are errors.
+        strict: Whether unused keys are an error; False ignores them.
     """
 
     scenario: str
@@ -60,9 +60,9 @@ class Wanted:
     strict: bool = True
 
     def simulation(self, n_worlds: int) -> Simulation:
-        """Return its worlds, with the agents of its task; without agents where it has no task and no robot can learn.
+        """Return worlds with the agents of the task; without agents if there is no task and no robot can learn.
 
-        Agents matter to levels: each of them has a way to its goal.
+        The agents affect the levels: each of them gets a path to its goal.
         """
         loaded = self.loaded()
         try:
@@ -73,7 +73,7 @@ class Wanted:
             return compile(loaded, n_worlds)
 
     def episodes(self, n_worlds: int, loaded: Scenario | None = None) -> Episodes:
-        """Return its worlds with its task."""
+        """Return worlds with the task."""
         chosen: dict[str, Any] = {"task": self.task, "team": self.team, "strict": self.strict}
         return make_episodes(loaded or self.loaded(), n_worlds=n_worlds, **chosen)
 
@@ -82,13 +82,13 @@ class Wanted:
         return load_scenario(self.scenario, self.parameters, strict=self.strict)
 
 
-def run_draw(wanted: Wanted, splits: Sequence[str], count: int, out: Path) -> LevelSet:
-    """Draw levels and write them."""
+def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Path) -> LevelSet:
+    """Draw ``count`` levels of each split, write them to a file, and return them."""
     check_suffix(out)
     for split in splits:
         check_split(split)
     if len(set(splits)) < len(splits):
-        raise IrsimGymError(f"--split: a split is there twice: {','.join(splits)}")
+        raise IrsimGymError(f"--split names a split twice: {','.join(splits)}")
     simulation = wanted.simulation(min(WORLDS, count))
     with bar("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
@@ -97,7 +97,7 @@ def run_draw(wanted: Wanted, splits: Sequence[str], count: int, out: Path) -> Le
 
 
 def write_levels(levels: LevelSet, out: Path) -> None:
-    """Write levels, and say how many they are."""
+    """Write levels to a file, and print how many there are."""
     check_suffix(out)
     write_bytes(out, levels.content())
     split = "" if "all" in levels.splits else f" of {', '.join(levels.splits)}"
@@ -105,16 +105,17 @@ def write_levels(levels: LevelSet, out: Path) -> None:
 
 
 def run_certify(
-    wanted: Wanted, split: str, count: int, policies: Sequence[str] | None, out: Path | None
+    wanted: ScenarioRequest, split: str, count: int, policies: Sequence[str] | None, out: Path | None
 ) -> Certificate:
-    """Make a certificate, write it and say what is in it.
+    """Certify levels, write the certificate, print a summary, and return the certificate.
 
     Args:
         wanted: The scenario.
         split: ``train``, ``dev`` or ``test``.
-        count: How many levels.
-        policies: The reference policies, as ``load_policy`` takes them; None for those that fit.
-        out: The file; None for one beside that of the levels or of the scenario; in this folder for a shipped one.
+        count: Number of levels.
+        policies: Reference policies, as ``load_policy`` takes them; None for all default ones that fit the agents.
+        out: File to write; None for one beside the scenario's file. For a shipped scenario, it is in the current
+            folder.
     """
     if out is not None:
         check_suffix(out)
@@ -123,14 +124,14 @@ def run_certify(
     made = _certified(episodes, split, count, policies)
     own = Path(wanted.scenario)
     path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
-    for line in _said(made):
+    for line in _summary(made):
         print(line)
     write_certificate(made, path)
     return made
 
 
 def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
-    """Return the certificate of levels, with a progress bar; ``policies`` as for ``run_certify``."""
+    """Return the certificate of levels, and show a progress bar; see ``run_certify``."""
     chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
     optima, worlds = Optima(split), Perceived(episodes)
     with bar("certifying", count * (1 + len(chosen))) as advance:
@@ -142,13 +143,13 @@ def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[st
 
 
 def write_certificate(made: Certificate, path: Path) -> None:
-    """Write a certificate, and say where it is."""
+    """Write a certificate, and print its path."""
     write_bytes(path, made.content())
     print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}", flush=True)
 
 
 def _fitting(episodes: Episodes) -> dict[str, Policy]:
-    """Return those of the usual reference policies that are there and can drive the agents."""
+    """Return the default reference policies that are available and can drive the agents."""
     model, agents = episodes.simulation.model, episodes.simulation.agents.tolist()
     needs_poses = any(model.drive[body] == ACKERMANN or not is_disc(model, body) for body in agents)
     fitting: dict[str, Policy] = {}
@@ -163,8 +164,8 @@ def _fitting(episodes: Episodes) -> dict[str, Policy]:
     return fitting
 
 
-def _said(made: Certificate) -> Iterator[str]:
-    """Yield what a certificate says about all levels together."""
+def _summary(made: Certificate) -> Iterator[str]:
+    """Yield lines that summarise the certificate of all levels."""
     yield f"{made.name}: {100.0 * made.reachable.all(axis=1).mean():.1f} % of {made.count:,} levels are reachable"
     for name in ("length", "clearance", "least_time"):
         low, middle, high = np.nanpercentile(getattr(made, name), (5, 50, 95))
@@ -174,10 +175,10 @@ def _said(made: Certificate) -> Iterator[str]:
 
 
 def check_suffix(out: Path) -> None:
-    """Refuse a name that NumPy would not read.
+    """Check that the name of a file of levels ends in ``.npz``.
 
     Raises:
-        IrsimGymError: It does not end in ``.npz``.
+        IrsimGymError: If it does not.
     """
     if out.suffix != ".npz":
         raise IrsimGymError(f"a file of levels ends in .npz, got '{out.name}'")
@@ -185,7 +186,7 @@ def check_suffix(out: Path) -> None:
 
 @contextmanager
 def bar(words: str, total: int) -> Iterator[Any]:
-    """Yield a function that advances a progress bar; only terminals show it."""
+    """Show a progress bar, and yield a function that advances it. Only a terminal shows the bar."""
     console = Console(stderr=True)
     with Progress(console=console, disable=not console.is_terminal, transient=True) as shown:
         line = shown.add_task(words, total=total)

@@ -1,4 +1,4 @@
-"""Levels in one picture: ``irsim-gym levels show``."""
+"""The command ``irsim-gym levels show``: draw the starts of several levels into one picture."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from irsim_gym.evaluation.protocol import check_count
 from irsim_gym.levels.certificate import Certificate
 from irsim_gym.levels.played import played_levels
 from irsim_gym.tasks.levels import check_split
-from irsim_gym.training.level_commands import WORLDS, Wanted
+from irsim_gym.training.level_commands import WORLDS, ScenarioRequest
 
 SIDE = 320
-"""Frames are reduced to this width [pixel]."""
+"""Width to which frames are reduced [pixel]."""
 
 
-def show_levels(wanted: Wanted, split: str, count: int, number: int, out: Path | None) -> Path:
+def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, out: Path | None) -> Path:
     """Draw the starts of levels into one picture, and return its path.
 
     Args:
         wanted: The scenario.
         split: ``train``, ``dev`` or ``test``.
-        count: Levels to choose from, as far as a certificate or a file has so many.
-        number: How many are shown: evenly spaced by difficulty, or the first ones without a certificate.
-        out: A ``.png`` file.
+        count: Number of levels to choose from, limited to those of the certificate or the file of levels.
+        number: Number of levels to show: evenly spaced by difficulty, or the first ones without a certificate.
+        out: File to write, ``.png``; None for a default name in the current folder.
 
     Raises:
-        IrsimGymError: The file has another ending.
+        IrsimGymError: If the file has another suffix.
     """
     if out is not None and out.suffix != ".png":
         raise IrsimGymError(f"a sheet of levels is a .png file, got '{out.name}'")
@@ -51,7 +51,7 @@ def show_levels(wanted: Wanted, split: str, count: int, number: int, out: Path |
 
 
 def _certificate(simulation: Simulation, split: str, count: int) -> Certificate | None:
-    """Return the certificate of a split's levels, which may be of fewer than are asked for."""
+    """Return the certificate of a split's levels, which may cover fewer levels than requested; None without one."""
     few = played_levels(simulation, split, 1).certificate
     return None if few is None else played_levels(simulation, split, min(count, few.count)).certificate
 
@@ -63,7 +63,7 @@ def _by_difficulty(certificate: Certificate, count: int, number: int) -> Ints:
 
 
 def _draw(simulation: Simulation, split: str, levels: Ints, certificate: Certificate | None, path: Path) -> None:
-    """Draw the starts of levels, each under its number and what is known of it."""
+    """Draw the starts of levels, each with its number and, if certified, its difficulty and path length."""
     from irsim_gym.render import Renderer
     from irsim_gym.render.film import EpisodeFilm
     from irsim_gym.render.sheet import reduced, save_sheet

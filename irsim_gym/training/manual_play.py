@@ -1,4 +1,4 @@
-"""A person drives a robot of a task by hand, in a window, at the speed of life."""
+"""The command ``irsim-gym play``: a person drives the robot of a task in a window, in real time."""
 
 from __future__ import annotations
 
@@ -31,24 +31,27 @@ if TYPE_CHECKING:
     from irsim_gym.render.play_screen import PlayScreen
 
 RESULT_S = 1.2
-"""How long the end of an episode is looked at before the next level begins [s]."""
-LONGEST_WAIT_S = 0.02
+"""Time for which the end of an episode is shown before the next level begins [s]."""
+MAX_WAIT_S = 0.02
+"""Longest time between two checks of the keys [s]."""
 MESSAGE_S = 3.0
+"""Time for which a message is shown [s]."""
 
 
 @dataclass(frozen=True)
-class Wishes:
-    """What is to be played.
+class PlaySettings:
+    """Settings of a manual session.
 
     Attributes:
         scenario: Shipped name, environment id, or path of a scenario file.
         task: Shipped name or path of a task; None for the scenario's own.
-        robot: Name or number of the robot that is driven; None for the one that learns.
+        robot: Name or number of the driven robot; None for the learner of the task.
         level: First level.
-        split: Where levels come from: ``train``, ``dev`` or ``test``.
+        split: Split of the levels: ``train``, ``dev`` or ``test``.
         parameters: Values for the scenario's parameters.
-        record: File for demonstrations, ``.npz``; None for none.
-        speed: How many times as fast as in life.
+        record: File for demonstrations, ``.npz``; None to record nothing.
+        speed: Speed of the simulation relative to real time.
+        strict: Whether unused keys are an error; False ignores them.
     """
 
     scenario: str
@@ -63,8 +66,14 @@ class Wishes:
 
 
 @dataclass(frozen=True)
-class Played:
-    """What came of it: how episodes ended, and the file with what was recorded."""
+class PlayResult:
+    """Result of a manual session.
+
+    Attributes:
+        outcomes: Number of episodes by outcome.
+        record: File of the demonstrations; None if nothing was recorded.
+        recorded: Number of episodes in this file.
+    """
 
     outcomes: Counter[str]
     record: Path | None
@@ -72,26 +81,26 @@ class Played:
 
 
 class Player:
-    """Plays level after level until the person leaves.
+    """A manual session: plays level after level until the person quits.
 
-    Keys are those of ``irsim_gym.load``: r restarts the level and drops its recording, n begins the next level, l reads
-    the file again, x hands over to the robot's behaviour, alt and a digit choose another robot.
+    The keys are those of ``irsim_gym.load``: r restarts the level and discards its recording, n begins the next level,
+    l reloads the file, x switches to the robot's behaviour and back, alt and a digit select another robot.
 
     Args:
-        wishes: What is to be played.
+        settings: Settings of the session.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works.
-        IrsimGymError: The scenario or the task cannot be used, there is no such robot, or the file for demonstrations
-            is of another environment.
+        NoWindowError: If there is no display, or no working GUI toolkit.
+        IrsimGymError: If the scenario or the task is invalid, there is no such robot, or the file for demonstrations
+            belongs to another environment.
     """
 
-    def __init__(self, wishes: Wishes) -> None:
-        self._wishes, self._level, self._one = wishes, wishes.level, np.zeros(1, np.int64)
-        self._read(wishes.robot)
-        self._recorder = None if wishes.record is None else Recorder(self._env, wishes.record)
+    def __init__(self, settings: PlaySettings) -> None:
+        self._settings, self._level, self._one = settings, settings.level, np.zeros(1, np.int64)
+        self._read(settings.robot)
+        self._recorder = None if settings.record is None else Recorder(self._env, settings.record)
         self._outcomes: Counter[str] = Counter()
-        self._paused = self._granted = self._left = self._hidden = False
+        self._paused = self._single_step = self._quit = self._hidden = False
         self._auto: BehaviorPolicy | None = None
         self._message, self._said_at = "", 0.0
         self._begin()
@@ -101,12 +110,12 @@ class Player:
         self._driver.keyboard.key_id = self._number
 
     def _read(self, robot: str | None) -> None:
-        """Read the scenario and its task, with a robot that learns; None for the one that does anyway."""
-        name = self._wishes.scenario
-        strict = self._wishes.strict
-        self._scenario = load_scenario(name, self._wishes.parameters, strict=strict)
-        task = self._wishes.task if robot is None else _task_of(self._scenario, self._wishes.task, robot)
-        env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, strict=strict, **self._wishes.parameters)
+        """Read the scenario and its task, and make the environment; None for ``robot`` means the task's learner."""
+        name, given = self._settings.scenario, self._settings.parameters
+        strict = self._settings.strict
+        self._scenario = load_scenario(name, given, strict=strict)
+        task = self._settings.task if robot is None else _task_of(self._scenario, self._settings.task, robot)
+        env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, strict=strict, **given)
         assert isinstance(env.unwrapped, WorldEnv)
         self._env, self._worlds = env, env.unwrapped.worlds
         self._body = int(self._worlds.simulation.agents[0])
@@ -114,19 +123,19 @@ class Player:
         self._screen = _screen(self._worlds, self._body)
 
     def _begin(self) -> None:
-        """Begin the present level."""
-        self._seen, _ = self._env.reset(options={"split": self._wishes.split, "level": self._level})
+        """Begin the current level."""
+        self._seen, _ = self._env.reset(options={"split": self._settings.split, "level": self._level})
         if self._recorder is not None:
-            self._recorder.drop()
+            self._recorder.discard()
             self._recorder.begin(self._seen, self._level)
         self._return, self._steps, self._ended_at = 0.0, 0, 0.0
         self._screen.clear()
 
-    def run(self) -> Played:
-        """Play until the person leaves, by esc, Ctrl-C or closing the window; then write what was recorded."""
+    def run(self) -> PlayResult:
+        """Play until the person quits with esc, Ctrl-C or by closing the window; then write the demonstrations."""
         try:
-            while not self._left:
-                due = time.perf_counter() + self._scenario.world.step_time / self._wishes.speed
+            while not self._quit:
+                due = time.perf_counter() + self._scenario.world.step_time / self._settings.speed
                 self._one_step()
                 self._show()
                 self._pause_until(due)
@@ -135,10 +144,10 @@ class Player:
         finally:
             self.close()
         recorded = 0 if self._recorder is None else self._recorder.n_episodes
-        return Played(self._outcomes, None if self._recorder is None else self._recorder.path, recorded)
+        return PlayResult(self._outcomes, None if self._recorder is None else self._recorder.path, recorded)
 
     def close(self) -> None:
-        """Write what was recorded, close the window."""
+        """Write the demonstrations, and close the window and the environment."""
         if self._recorder is not None:
             self._recorder.save()
         self._driver.close()
@@ -148,8 +157,8 @@ class Player:
         if self._ended_at:
             if time.perf_counter() - self._ended_at > RESULT_S:
                 self._next()
-        elif self._granted or not self._paused:
-            self._granted = False
+        elif self._single_step or not self._paused:
+            self._single_step = False
             self._step()
 
     def _step(self) -> None:
@@ -169,24 +178,24 @@ class Player:
             self._outcomes[Outcome(info["outcome"]).name.lower()] += 1
 
     def _pause_until(self, due: float) -> None:
-        """Wait for the next step, and do what is asked meanwhile."""
+        """Wait for the next step, and handle keys in the meantime."""
         while True:
             turns = len(self._scenario.bodies[self._body].kinematics.command_names) == 3
-            for asked in self._driver.poll(drives=True, turns=turns):
-                self._do(asked)
+            for command in self._driver.poll(drives=True, turns=turns):
+                self._handle(command)
             if self._driver.keyboard.key_id != self._number:
                 self._choose(self._driver.keyboard.key_id)
             changed, limits = self._driver.new_limits()
             if changed:
                 self._screen.look_at(limits)
             left = due - time.perf_counter()
-            if left <= 0.0 or self._left:
+            if left <= 0.0 or self._quit:
                 return
-            self._driver.wait(min(left, LONGEST_WAIT_S))
+            self._driver.wait(min(left, MAX_WAIT_S))
 
-    def _do(self, asked: str) -> None:
-        """Do what a key asks for, of the values of ``controls.keyboard.COMMANDS``."""
-        match asked:
+    def _handle(self, command: str) -> None:
+        """Execute the command of a key, one of the values of ``controls.keyboard.COMMANDS``."""
+        match command:
             case "reset":
                 self._begin()
             case "next":
@@ -194,9 +203,9 @@ class Player:
             case "reload":
                 self._reload()
             case "pause":
-                self._paused, self._granted = not self._paused, False
+                self._paused, self._single_step = not self._paused, False
             case "step":
-                self._granted, self._paused = self._paused, True
+                self._single_step, self._paused = self._paused, True
             case "switch":
                 self._switch()
             case "figure":
@@ -204,7 +213,7 @@ class Player:
             case "display":
                 self._hidden = not self._hidden
             case "quit":
-                self._left = True
+                self._quit = True
 
     def _next(self) -> None:
         self._level += 1
@@ -213,7 +222,7 @@ class Player:
             self._auto.begin(self._worlds.episodes, self._one, np.array([self._level]))
 
     def _switch(self) -> None:
-        """Switch between the person and the robot's own behaviour (or dash)."""
+        """Switch between the person and the robot's own behaviour, or dash if it has none."""
         if self._auto is not None:
             self._auto = None
             return
@@ -230,11 +239,11 @@ class Player:
         if self._recorder is not None:
             self._say("the file is not reloaded while demonstrations are recorded")
             return
-        self._level = self._wishes.level
+        self._level = self._settings.level
         self._change(self._scenario.bodies[self._body].name)
 
     def _choose(self, number: int) -> None:
-        """Begin the level with another robot."""
+        """Select another robot, and restart the level."""
         robots = self._scenario.robots
         self._driver.keyboard.key_id = self._number
         if self._recorder is not None:
@@ -246,7 +255,7 @@ class Player:
             self._driver.keyboard.key_id = self._number
 
     def _change(self, robot: str) -> None:
-        """Read the file again, with a robot that is driven."""
+        """Reload the file with the given driven robot, and restart the level."""
         before = self._env
         try:
             self._read(robot)
@@ -274,11 +283,11 @@ class Player:
         self._driver.show(picture)
 
     def _picture(self, speed: float, turn_rate: float) -> Bytes:
-        """Return what the window shows, with the greatest speeds of the keys [m/s, rad/s]."""
+        """Return the contents of the window, with the maximum speeds of the keys [m/s, rad/s]."""
         from irsim_gym.render.play_screen import Standing
 
         standing = Standing(
-            level=f"level {self._level}" + ("" if self._wishes.split == "train" else f" ({self._wishes.split})"),
+            level=f"level {self._level}" + ("" if self._settings.split == "train" else f" ({self._settings.split})"),
             robot=self._scenario.bodies[self._body].name,
             steps=f"step {self._steps} of {self._worlds.task.max_steps}",
             speeds=self._speeds(speed, turn_rate),
@@ -291,24 +300,24 @@ class Player:
         return self._screen.picture(world_status(self._worlds.episodes, 0), standing)
 
     def _speeds(self, speed: float, turn_rate: float) -> str:
-        """Return the greatest speeds that keys ask for, as far as the drive can."""
+        """Return the maximum speeds of the keys as text, limited to those of the robot."""
         names = self._scenario.bodies[self._body].kinematics.command_names
         fastest = self._worlds.simulation.model.velocity_max[0, self._body]
-        said, turning = f"{min(speed, fastest[0]):g} m/s", min(turn_rate, fastest[len(names) - 1])
-        return said if names == ("x", "y") else f"{said}, {turning:g} rad/s"
+        linear, turning = f"{min(speed, fastest[0]):g} m/s", min(turn_rate, fastest[len(names) - 1])
+        return linear if names == ("x", "y") else f"{linear}, {turning:g} rad/s"
 
     def _say(self, message: str) -> None:
-        """Show a message for a while."""
+        """Show a message for ``MESSAGE_S`` seconds."""
         self._message, self._said_at = message, time.perf_counter()
 
 
-def play(wishes: Wishes) -> Played:
-    """Open a window and let a person drive; see ``Player``."""
-    return Player(wishes).run()
+def play(settings: PlaySettings) -> PlayResult:
+    """Open a window, and let a person drive; see ``Player``."""
+    return Player(settings).run()
 
 
 def _screen(worlds: Worlds, body: int) -> PlayScreen:
-    """Return a window on the world of an environment, for the person who drives."""
+    """Return the screen that shows the world of an environment to the person."""
     from irsim_gym.render import Renderer
     from irsim_gym.render.play_screen import PlayScreen
 
@@ -320,10 +329,10 @@ def _screen(worlds: Worlds, body: int) -> PlayScreen:
 
 
 def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]:
-    """Return the task in which a robot, by name or number, learns.
+    """Return the task with a robot, given by name or number, as its agent.
 
     Raises:
-        UnknownNameError: There is no such robot.
+        UnknownNameError: If there is no such robot.
     """
     names = [scenario.bodies[b].name for b in scenario.robots]
     if robot.isdecimal() and int(robot) < len(names):

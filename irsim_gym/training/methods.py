@@ -1,4 +1,4 @@
-"""Methods: policies that are compared under one name, such as the seeds of one training."""
+"""Methods: groups of policies that are compared under one name, such as the seeds of a training."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.policies import Source, policy_digest, policy_names
 
 Sources = Sequence[Source] | Mapping[str, Source | Sequence[Source]]
-"""Policies, or by name those of a method: one, or several seeds."""
+"""Policies, or a mapping from the names of methods to a policy or to several seeds."""
 
 
 @dataclass(frozen=True)
 class ComparedMethod:
-    """Policies of one kind: a single one, or the seeds of one training.
+    """A method: a single policy, or the seeds of a training.
 
     Attributes:
-        name: What it is called in tables.
-        sources: Its policies, as ``load_policy`` takes them.
+        name: Name in tables.
+        sources: Policies of the method, as ``load_policy`` takes them.
     """
 
     name: str
     sources: tuple[str, ...]
 
     def identity(self) -> list[dict[str, Any]]:
-        """Return what its policies are: their sources, and the hashes of files."""
+        """Return the source of each policy, with the hash of its file."""
         return [{"source": source, "sha256": policy_digest(source)} for source in self.sources]
 
 
 def read_methods(texts: Sequence[str]) -> list[ComparedMethod]:
-    """Return the methods of a command line: ``POLICY``, or ``NAME=POLICY,POLICY,...`` for several seeds.
+    """Parse the methods of a command line: ``POLICY``, or ``NAME=POLICY,POLICY,...`` for several seeds.
 
     Raises:
-        IrsimGymError: Two have one name, or one has no policy.
+        IrsimGymError: If two methods have the same name, or a method has no policy.
     """
     named = [_divided(text) for text in texts]
     short = iter(policy_names([text for name, text in named if not name]))
@@ -54,17 +54,17 @@ def read_methods(texts: Sequence[str]) -> list[ComparedMethod]:
 
 
 def _divided(text: str) -> tuple[str, str]:
-    """Return a method's name, empty where it has none, and its policies; the name of a folder may have ``=`` in it."""
+    """Return the name of a method, which may be empty, and its policies. An existing path may contain ``=``."""
     name, equals, rest = text.partition("=")
     is_named = equals and re.fullmatch(r"[\w.-]+", name) and not Path(text).exists()
     return (name, rest) if is_named else ("", text)
 
 
 def by_method(sources: Sources) -> dict[str, list[Source]]:
-    """Return the policies of each method; those without a name are methods of their own.
+    """Return the policies of each method. In a sequence, each policy is a method of its own.
 
     Raises:
-        IrsimGymError: A method has no policy.
+        IrsimGymError: If a method has no policy.
     """
     if not isinstance(sources, Mapping):
         return {name: [source] for name, source in zip(policy_names(sources), sources, strict=True)}
@@ -78,10 +78,10 @@ def by_method(sources: Sources) -> dict[str, list[Source]]:
 
 
 def names_of_policies(methods: Mapping[str, Sequence[Source]]) -> dict[str, list[str]]:
-    """Return what the policies of each method are called: with a number where there are several.
+    """Return the names of the policies of each method; several policies are numbered.
 
     Raises:
-        IrsimGymError: Two would have one name.
+        IrsimGymError: If two policies would have the same name.
     """
     found = {
         name: [name] if len(sources) == 1 else [f"{name}-{number}" for number in range(1, len(sources) + 1)]

@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3 for the settings of a run: new ones, and those of checkpoints."""
+"""Models of Stable-Baselines3 for a run: new ones, and those restored from checkpoints."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from irsim_gym.training.run import Settings
 
 
 def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
-    """Return the algorithm of a run, one that leaves out waiting robots where a team learns.
+    """Return the class of a run's algorithm; for a team, the class that masks waiting robots.
 
     Raises:
-        IrsimGymError: There is none, or it is not installed.
+        IrsimGymError: If there is no such algorithm, or it is not installed.
     """
     return find_algorithm(settings.algorithm).load(settings.hyperparameters.team is not None)
 
 
-def device_of(wanted: str) -> str:
-    """Return the device that PyTorch calls so.
+def resolve_device(wanted: str) -> str:
+    """Return a device of PyTorch, with ``auto`` resolved.
 
     Raises:
-        IrsimGymError: It is not there.
+        IrsimGymError: If the device is unknown or not available.
     """
     if wanted == "auto":
         return "cuda" if torch.cuda.is_available() else "cpu"
@@ -54,15 +54,15 @@ def device_of(wanted: str) -> str:
     return wanted
 
 
-def network(space: Space[Any]) -> str:
-    """Return what Stable-Baselines3 calls the networks for a space of observations."""
+def network_kind(space: Space[Any]) -> str:
+    """Return the kind of network of Stable-Baselines3 for an observation space: MultiInput, Cnn or Mlp."""
     if isinstance(space, Dict):
         return "MultiInput"
     return "Cnn" if is_image_space(space) else "Mlp"
 
 
-def for_dicts(policy: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a policy as one for dicts calls them: ``features_dim`` is that of each picture there."""
+def dict_policy_arguments(policy: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a policy for dict observations, where ``features_dim`` is named ``cnn_output_dim``."""
     given = dict(policy.get("features_extractor_kwargs") or {})
     if "features_dim" not in given or "features_extractor_class" in policy:
         return dict(policy)
@@ -71,17 +71,21 @@ def for_dicts(policy: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def new_model(settings: Settings) -> BaseAlgorithm:
-    """Make a model with fresh weights in the worlds of a run."""
+    """Make a model with random weights, and the environment of the run.
+
+    Raises:
+        IrsimGymError: If the algorithm, its hyper-parameters or the device cannot be used.
+    """
     kind = algorithm_class(settings)
-    device = device_of(settings.hyperparameters.device)
+    device = resolve_device(settings.hyperparameters.device)
     arguments = settings.hyperparameters.algorithm_arguments()
     env = build_environment(settings)
     suffix = find_algorithm(settings.algorithm).policy_suffix
-    policy: Any = f"{network(env.observation_space)}{suffix}Policy"
+    policy: Any = f"{network_kind(env.observation_space)}{suffix}Policy"
     if has_critic_parts(env.observation_space) and not suffix:
         policy = AsymmetricPolicy
-    if network(env.observation_space) == "MultiInput":
-        arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
+    if network_kind(env.observation_space) == "MultiInput":
+        arguments["policy_kwargs"] = dict_policy_arguments(arguments["policy_kwargs"])
     if settings.hyperparameters.team is not None:
         arguments = {**buffers_for(kind, env), **arguments}
     if arguments.get("action_noise") is not None:
@@ -96,14 +100,14 @@ def new_model(settings: Settings) -> BaseAlgorithm:
 
 
 def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
-    """Return independent noise on each component of the action."""
+    """Return independent Gaussian noise for each component of the action."""
     size = env.action_space.shape
     assert size is not None
     return NormalActionNoise(np.zeros(size, np.float32), np.full(size, deviation, np.float32))
 
 
 def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallback | None:
-    """Return what chooses the levels of a run, as a checkpoint left it; None where all levels are drawn."""
+    """Return the callback of a run's curriculum, restored from a checkpoint if there is one; None for no curriculum."""
     if settings.hyperparameters.curriculum is None:
         return None
     levels = None if newest is None else files.load_state(newest)["levels"]
@@ -111,17 +115,17 @@ def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallba
 
 
 def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, RunProgress]:
-    """Return the model of a checkpoint, with its worlds in the midst of their episodes, and how far it is.
+    """Return the model of a checkpoint, with its worlds within their episodes, and the progress of the run.
 
     Raises:
-        IrsimGymError: The checkpoint cannot be read.
+        IrsimGymError: If the checkpoint cannot be read.
     """
     try:
         state = files.load_state(newest)
     except Exception as error:
         raise IrsimGymError(f"cannot resume from {newest}; another version may have written it: {error}") from error
     normalization = newest / NORMALIZATION
-    device = device_of(settings.hyperparameters.device)
+    device = resolve_device(settings.hyperparameters.device)
     env = build_environment(settings, normalization if normalization.is_file() else None)
     env = restore_worlds(env, state["worlds"])
     kind: Any = algorithm_class(settings)

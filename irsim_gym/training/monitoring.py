@@ -1,4 +1,4 @@
-"""What runs beside the learning: clock, progress bar, log, checkpoints and an orderly stop."""
+"""Monitoring of a training: clock, progress bar, log, checkpoints, and a clean stop."""
 
 from __future__ import annotations
 
@@ -18,55 +18,65 @@ from irsim_gym.training.checkpoint_files import RunProgress
 from irsim_gym.training.run import Run
 
 LOG_ROWS = 200
+"""Approximate number of rows in the training log."""
 
 
 class StopLearningError(Exception):
-    """Leaves the learning between two updates, after the checkpoint was written."""
+    """Raised between two updates, after writing a checkpoint, to stop the learning."""
 
 
 class StopRequest:
-    """Whether a signal asked to stop. The second Ctrl-C stops at once."""
+    """A request to stop by Ctrl-C or SIGTERM. A second signal stops at once.
+
+    Attributes:
+        signal: Number of the signal; None before the first one.
+    """
 
     def __init__(self) -> None:
         self.signal: int | None = None
 
     @contextmanager
     def listening(self) -> Iterator[StopRequest]:
-        """Listen to Ctrl-C and SIGTERM; in a thread other than the main one do nothing."""
+        """Handle Ctrl-C and SIGTERM. Does nothing outside the main thread."""
         if threading.current_thread() is not threading.main_thread():
             yield self
             return
         kinds = (signal.SIGINT, signal.SIGTERM)
-        before = {kind: signal.signal(kind, self._take) for kind in kinds}
+        before = {kind: signal.signal(kind, self._handle) for kind in kinds}
         try:
             yield self
         finally:
             for kind, handler in before.items():
                 signal.signal(kind, handler)
 
-    def _take(self, number: int, frame: FrameType | None) -> None:
+    def _handle(self, number: int, frame: FrameType | None) -> None:
         if self.signal is not None:
             raise KeyboardInterrupt
         self.signal = number
 
 
 class Clock:
-    """Wall-clock and processor time of training alone."""
+    """Measures the wall-clock time and the processor time of training alone.
+
+    Args:
+        seconds: Wall-clock time so far [s].
+        cpu_seconds: Processor time so far [s].
+    """
 
     def __init__(self, seconds: float, cpu_seconds: float) -> None:
         self._before = (seconds, cpu_seconds)
         self._start: tuple[float, float] | None = None
 
     def start(self) -> None:
-        """Count from now on."""
+        """Start to measure."""
         self._start = (time.perf_counter(), time.process_time())
 
     def stop(self) -> None:
-        """Count no longer."""
+        """Stop measuring. Can be called twice."""
         self._before, self._start = self.read(), None
 
     def read(self) -> tuple[float, float]:
-        """Return wall-clock and processor seconds."""
+        """Return the wall-clock time and the processor time so far [s]."""
         if self._start is None:
             return self._before
         wall, cpu = time.perf_counter() - self._start[0], time.process_time() - self._start[1]
@@ -74,17 +84,17 @@ class Clock:
 
 
 def tensorboard_logger(run: Run) -> Logger:
-    """Return the logger of a run, which writes for TensorBoard."""
+    """Return the logger of a run, which writes files for TensorBoard."""
     return Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))])
 
 
 class TrainingBar:
-    """How far a run is, on a terminal.
+    """Progress bar of a run.
 
     Args:
-        progress: How far the run has come.
-        total: Steps of the whole run.
-        console: Where the bar goes; where that is no terminal there is none.
+        progress: Progress of the run.
+        total: Number of steps of the whole run.
+        console: Console for the bar, which only a terminal shows.
     """
 
     def __init__(self, progress: RunProgress, total: int, console: Console) -> None:
@@ -107,15 +117,15 @@ class TrainingBar:
         self._bar.start()
 
     def stop(self) -> None:
-        """Take the bar down; safe to call twice."""
+        """Close the progress bar. Can be called twice."""
         self._bar.stop()
 
     def show(self, progress: RunProgress, success: float | None) -> None:
-        """Bring the bar up to date.
+        """Update the bar.
 
         Args:
-            progress: How far the run is now.
-            success: Share of recent episodes that succeeded; None where none ended.
+            progress: Progress of the run.
+            success: Share of recent episodes that succeeded; None if no episode has ended.
         """
         seconds = progress.training_seconds - self._begun[1]
         speed = (progress.steps - self._begun[0]) / seconds if seconds > 0.0 else 0.0
@@ -127,8 +137,8 @@ class TrainingBar:
             success="-" if success is None else f"{success:.0%}",
         )
 
-    def tell(self, progress: RunProgress, success: float | None) -> None:
-        """Write a line into a log that shows no bar: how far the run is, and how well recent episodes went."""
+    def print_line(self, progress: RunProgress, success: float | None) -> None:
+        """Print a line with the progress and the recent success, if the console is not a terminal."""
         if self._console.is_terminal:
             return
         recent = "" if success is None else f", success {success:.0%} of recent training episodes"
@@ -137,15 +147,15 @@ class TrainingBar:
 
 
 class TrainingMonitor(BaseCallback):
-    """The callback of a run.
+    """The callback that monitors a run.
 
     Args:
-        progress: How far the run has come; updated.
-        total: Steps of the whole run.
-        checkpoint_every: Steps between checkpoints.
-        save: Writes a checkpoint.
-        stop: Whether to stop.
-        console: Where the progress bar goes; where that is no terminal, a line for each checkpoint.
+        progress: Progress of the run, which the callback updates.
+        total: Number of steps of the whole run.
+        checkpoint_every: Number of steps between checkpoints.
+        save: Function that writes a checkpoint.
+        stop: Request to stop.
+        console: Console for the progress bar; if it is not a terminal, for a line at each checkpoint.
     """
 
     def __init__(
@@ -169,8 +179,12 @@ class TrainingMonitor(BaseCallback):
         self.clock.start()
 
     def _on_rollout_start(self) -> None:
-        """Look around between an update and the next rollout: here nothing is half done."""
-        self.note()
+        """Update the progress, and save or stop if due. Between an update and the next rollout, the state is complete.
+
+        Raises:
+            StopLearningError: If a signal requests a stop. A checkpoint is written first.
+        """
+        self.update_progress()
         if self.stop.signal is not None:
             self._save()
             raise StopLearningError
@@ -181,8 +195,8 @@ class TrainingMonitor(BaseCallback):
     def _on_step(self) -> bool:
         return True
 
-    def note(self) -> None:
-        """Bring the progress, its log and the bar up to date."""
+    def update_progress(self) -> None:
+        """Update the progress, the log and the bar."""
         progress, model = self.progress, self.model
         progress.steps = model.num_timesteps
         progress.training_seconds, progress.cpu_seconds = self.clock.read()
@@ -202,18 +216,18 @@ class TrainingMonitor(BaseCallback):
         progress.history.append(row)
         self.bar.show(progress, row.get("success"))
 
-    def tell(self) -> None:
-        """Write a line into a log that shows no bar, see ``TrainingBar.tell``."""
+    def print_line(self) -> None:
+        """Print a line with the progress, see ``TrainingBar.print_line``."""
         successes = self.model.ep_success_buffer
-        self.bar.tell(self.progress, sum(successes) / len(successes) if successes else None)
+        self.bar.print_line(self.progress, sum(successes) / len(successes) if successes else None)
 
     def finish(self) -> None:
-        """Take the clock and the bar down; safe to call twice."""
+        """Stop the clock, and close the progress bar. Can be called twice."""
         self.clock.stop()
         self.bar.stop()
 
     def _save(self) -> None:
         self.clock.stop()
         self.save_checkpoint()
-        self.tell()
+        self.print_line()
         self.clock.start()

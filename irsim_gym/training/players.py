@@ -1,4 +1,4 @@
-"""Policies that play levels to be watched: each in a world of its own, one episode at a time."""
+"""Policies that play levels for films and pictures: each in its own world, one episode at a time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.fitting import check_policies, tell_perceptions
+from irsim_gym.training.fitting import check_policies, report_perceptions
 from irsim_gym.training.policies import load_policies, policy_names
 
 if TYPE_CHECKING:
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Players:
-    """Policies, the worlds that they play in, and who draws these.
+    """Policies, the worlds that they play in, and their renderer.
 
     Attributes:
-        episodes: Those of each policy, of which it plays in its own world alone; all share one simulation.
-        policies: Who drives in them.
-        names: What the policies are called.
-        renderer: Who draws the worlds.
-        split: Where the levels are from.
+        episodes: Episodes of each policy. They share a simulation, in which policy ``i`` plays in world ``i``.
+        policies: The policies.
+        names: Names of the policies.
+        renderer: Renderer of the worlds.
+        split: Split of the levels.
     """
 
     episodes: Sequence[Episodes]
@@ -43,7 +43,7 @@ class Players:
 
     @property
     def simulation(self) -> Simulation:
-        """The worlds."""
+        """The simulation of all worlds."""
         return self.episodes[0].simulation
 
     @property
@@ -53,11 +53,11 @@ class Players:
 
     @property
     def steps_per_frame(self) -> int:
-        """Steps from one frame of a film to the next: ``sample_time``."""
+        """Number of steps between two frames of a film, which follows from ``sample_time``."""
         return self.simulation.scenario.world.steps_per_sample
 
     def is_frame(self, world: int) -> bool:
-        """Return whether a film shows the present moment: a sample, or the end of the episode."""
+        """Return whether a film shows the current state: at each sample, and at the end of the episode."""
         is_sample = int(self.simulation.state.step[world]) % self.steps_per_frame == 0
         return is_sample or not self._is_running(world)
 
@@ -65,9 +65,9 @@ class Players:
         return bool((self.episodes[world].view.infos["outcome"][world] == Outcome.RUNNING).any())
 
     def play(self, world: int, level: int) -> Iterator[str]:
-        """Drive one world through a level; yield how it stands at each moment, that of the start first.
+        """Play a level in one world, and yield the status of the episode at the start and after each step.
 
-        Paths on frames go through all moments, also through those of which no frame is drawn.
+        Trails on frames contain all steps, including those without a frame.
         """
         episodes, policy = self.episodes[world], self.policies[world]
         worlds, first = np.array([world]), np.array([level])
@@ -85,16 +85,16 @@ class Players:
             yield world_status(episodes, world)
 
     def title(self, world: int, level: int, status: str) -> str:
-        """Return what an episode is called that has just ended."""
+        """Return the title of an episode that has just ended."""
         time = float(self.simulation.state.time[world])
         return f"{self.names[world]}, level {level}: {status.replace('_', ' ')}, {time:.1f} s"
 
     def values(self, world: int) -> list[dict[str, Any]]:
-        """Return the present data of each agent: outcome, action, rewards and the state of its episode."""
+        """Return the current data of each agent: outcome, action, rewards and the state of its episode."""
         return agent_values(self.episodes[world], world)
 
 
-def players(
+def load_players(
     scenario: str,
     sources: Sequence[str | Path],
     *,
@@ -109,13 +109,16 @@ def players(
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        sources: Policies as ``load_policy`` takes them.
+        sources: Policies, as ``load_policy`` takes them.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         task: Shipped name or path of a task; None for the scenario's own.
-        names: What the policies are called; None to take it from the sources.
+        names: Names of the policies; None to derive them from the sources.
         parameters: Values for the scenario's parameters.
-        team: The policies drive all robots, unless the task names some.
-        strict: False ignores unused keys.
+        team: Whether the policies drive all robots; if the task names robots, only these.
+        strict: Whether unused keys are an error; False ignores them.
+
+    Raises:
+        UnfitPolicyError: If some policies cannot drive the agents.
     """
     from irsim_gym.render import Renderer
 
@@ -125,7 +128,7 @@ def players(
     called = policy_names(sources) if names is None else names
     chosen = dict(zip(called, loaded, strict=True))
     check_policies(chosen, worlds)
-    tell_perceptions(chosen, worlds)
+    report_perceptions(chosen, worlds)
     simulation = worlds.episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
     learners = simulation.agents.tolist()

@@ -1,4 +1,4 @@
-"""Saved policies as what the evaluation drives worlds with."""
+"""Policies stored on disk, as policies for the evaluation."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ if TYPE_CHECKING:
     Source = str | Path | BaseAlgorithm | ShelfPolicy | Policy | Callable[[Any], Any]
 else:
     Source = object
-"""What a policy can be given as: see ``load_policy``."""
+"""Types that ``load_policy`` accepts."""
 
 CHUNK = 64
-"""Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
+"""Number of rows of each forward pass. It is constant, because rounding depends on the size of a batch."""
 
 
 class UnfitPolicyError(IrsimGymError):
-    """A policy that was trained with other observations or actions than those of the task."""
+    """Raised if a policy was trained with other observations or actions than those of the task."""
 
 
 class UnknownPolicyError(IrsimGymError):
-    """There is no policy of a name, and no file or folder.
+    """Raised if there is no policy of a name, and no such file or folder.
 
     Args:
-        source: The given name or path.
-        problem: What is said of it, without what would be right.
+        source: Name or path.
+        problem: Description of the problem, without the valid names.
     """
 
     def __init__(self, source: str | Path, problem: str) -> None:
@@ -60,16 +60,16 @@ class UnknownPolicyError(IrsimGymError):
 
 
 class SavedPolicy:
-    """A trained policy, deterministic; the agents of a team share it.
+    """A trained policy with deterministic actions. The agents of a team share it.
 
     Args:
-        model: The loaded algorithm, or a policy of the shelf. A recurrent one has a memory for each agent of each
-            world, empty at first.
-        normalization: Statistics of the observations it was trained with.
+        model: A model of Stable-Baselines3, or an exported policy. A recurrent one gets a memory for each agent of each
+            world, which is zero at first.
+        normalization: Statistics of the observations in the training; None for none.
 
     Attributes:
-        perception: What it was trained to observe, and how it acts; None where that is unknown: then it observes what
-            the task says that is played.
+        perception: Observations and action of the training. If unknown, it is None, and the policy uses those of the
+            current task.
     """
 
     perception: Perception | None = None
@@ -82,10 +82,10 @@ class SavedPolicy:
         self._memory = np.zeros((0, 0, 0, 0), np.float32)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Forget what was in these worlds.
+        """Reset the memory of these worlds.
 
         Raises:
-            UnfitPolicyError: The policy was trained with other observations or actions than these of the task.
+            UnfitPolicyError: If the policy was trained with other observations or actions than those of the task.
         """
         self.check(episodes)
         if self._shape is None:
@@ -97,7 +97,7 @@ class SavedPolicy:
         self._memory[:, :, _slots(episodes, worlds)] = 0.0
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
-        """Return the actions of worlds, the same whatever other worlds there are."""
+        """Return the actions of worlds, which do not depend on other worlds."""
         seen, slots = percepts(episodes, worlds), _slots(episodes, worlds)
         layout = observation_layout(episodes)
         parts = [slice(start, start + CHUNK) for start in range(0, len(slots), CHUNK)]
@@ -105,10 +105,10 @@ class SavedPolicy:
         return by_world(np.concatenate(chunks), episodes)
 
     def check(self, episodes: Episodes) -> None:
-        """Refuse a task with other observations or actions than the policy was trained with.
+        """Check that a task has the observations and the action that the policy was trained with.
 
         Raises:
-            IrsimGymError: It has.
+            UnfitPolicyError: If it has others.
         """
         model = self.model
         observed, acted = observation_space(episodes), action_space(episodes)
@@ -123,6 +123,7 @@ class SavedPolicy:
                 )
 
     def _chunk(self, seen: Any, slots: Ints) -> NDArray[Any]:
+        """Return the actions for one batch of observations, padded to ``CHUNK`` rows, and update the memory."""
         count = len(slots)
         if self.normalization is not None:
             space = self.normalization.observation_space
@@ -139,7 +140,7 @@ class SavedPolicy:
 
 
 def memory_shape(model: BaseAlgorithm | ShelfPolicy) -> tuple[int, int, int] | None:
-    """Return of how many arrays the state of a policy is, of how many layers each, and how wide; None for no memory."""
+    """Return the shape of a policy's memory, ``(n_arrays, n_layers, width)``; None for a policy without memory."""
     if isinstance(model, ShelfPolicy):
         return model.memory_shape
     lstm = getattr(model.policy, "lstm_hidden_state_shape", None)
@@ -148,7 +149,7 @@ def memory_shape(model: BaseAlgorithm | ShelfPolicy) -> tuple[int, int, int] | N
 
 
 def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:
-    """Return some rows, with zeros behind them up to the size of a chunk."""
+    """Return the rows of a slice, padded with zeros to ``CHUNK`` rows."""
     chosen = rows[part]
     padded = np.zeros((CHUNK, *rows.shape[1:]), rows.dtype)
     padded[: len(chosen)] = chosen
@@ -156,7 +157,7 @@ def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:
 
 
 def channels_first(space: Space[Any]) -> Space[Any]:
-    """Return a space as Stable-Baselines3 shows it to networks for pictures: channels, height, width."""
+    """Return a space with images as Stable-Baselines3 gives them to networks: channels, height, width."""
     if isinstance(space, Dict):
         return Dict({name: channels_first(part) for name, part in space.spaces.items()})
     if not is_picture(space):
@@ -166,38 +167,45 @@ def channels_first(space: Space[Any]) -> Space[Any]:
 
 
 def is_picture(space: Space[Any]) -> bool:
-    """Return whether a space holds pictures whose channels are last."""
+    """Return whether a space holds images whose last axis is the channels."""
     shape = space.shape or ()
     return isinstance(space, Box) and space.dtype == np.uint8 and len(shape) == 3 and int(np.argmin(shape)) != 0
 
 
 def form_of(space: Space[Any]) -> str:
-    """Return what a space has to have in common with another one, in words."""
+    """Return a description of the properties in which two compatible spaces agree."""
     if isinstance(space, Dict):
         return ", ".join(f"{name} {form_of(part)}" for name, part in space.spaces.items())
     return f"from 0 to {space.n - 1}" if isinstance(space, Discrete) else f"of shape {space.shape}"
 
 
 def _slots(episodes: Episodes, worlds: Ints) -> Ints:
-    """Return the numbers of the agents of worlds, counted over all worlds, ``(n * n_agents,)``."""
+    """Return the indices of the agents of worlds, counted over all worlds, ``(n * n_agents,)``."""
     agents = np.arange(episodes.n_agents, dtype=np.int64)
     return (worlds[:, None] * episodes.n_agents + agents).ravel()
 
 
 def load_policy(source: Source) -> Policy:
-    """Return what drives.
+    """Load a policy.
 
-    Of a file the weights are read, and objects of known, harmless classes; for others it warns, because loading them
-    runs code from the file. A policy of a run or of the shelf perceives as in its training.
+    From a file, this reads weights, and objects of known harmless classes. It warns of objects of other classes,
+    because loading them runs code from the file. A policy of a run and a shipped policy observe and act as in their
+    training.
 
     Args:
-        source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), that of
-            a policy on the shelf (``"cluttered_room"``), a file ``policy.zip`` or one that ``irsim-gym policies
-            export`` has written, a run's folder (its newest checkpoint if it is not finished), a model of
-            Stable-Baselines3, a function of observations as ``ObservationPolicy`` takes it, or a ``Policy``.
+        source: One of:
+
+            - ``"random"``, or a behaviour or group behaviour such as ``"dwa"`` or ``"pursuit:known=seen"``;
+            - the name of a shipped policy, such as ``"cluttered_room"``;
+            - the path of a ``policy.zip``, or of a file that ``irsim-gym policies export`` wrote;
+            - a run's folder: its policy, or that of its newest checkpoint if it is not finished;
+            - a model of Stable-Baselines3;
+            - a function of observations, as ``ObservationPolicy`` takes it;
+            - a ``Policy``, which is returned unchanged.
 
     Raises:
-        IrsimGymError: There is no such policy.
+        IrsimGymError: If there is no such policy, or it cannot be loaded.
+        TypeError: If the source is of another type.
     """
     if isinstance(source, Policy):
         return source
@@ -226,16 +234,16 @@ def load_policy(source: Source) -> Policy:
 
 
 def is_model(source: object) -> TypeGuard[BaseAlgorithm]:
-    """Return whether something is a model of Stable-Baselines3; that is not imported for it."""
+    """Return whether an object is a model of Stable-Baselines3, without importing the library."""
     module = sys.modules.get("stable_baselines3.common.base_class")
     return module is not None and isinstance(source, module.BaseAlgorithm)
 
 
 def load_policies(sources: Sequence[Source]) -> list[Policy]:
-    """Return what drives, for each source, see ``load_policy``.
+    """Load several policies, see ``load_policy``.
 
     Raises:
-        UnknownPolicyError: There is no such policy; the message names all that are missing.
+        UnknownPolicyError: If policies do not exist. The message names all of these.
     """
     loaded: list[Policy] = []
     missing: list[UnknownPolicyError] = []
@@ -253,12 +261,12 @@ def policy_file(source: str | Path) -> Path:
     """Return the file of a policy.
 
     Args:
-        source: The file itself, a name on the shelf, or a run's folder: its policy, or the newest checkpoint's if it is
-            not finished. A ``Path`` is no name.
+        source: Path of the file, name of a shipped policy, or a run's folder: its policy, or that of its newest
+            checkpoint if it is not finished. A ``Path`` is never taken as a name.
 
     Raises:
-        UnknownPolicyError: There is none.
-        IrsimGymError: A name on the shelf is also that of a file or folder here.
+        UnknownPolicyError: If there is no such policy.
+        IrsimGymError: If a shipped policy and a file or folder here have the same name.
     """
     path = Path(source)
     if is_on_shelf(source):
@@ -275,20 +283,24 @@ def policy_file(source: str | Path) -> Path:
 
 
 def is_on_shelf(source: object) -> bool:
-    """Return whether a source is the name of a policy on the shelf; a ``Path`` is none."""
+    """Return whether a source is the name of a shipped policy. A ``Path`` is never taken as a name."""
     return isinstance(source, str) and source in shelf_files()
 
 
 def known_names() -> tuple[str, ...]:
-    """Return the names of behaviours and of policies on the shelf."""
+    """Return the names of behaviours and of shipped policies."""
     return (*policy_kinds(), *shelf_files())
 
 
 def _check_one_meaning(source: str | Path, other: str) -> None:
-    """Refuse a name on the shelf that is also that of something else.
+    """Check that a name is not ambiguous.
+
+    Args:
+        source: Name or path.
+        other: Description of the other meaning of the name.
 
     Raises:
-        IrsimGymError: It is.
+        IrsimGymError: If it is also the name of a shipped policy.
     """
     if is_on_shelf(source):
         raise IrsimGymError(
@@ -297,12 +309,12 @@ def _check_one_meaning(source: str | Path, other: str) -> None:
 
 
 def policy_digest(source: str | Path) -> str | None:
-    """Return SHA-256 of a policy's file; None for a name, which has none."""
+    """Return the SHA-256 hash of a policy's file; None for a behaviour, which has no file."""
     return None if is_named_policy(source) else hashlib.sha256(policy_file(source).read_bytes()).hexdigest()
 
 
 def policy_names(sources: Sequence[Source]) -> list[str]:
-    """Return short names, all different: the run's for its folder or ``policy.zip``, else that of file or function."""
+    """Return short, unique names: of the run for its folder or ``policy.zip``, else of the file or the function."""
     names = [_short_name(Path(one)) if isinstance(one, str | Path) else _called(one) for one in sources]
     return [name if names.count(name) == 1 else f"{name}-{names[:i].count(name) + 1}" for i, name in enumerate(names)]
 
@@ -314,5 +326,5 @@ def _short_name(path: Path) -> str:
 
 
 def _called(source: object) -> str:
-    """Return the name of a function, or of the class of a model or policy, without capitals."""
+    """Return the name of a function, or of the class of a model or policy in lower case."""
     return str(getattr(source, "__name__", type(source).__name__.lower()))

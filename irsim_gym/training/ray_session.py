@@ -1,4 +1,4 @@
-"""A Ray that belongs to one command: local, on the loopback alone, or a cluster whose address was given."""
+"""A Ray session for one command: a local Ray that only listens on the loopback interface, or a given cluster."""
 
 from __future__ import annotations
 
@@ -12,38 +12,39 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 
 QUIET = {
-    "RAY_USAGE_STATS_ENABLED": "0",  # Ray sends nothing to its makers
-    "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # workers without a card leave CUDA_VISIBLE_DEVICES alone
-    "RAY_AIR_NEW_OUTPUT": "0",  # Tune shows no table of its own
+    "RAY_USAGE_STATS_ENABLED": "0",  # Ray sends no usage statistics
+    "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # workers without a GPU do not change CUDA_VISIBLE_DEVICES
+    "RAY_AIR_NEW_OUTPUT": "0",  # Tune prints no tables
     "RAY_BACKEND_LOG_LEVEL": "fatal",
 }
 SILENT: dict[str, Any] = {"logging_level": logging.ERROR, "log_to_driver": False}
 LOOPBACK = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
-"""Where this is 0 before Ray is imported, its servers listen on 127.0.0.1, as they do on Windows and macOS."""
+"""If this is 0 when Ray is imported, its servers listen on 127.0.0.1 only, as they do on Windows and macOS."""
 
 
 @contextmanager
 def ray_session(address: str | None, processes: int) -> Iterator[None]:
-    """Start Ray, or connect to a cluster, and leave it again; one that runs in this process already is used as it is.
+    """Start Ray or connect to a cluster, and shut it down at the end. A Ray that is already initialized is used as is.
 
     Args:
         address: ``"auto"``, ``"ray://host:port"`` or ``"host:port"``; None starts Ray on this machine.
-        processes: How many processes a local Ray may run at a time.
+        processes: Largest number of simultaneous processes of a local Ray.
 
     Raises:
-        IrsimGymError: There is no cluster at the address.
+        IrsimGymError: If there is no cluster at the address.
     """
     prepare(address)
     import ray
 
     for name in ("ray.rllib", "ray.tune"):
-        logging.getLogger(name).setLevel(logging.ERROR)  # they warn of what they do by default
+        logging.getLogger(name).setLevel(logging.ERROR)  # they warn of their own defaults
     if ray.is_initialized():
         yield
         return
     try:
         if address is None:
-            ray.init("local", num_cpus=processes, include_dashboard=False, **SILENT)  # not to one that happens to run
+            # "local" does not connect to a Ray that already runs on this machine.
+            ray.init("local", num_cpus=processes, include_dashboard=False, **SILENT)
         else:
             ray.init(address, **SILENT)
     except ConnectionError as error:
@@ -55,10 +56,10 @@ def ray_session(address: str | None, processes: int) -> Iterator[None]:
 
 
 def prepare(address: str | None) -> None:
-    """Set what Ray reads from the environment as it is imported.
+    """Set the environment variables that Ray reads when it is imported.
 
     Raises:
-        IrsimGymError: Ray is imported already, in a way in which it would listen to other machines.
+        IrsimGymError: If Ray was already imported such that it would accept connections from other machines.
     """
     for name, value in QUIET.items():
         os.environ.setdefault(name, value)

@@ -1,4 +1,4 @@
-"""Films, replays and contact sheets of policies on the same levels."""
+"""Films, replay pages and contact sheets of policies on the same levels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.players import Players, players
+from irsim_gym.training.players import Players, load_players
 
 if TYPE_CHECKING:
     from irsim_gym.render.replay_data import Recording
@@ -31,25 +31,25 @@ def record_film(
     console: Console | None = None,
     **chosen: Any,
 ) -> Path:
-    """Film policies on levels, one level after another, one panel per policy; return the film's path.
+    """Film policies on levels, one level after the other with one panel per policy, and return the film's path.
 
-    There is a frame of the start, one every ``sample_time`` and one of the end.
+    The film has a frame at the start, one every ``sample_time``, and one at the end of each episode.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        sources: Policies as ``load_policy`` takes them.
+        sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
-        **chosen: As ``players`` takes it: split, task, names, parameters, team, strict.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
+        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
 
     Raises:
-        IrsimGymError: The file's suffix is none of a film.
+        IrsimGymError: If the file's suffix is not that of a film.
     """
     from irsim_gym.render.film import EpisodeFilm
 
     check_suffix(path, FILMS, "a film")
-    cast = players(scenario, sources, **chosen)
+    cast = load_players(scenario, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
     with _bar(console) as bar:
         film.write(
@@ -72,23 +72,23 @@ def record_html(
     console: Console | None = None,
     **chosen: Any,
 ) -> Path:
-    """Write a page that plays policies on levels, each chosen from a list; return its path.
+    """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        sources: Policies as ``load_policy`` takes them.
+        sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Page to write, ``.html``.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
-        **chosen: As ``players`` takes it: split, task, names, parameters, team, strict.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
+        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
 
     Raises:
-        IrsimGymError: The file's suffix is none of a page.
+        IrsimGymError: If the file's suffix is not ``.html``.
     """
     from irsim_gym.render.replay_page import save_html
 
     check_suffix(path, REPLAYS, "a replay")
-    cast = players(scenario, sources, **chosen)
+    cast = load_players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with _bar(console) as bar:
         recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
@@ -106,26 +106,27 @@ def record_sheet(
     console: Console | None = None,
     **chosen: Any,
 ) -> Path:
-    """Put policies on levels into one picture; return its path.
+    """Draw policies on levels into one picture, and return its path.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        sources: Policies as ``load_policy`` takes them.
+        sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
-        path: Picture to write, ``.png`` or another; with ``strobe`` and one episode also ``.pdf`` and ``.svg``.
-        strobe: Each episode is one panel: the ways that the robots took, coloured by time, and where they stood. Else
-            it is a row of moments, evenly spaced, from the first to the last.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
-        **chosen: As ``players`` takes it: split, task, names, parameters, team, strict.
+        path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``; with ``strobe`` and a single episode also
+            ``.pdf`` or ``.svg``.
+        strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.
+            Otherwise each episode is a row of frames, evenly spaced from the start to the end.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
+        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
 
     Raises:
-        IrsimGymError: The file's suffix is none of such a picture.
+        IrsimGymError: If the file's suffix is not that of such a picture.
     """
     from irsim_gym.render.film import EpisodeFilm
     from irsim_gym.render.sheet import contact_sheet, save_sheet
     from irsim_gym.render.strobe import draw_strobe, save_strobe
 
-    cast = players(scenario, sources, **chosen)
+    cast = load_players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
     with _bar(console) as bar:
@@ -142,7 +143,7 @@ def record_sheet(
 
 
 def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
-    """Play a level; return what it is called, and frames of some moments."""
+    """Play a level, and return the title of the episode and some of its frames."""
     from irsim_gym.render.sheet import Moments
 
     moments = Moments()
@@ -152,7 +153,7 @@ def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
 
 
 def _recorded(cast: Players, world: int, level: int) -> Recording:
-    """Play a level and return what it looked like."""
+    """Play a level, and return its recording."""
     from irsim_gym.render.replay_data import Recording
 
     scenario, policy = cast.simulation.scenario, cast.names[world]
@@ -166,7 +167,7 @@ def _recorded(cast: Players, world: int, level: int) -> Recording:
 
 
 def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
-    """Play a level and yield its frames: the start, every ``sample_time``, the end."""
+    """Play a level, and yield its frames: the start, every ``sample_time``, and the end."""
     for status in cast.play(world, level):
         if cast.is_frame(world):
             yield cast.renderer.frame(world, status)
@@ -178,6 +179,10 @@ def _bar(console: Console | None) -> Progress:
 
 
 def check_suffix(path: Path, known: Sequence[str], what: str) -> None:
-    """Raise an ``IrsimGymError`` where a file's name has none of the known suffixes."""
+    """Check that the name of a file has one of the known suffixes.
+
+    Raises:
+        IrsimGymError: If it has another one.
+    """
     if path.suffix.lower() not in known:
         raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")

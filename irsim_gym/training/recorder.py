@@ -1,4 +1,4 @@
-"""Collects what happens in an environment as demonstrations."""
+"""Recording of demonstrations in an environment."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from irsim_gym.training.demonstrations import (
 )
 
 SAME = ("scenario", "parameters", "task", "robot", "observation_space", "action_space", "step_time")
+"""Properties of the environment that all episodes of a file share."""
 SUFFIX = ".npz"
 
 
 class Recorder:
-    """Keeps the steps of episodes, and writes them to a file.
-
-    An existing file of the same environment is appended to.
+    """Records the steps of episodes, and writes them to a file. Appends to an existing file of the same environment.
 
     Args:
-        env: Where they happen.
+        env: The environment.
         path: File to write, ``.npz``.
 
     Raises:
-        DemonstrationError: The file has another suffix, holds something else, or is of another environment.
+        DemonstrationError: If the file has another suffix, is no file of demonstrations, or belongs to another
+            environment.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], path: Path) -> None:
@@ -56,12 +56,12 @@ class Recorder:
 
     @property
     def n_episodes(self) -> int:
-        """How many episodes the file will have, with that under way once it has a step."""
+        """Number of episodes in the file after saving. The current episode counts once it has a step."""
         under_way = self._current is not None and len(self._current.rewards) > 0
         return len(self._episodes) + under_way + (0 if self._earlier is None else self._earlier.n_episodes)
 
     def begin(self, observation: Observations, level: int) -> None:
-        """Begin an episode with what is seen first."""
+        """Begin an episode with its first observation."""
         self._close()
         self._current = _Episode(level, [observation])
 
@@ -76,18 +76,18 @@ class Recorder:
         *,
         by_hand: bool = False,
     ) -> None:
-        """Add a step: what was done, what was seen after it, and what ``step`` returned beside."""
+        """Add a step: the action, the observation after it, and further results of ``env.step``."""
         assert self._current is not None
         self._current.add(action, observation, reward, terminated, truncated, outcome, by_hand)
         if terminated or truncated:
             self._close()
 
-    def drop(self) -> None:
-        """Forget the episode under way."""
+    def discard(self) -> None:
+        """Discard the current episode."""
         self._current = None
 
     def save(self) -> None:
-        """Write all that there is; an episode under way is cut off here. Nothing is written where there is nothing."""
+        """Write all episodes. The current one is truncated. Without new episodes, nothing is written."""
         self._close()
         if self._episodes:
             save_demonstrations(self.path, self._all())
@@ -124,26 +124,28 @@ def record_demonstrations(
     strict: bool = True,
     **parameters: Any,
 ) -> Demonstrations:
-    """Let a policy demonstrate levels, and write them to a file.
+    """Play levels with a policy, and write the demonstrations to a file.
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, or plain data.
-        policy: ``dash``, ``rvo``, ``orca``, ``random``, a run's folder or a ``policy.zip``.
-        path: File to write, ``.npz``; one of the same environment is gone on with.
-        levels: How many, from level 0 on, or which.
+        policy: Policy, as ``load_policy`` takes it: ``dash``, ``rvo``, ``orca``, ``random``, the name of a shipped
+            policy, a run's folder or a ``policy.zip``.
+        path: File to write, ``.npz``. Appends to an existing file of the same environment.
+        levels: Number of levels, from 0, or a sequence of levels.
         split: ``"train"``, ``"dev"`` or ``"test"``.
         task: Shipped name or path of a task, or plain data; None for the scenario's own.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
-        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
+        console: Console for the progress bar, which only a terminal shows; None for standard error.
+        strict: Whether unused keys are an error; False ignores them with an ``IgnoredKeyWarning``.
         **parameters: Values for the scenario's parameters.
 
     Returns:
-        All that the file holds now.
+        All demonstrations of the file.
 
     Raises:
-        DemonstrationError: The file cannot be gone on with, or the policy was trained with other observations.
+        DemonstrationError: If the existing file cannot be appended to, or the policy was trained with other
+            observations.
     """
-    from irsim_gym.training.policies import load_policy  # loads PyTorch, which a person who plays does not need
+    from irsim_gym.training.policies import load_policy  # can load PyTorch, which manual play does not need
 
     env = irsim_gym.make(scenario, task=task, strict=strict, **parameters)
     world, driver = env.unwrapped, load_policy(policy)
@@ -171,7 +173,11 @@ def record_demonstrations(
 
 
 def _check_demonstrator(env: WorldEnv, policy: object) -> None:
-    """Refuse a policy that observes other things than the environment: it would drive by what it does not know."""
+    """Check that a policy uses the environment's observations: only these are recorded.
+
+    Raises:
+        DemonstrationError: If it uses others.
+    """
     episodes = env.worlds.episodes
     worlds = Perceived(episodes)
     if worlds.of(policy) is not episodes:
@@ -208,14 +214,14 @@ class _Episode:
         self.terminated, self.truncated, self.outcome = terminated, truncated, int(outcome)
 
     def marked(self, place: int, flag: bool = True) -> Flags:
-        """Return a row of False, with a flag at the first step (0) or at the last one (-1)."""
+        """Return flags for all steps, False except for the given one at index ``place``."""
         row = np.zeros(len(self.rewards), np.bool_)
         row[place] = flag
         return row
 
 
 def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> Demonstrations:
-    """Return episodes as arrays; one that has not ended is cut off."""
+    """Return episodes as arrays. Episodes that have not ended are truncated."""
     discrete = about["action_space"]["kind"] == "Discrete"
     return Demonstrations(
         observations=concatenated([concatenated(one.observations[:-1], np.stack) for one in episodes]),
@@ -233,7 +239,7 @@ def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> D
 
 
 def _about(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
-    """Return what an environment is, as plain data."""
+    """Return a description of an environment as plain data."""
     world = env.unwrapped
     assert isinstance(world, WorldEnv)
     worlds = world.worlds

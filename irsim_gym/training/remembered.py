@@ -1,4 +1,4 @@
-"""What runs were trained with, for commands that are given their policies: parameters, and the scenario itself."""
+"""The parameters and the scenario that policies were trained with, for commands that use these policies."""
 
 from __future__ import annotations
 
@@ -21,45 +21,45 @@ from irsim_gym.training.snapshot import differences, listed, take_snapshot
 def remembered_parameters(
     scenario: str, sources: Sequence[str | Path], given: Mapping[str, object] | None = None, *, strict: bool = True
 ) -> dict[str, Any]:
-    """Return the values for a scenario's parameters: those given, and beside them what all runs were trained with.
+    """Return values for a scenario's parameters: those that the user sets, and those of the policies' trainings.
 
-    Where every policy is a run's in this scenario and they agree on a value, it takes the default's place, and a line
-    on standard error says so; another line lists the values on which they differ. Reference policies have no say.
+    If all policies were trained in this scenario with the same value, this value replaces the default, and a line on
+    standard error reports it. Another line lists parameters whose values differ. Reference policies are ignored.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        sources: Policies as ``load_policy`` takes them.
-        given: Values that the user set; they are kept.
-        strict: False ignores unused keys.
+        sources: Policies, as ``load_policy`` takes them.
+        given: Values that the user sets, which take precedence.
+        strict: Whether unused keys are an error; False ignores them.
     """
-    asked = dict(given or {})
+    own = dict(given or {})
     runs = [_trained_with(scenario, source) for source in sources if not is_named_policy(source)]
     if not any(runs):
-        return asked
-    defaults = load_scenario(scenario_name(scenario), asked, strict=strict, warn=False).parameters
-    open_ones = {name: value for name, value in defaults.items() if name not in asked}
-    values = {name: [run.get(name, default) for run in runs] for name, default in open_ones.items()}
+        return own
+    defaults = load_scenario(scenario_name(scenario), own, strict=strict, warn=False).parameters
+    unset = {name: value for name, value in defaults.items() if name not in own}
+    values = {name: [run.get(name, default) for run in runs] for name, default in unset.items()}
     agreed = {name: found[0] for name, found in values.items() if all(value == found[0] for value in found)}
     used = {name: value for name, value in agreed.items() if value != defaults[name]}
     if used:
         _say(f"{with_parameters(scenario, used)}, as in training; use --set NAME=VALUE to change them")
-    differing = {name: default for name, default in open_ones.items() if name not in agreed}
+    differing = {name: default for name, default in unset.items() if name not in agreed}
     if differing:
         _say(f"{with_parameters(scenario, differing)}, the defaults, because the policies were trained with others")
-    return {**asked, **used}
+    return {**own, **used}
 
 
 def changes_since(
     scenario: str | Path, source: str | Path, task: str | Path | None = None, *, strict: bool = True
 ) -> list[str]:
-    """Return what has changed in a scenario and its task since a run was trained in it.
+    """Return the changes of a scenario and its task since a policy was trained in it.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        source: A run's folder, a policy in it, or a policy on the shelf. Nothing is known of other policies, nor of
-            another scenario's.
-        task: Shipped name or path of a task; that of the run is compared where it is the same one.
-        strict: False ignores unused keys.
+        source: A run's folder, a policy in it, or a shipped policy. The result is empty for other policies, and for
+            those trained in another scenario.
+        task: Shipped name or path of a task. The result is empty if the policy was trained with another one.
+        strict: Whether unused keys are an error; False ignores them.
     """
     if is_named_policy(source):
         return []
@@ -84,7 +84,7 @@ def changes_since(
 def _changes_since_card(
     scenario: str | Path, card: CardScenario, task: str | Path | None, *, strict: bool
 ) -> list[str]:
-    """Return that a scenario or its task is not what the card of a policy says; nothing of another scenario's."""
+    """Return a line if the hash of a scenario and its task differs from that on a policy's card."""
     named = lasting(scenario_name(str(scenario)))
     if card.name != Path(named).name or card.task != (None if task is None else Path(task).name):
         return []
@@ -95,16 +95,18 @@ def _changes_since_card(
     return [] if now.digest == card.sha256 else ["its hash is not that on the card"]
 
 
-def tell_changes(scenario: str, sources: Sequence[str | Path], task: str | None = None, *, strict: bool = True) -> None:
-    """Say on standard error where a scenario is not what it was when the policies were trained, a line for each run."""
+def report_changes(
+    scenario: str, sources: Sequence[str | Path], task: str | None = None, *, strict: bool = True
+) -> None:
+    """Print to standard error how a scenario has changed since policies were trained in it, a line for each policy."""
     for source in sources:
         found = changes_since(scenario, source, task, strict=strict)
         if found:
-            _say(change_told(scenario, source, found))
+            _say(change_message(scenario, source, found))
 
 
-def change_told(scenario: str | Path, source: str | Path, found: list[str]) -> str:
-    """Return what is said of a scenario that has changed."""
+def change_message(scenario: str | Path, source: str | Path, found: list[str]) -> str:
+    """Return the message about a scenario that has changed since a policy was trained in it."""
     run = run_of(source)
     copied = run.snapshot()
     where = "" if copied is None else f". As it was: {run.copy / copied.file}"
@@ -112,7 +114,7 @@ def change_told(scenario: str | Path, source: str | Path, found: list[str]) -> s
 
 
 def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
-    """Return the parameters that a policy was trained with; none where that is unknown or another scenario's."""
+    """Return the parameters of a policy's training; an empty dict if unknown, or if it was in another scenario."""
     card = card_of(source)
     if card is not None:
         same = card.scenario.name == Path(scenario_name(scenario)).name

@@ -1,4 +1,4 @@
-"""Figures of trained policies in files: of ``irsim-gym evaluate`` and of ``agents/summarize*.py``."""
+"""Files with results of trained policies: those of ``irsim-gym evaluate`` and of ``agents/summarize*.py``."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ Rows = list[dict[str, Any]]
 
 @dataclass(frozen=True)
 class SeedResults:
-    """What a file says of one seed of a training.
+    """Results of one seed of a training.
 
     Attributes:
-        result: Its figures on some levels.
-        run: Settings, machine and cost of its training, where the file has them.
-        seeds: Seeds of the same training that the file knows the settings of.
+        result: Results on a set of levels.
+        run: Settings, machine and cost of the training; None if the file does not contain them.
+        seeds: All seeds of the training whose settings the file contains.
     """
 
     result: CardResult
@@ -32,16 +32,16 @@ class SeedResults:
 
 
 def read_results(file: Path, policy: Path) -> list[SeedResults]:
-    """Return what a file says of a policy, an entry for each set of levels.
+    """Return the results of a policy from a file, an entry for each set of levels.
 
     Args:
-        file: ``summary.json`` of ``irsim-gym evaluate``, or what ``agents/summarize.py`` or ``summarize_teams.py`` has
-            written.
-        policy: The policy's run folder or file. Its row is the one with the name of the folder or file, or with the
-            end of that name: ``seed_1`` for ``cluttered_room_seed_1.zip``.
+        file: ``summary.json`` of ``irsim-gym evaluate``, or a file of ``agents/summarize.py`` or
+            ``agents/summarize_teams.py``.
+        policy: Folder of the run, or file of the policy. Its row has the name of the folder or file, or the end of that
+            name: ``seed_1`` for ``cluttered_room_seed_1.zip``.
 
     Raises:
-        IrsimGymError: The file says nothing of it, or is none of these.
+        IrsimGymError: If the file is of another kind, or has no results of the policy.
     """
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
@@ -56,7 +56,7 @@ def read_results(file: Path, policy: Path) -> list[SeedResults]:
 
 
 def _tests(data: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Rows]]:
-    """Yield the conditions of each test, and its rows but for the references'."""
+    """Yield the conditions of each test, and its rows without those of reference policies."""
     conditions = data["conditions"]
     if "seeds" not in data:
         yield conditions, [row for row in data["policies"] if not is_named_policy(row["policy"])]

@@ -1,4 +1,4 @@
-"""From the settings of a run to a configuration of RLlib."""
+"""The configuration of RLlib for the settings of a run."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
 else:
     Config = PPOConfig | APPOConfig
 SLOWEST_S = 300.0
-"""A fragment for which a worker needs longer than this [s] is given up."""
+"""Time after which a fragment of a slow worker is given up [s]."""
 RESTARTS = 1_000_000
-"""How often a worker may be started again: always."""
+"""Number of times that a worker may be restarted: in effect unlimited."""
 
 
 def make_config(settings: Settings, engine: Engine, model: BaseAlgorithm, steps_before: int) -> Config:
     """Return the configuration of a run.
 
     Args:
-        settings: What is trained, with the run's own copy of the scenario.
-        engine: How it is run, without None in it.
-        model: Whose networks and weights are the first ones.
-        steps_before: Steps that were taken before, in a run that goes on.
+        settings: Settings of the run, with its own copy of the scenario.
+        engine: Settings of RLlib, without None.
+        model: Model that provides the networks and their initial weights.
+        steps_before: Number of steps that a resumed run has already taken.
     """
     wanted = settings.hyperparameters
     given: dict[str, Any] = {"gamma": 0.99, "ent_coef": 0.0, "vf_coef": 0.5, "max_grad_norm": 0.5, "clip_range": 0.2}
@@ -79,14 +79,14 @@ def make_config(settings: Settings, engine: Engine, model: BaseAlgorithm, steps_
         sampled = config.train_batch_size_per_learner * max(1, engine.workers)
         config.reporting(min_time_s_per_iteration=None, min_sample_timesteps_per_iteration=sampled)
     optimizer = dict(given.get("policy_kwargs", {}).get("optimizer_kwargs") or {})
-    _place(config, engine, {"optimizer": optimizer})
+    _configure_processes(config, engine, {"optimizer": optimizer})
     config.rl_module(rl_module_spec=RLModuleSpec(module_class=PolicyModule, model_config=_networks(model)))
     config.debugging(seed=settings.seed, log_level="ERROR")
     return config
 
 
-def _place(config: Config, engine: Engine, learning: Mapping[str, Any]) -> None:
-    """Say where it learns, and that workers which die are started again."""
+def _configure_processes(config: Config, engine: Engine, learning: Mapping[str, Any]) -> None:
+    """Configure the learners and their devices, and the restart of workers that die."""
     cards = engine.learner_gpus or 0
     if cards > 1:
         config.training(train_batch_size_per_learner=config.train_batch_size_per_learner // cards)
@@ -114,7 +114,7 @@ def _networks(model: BaseAlgorithm) -> dict[str, Any]:
 
 
 def _schedule(value: Any, before: int, total: int) -> Any:
-    """Return a learning rate as RLlib takes it: a number, or pairs of steps and values."""
+    """Return a learning rate in RLlib's form: a number, or pairs of steps and values."""
     if not isinstance(value, Linear):
         return value
     left = max(total - before, 1)
@@ -122,5 +122,5 @@ def _schedule(value: Any, before: int, total: int) -> Any:
 
 
 def _absolute(source: str) -> str:
-    """Return the path of a file as workers find it, which may run in another folder; names stay."""
+    """Return the absolute path of a file, because workers may run in another folder; return names unchanged."""
     return str(Path(source).resolve()) if Path(source).suffix else source

@@ -1,4 +1,4 @@
-"""A policy of Stable-Baselines3 as RLlib's learners and runners use it, so that its weights fit a ``policy.zip``."""
+"""A policy of Stable-Baselines3 as a module of RLlib, so that its weights fit a ``policy.zip``."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from irsim_gym.training.policies import channels_first, is_picture
 
 PREFIX = "policy."
-"""What the names of a policy's weights have before them in the state of the module."""
+"""Prefix of the names of the policy's weights in the state of the module."""
 
 
 class PolicyModule(TorchRLModule, ValueFunctionAPI, TargetNetworkAPI):  # type: ignore[misc]
     """The networks of an actor-critic policy of Stable-Baselines3.
 
-    The configuration of the model has ``policy``, the class, ``arguments`` of it, and may have ``weights``, its first
+    ``model_config`` contains ``policy``, the class, and its ``arguments``. It may contain ``weights``, the initial
     state as arrays.
     """
 
     def setup(self) -> None:
-        """Make the networks."""
+        """Make the networks, with the initial weights if given."""
         config = self.model_config
         kind: type[ActorCriticPolicy] = config["policy"]
         seen = channels_first(self.observation_space)
@@ -40,26 +40,26 @@ class PolicyModule(TorchRLModule, ValueFunctionAPI, TargetNetworkAPI):  # type: 
             self.policy.load_state_dict(state)
 
     def make_target_networks(self) -> None:
-        """Copy the networks, for APPO."""
+        """Make the target networks, for APPO."""
         self.old_policy = make_target_network(self.policy)
 
     def get_target_network_pairs(self) -> list[tuple[Any, Any]]:
-        """Return the networks and their copies."""
+        """Return the networks with their target networks."""
         return [(self.policy, self.old_policy)]
 
     def forward_target(self, batch: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what the copies would do."""
+        """Return the inputs of the target networks' action distribution."""
         return {TARGET_NETWORK_ACTION_DIST_INPUTS: self._distribution(self.old_policy, batch[Columns.OBS])}
 
     def compute_values(self, batch: Mapping[str, Any], embeddings: Any = None) -> Any:
-        """Return what observations are worth, ``(n,)``."""
+        """Return the values of observations, ``(n,)``."""
         return self.policy.predict_values(self._shown(batch[Columns.OBS])).squeeze(-1)
 
     def _forward(self, batch: Mapping[str, Any], **kwargs: Any) -> dict[str, Any]:
         return {Columns.ACTION_DIST_INPUTS: self._distribution(self.policy, batch[Columns.OBS])}
 
     def _distribution(self, policy: ActorCriticPolicy, seen: Any) -> torch.Tensor:
-        """Return means and logarithms of deviations side by side; of discrete actions the logits."""
+        """Return the concatenated means and log standard deviations; for discrete actions, the logits."""
         features: Any = policy.extract_features(self._shown(seen), policy.pi_features_extractor)
         means: torch.Tensor = policy.action_net(policy.mlp_extractor.forward_actor(features))
         if isinstance(self.action_space, Discrete):
@@ -67,7 +67,7 @@ class PolicyModule(TorchRLModule, ValueFunctionAPI, TargetNetworkAPI):  # type: 
         return torch.cat([means, policy.log_std.expand_as(means)], dim=-1)
 
     def _shown(self, seen: Any) -> Any:
-        """Return observations with the channels of pictures first."""
+        """Return observations with the channels of images first."""
         space = self.observation_space
         if isinstance(space, Dict):
             return {name: _first(seen[name], part) for name, part in space.spaces.items()}
@@ -75,7 +75,7 @@ class PolicyModule(TorchRLModule, ValueFunctionAPI, TargetNetworkAPI):  # type: 
 
 
 def module_state(state: Mapping[str, Any]) -> dict[str, torch.Tensor]:
-    """Return the state of a policy of Stable-Baselines3 from that of the module."""
+    """Return the state of the Stable-Baselines3 policy in a module's state."""
     own = {name.removeprefix(PREFIX): array for name, array in state.items() if name.startswith(PREFIX)}
     return {name: torch.from_numpy(np.array(array)) for name, array in own.items()}
 

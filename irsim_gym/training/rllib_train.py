@@ -1,4 +1,4 @@
-"""Learning with Ray RLlib: the same checkpoints, logs and policies as with Stable-Baselines3."""
+"""Training with Ray RLlib. Checkpoints, logs and policies are the same as with Stable-Baselines3."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from irsim_gym.training.rllib_module import module_state
 from irsim_gym.training.run import Run, Settings
 
 STALLED_S = 900.0
-"""A training in which no worker has answered for so long [s] is given up."""
+"""Time without an answer of any worker after which a training fails [s]."""
 SAMPLED = "env_runners"
-"""What RLlib calls the figures of its workers."""
+"""Key of the workers' metrics in RLlib's results."""
 
 
 def learn(
@@ -42,21 +42,21 @@ def learn(
     on_checkpoint: Callable[[Run], object] | None,
     address: str | None,
 ) -> None:
-    """Learn to the end, or to a signal; either way leave a checkpoint.
+    """Learn until the end of the run or until a signal, and write a checkpoint in both cases.
 
     Args:
         run: The run.
-        settings: What is trained, with an engine.
-        model: Holds the first weights, and the last.
-        progress: How far the run is; updated.
-        newest: The checkpoint to go on from.
-        console: Where progress is shown.
-        on_checkpoint: Called after each checkpoint but the last.
-        address: A Ray cluster; None for this machine.
+        settings: Settings of the run, with an engine.
+        model: Model with the initial weights, which gets the final ones.
+        progress: Progress of the run, which this updates.
+        newest: Checkpoint to resume from; None for a new run.
+        console: Console for the progress.
+        on_checkpoint: Function that is called after each checkpoint but the last.
+        address: Address of a Ray cluster; None for this machine.
 
     Raises:
-        TrainingInterruptedError: Ctrl-C or SIGTERM; a checkpoint was written.
-        IrsimGymError: There is no such cluster, or no worker answers.
+        TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
+        IrsimGymError: If there is no such cluster, or no worker answers.
     """
     assert settings.engine is not None
     engine = settings.engine.chosen(settings.hyperparameters.n_envs)
@@ -66,21 +66,21 @@ def learn(
         try:
             learning = Learning(run, settings, algorithm, model, progress, console)
             with StopRequest().listening() as stop:
-                learning.go_on(stop, on_checkpoint)
+                learning.learn(stop, on_checkpoint)
         finally:
             algorithm.stop()
             with suppress(OSError):
-                Path(algorithm.logdir).rmdir()  # an empty folder that RLlib makes in the user's home
+                Path(algorithm.logdir).rmdir()  # RLlib makes an empty folder in the user's home
 
 
 def _algorithm(
     settings: Settings, engine: Engine, model: BaseAlgorithm, progress: RunProgress, newest: Path | None
 ) -> Algorithm:
-    """Return RLlib's algorithm, as a checkpoint left it if there is one."""
+    """Return RLlib's algorithm, restored from a checkpoint if there is one."""
     config = make_config(settings, engine, model, progress.steps)
     try:
         algorithm = config.build_algo()
-    except IndexError as error:  # RLlib asks the first worker for its spaces
+    except IndexError as error:  # RLlib reads the spaces from the first worker
         raise IrsimGymError("no worker of RLlib could start; Ray's logs (/tmp/ray) say why") from error
     if newest is not None:
         algorithm.learner_group.set_state(files.load_state(newest)["learner"])
@@ -90,15 +90,15 @@ def _algorithm(
 
 @dataclass
 class Learning:
-    """A training under way.
+    """A training with RLlib.
 
     Args:
         run: The run.
-        settings: What is trained.
+        settings: Settings of the run.
         algorithm: RLlib's algorithm.
-        model: The model of Stable-Baselines3 that writes the weights.
-        progress: How far it is; updated.
-        console: Where progress is shown.
+        model: Model of Stable-Baselines3, which saves the weights.
+        progress: Progress of the run, which the training updates.
+        console: Console for the progress.
     """
 
     run: Run
@@ -117,12 +117,12 @@ class Learning:
         self._sampling_seconds = 0.0
         self._logger = tensorboard_logger(self.run)
 
-    def go_on(self, stop: StopRequest, on_checkpoint: Callable[[Run], object] | None) -> None:
-        """Learn until all steps are taken, or a signal asks to stop.
+    def learn(self, stop: StopRequest, on_checkpoint: Callable[[Run], object] | None) -> None:
+        """Learn until all steps are taken, or a signal requests a stop.
 
         Raises:
-            TrainingInterruptedError: It does.
-            IrsimGymError: No worker answers.
+            TrainingInterruptedError: If a signal requests a stop.
+            IrsimGymError: If no worker answers.
         """
         wanted, progress = self.settings.hyperparameters, self.progress
         following = (progress.steps // wanted.checkpoint_every + 1) * wanted.checkpoint_every
@@ -146,25 +146,25 @@ class Learning:
             self._bar.stop()
             self._logger.close()
         self._write()
-        self._bar.tell(progress, self._success)
+        self._bar.print_line(progress, self._success)
         files.export_policy(self.run.policy, self.model)
         if stop.signal is not None:
             raise stopped_at_end(progress.steps, stop.signal)
 
     def _iterate(self) -> None:
-        """Take the steps of one iteration; wait for workers that are started again.
+        """Run iterations until new steps arrive. Workers that restart may deliver none for a while.
 
         Raises:
-            IrsimGymError: None has answered for a long time.
+            IrsimGymError: If no worker answers for ``STALLED_S`` seconds.
         """
         begun, before = time.monotonic(), self.progress.steps
         while self.progress.steps == before:
-            self._note(self.algorithm.train())
+            self._update(self.algorithm.train())
             if time.monotonic() - begun > STALLED_S:
                 raise IrsimGymError(f"no worker of RLlib has answered for {STALLED_S:.0f} s; the checkpoint is kept")
 
-    def _note(self, result: dict[str, Any]) -> None:
-        """Bring the progress, its log and the bar up to date."""
+    def _update(self, result: dict[str, Any]) -> None:
+        """Update the progress, the log and the bar with the results of an iteration."""
         progress, sampled = self.progress, result.get(SAMPLED, {})
         progress.steps = self._before[0] + int(sampled.get("num_env_steps_sampled_lifetime", 0))
         self._sampling_seconds = float(sampled.get(CPU_SECONDS, self._sampling_seconds))
@@ -178,7 +178,7 @@ class Learning:
         self._bar.show(progress, self._success)
 
     def _log(self, result: dict[str, Any], figures: dict[str, Any]) -> None:
-        """Add a row to the log now and then, and to TensorBoard each time."""
+        """Log the results to TensorBoard, and add a row to the training log if it is due."""
         progress, total = self.progress, self.settings.hyperparameters.n_timesteps
         of_learner = result.get("learners", {}).get(DEFAULT_MODULE_ID, {})
         shown = {f"train/{name}": value for name, value in of_learner.items() if not isinstance(value, dict)}
@@ -199,11 +199,11 @@ class Learning:
     def _save(self) -> None:
         self._clock.stop()
         self._write()
-        self._bar.tell(self.progress, self._success)
+        self._bar.print_line(self.progress, self._success)
         self._clock.start()
 
     def _write(self) -> None:
-        """Write a checkpoint: the policy as Stable-Baselines3 does, and what RLlib needs to go on."""
+        """Write a checkpoint: the policy in the format of Stable-Baselines3, and RLlib's state for resuming."""
         weights = self.algorithm.learner_group.get_weights()[DEFAULT_MODULE_ID]
         self.model.policy.load_state_dict(module_state(weights))
         self.model.num_timesteps = self.progress.steps

@@ -1,4 +1,4 @@
-"""A training run on disk: its settings and its files."""
+"""Training runs on disk: their settings and their files."""
 
 from __future__ import annotations
 
@@ -23,31 +23,34 @@ from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, take_snapshot
 
 SEED_STRIDE = 1_000_000
+"""Distance between the first levels of consecutive seeds."""
 TRACKING = "tracking.json"
+"""File with the ids of the run at tracking services."""
 FILES = (
     *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
     "config.json",
 )
-"""Files that a run writes; the settings are the last to go."""
+"""Files that a run writes. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run trains.
+    """Settings of a training run.
 
     Attributes:
         scenario: Shipped name, or path of a scenario file.
-        algorithm: One of ``algorithms.ALGORITHMS``, e.g. ``"ppo"``.
+        algorithm: Name of the algorithm, e.g. ``"ppo"``.
         seed: Seed of the networks, the exploration and the choice of levels.
         task: Shipped name or path of a task; None for the scenario's own.
-        hyperparameters: How it is trained.
-        parameters: Values of the scenario's parameters by name.
-        strict: Unused keys of the scenario are errors.
-        origin: The policy that it went on from: ``policy``, its file, and ``sha256`` of that; None for fresh weights.
-        mixture: All scenarios that it trains in, the first one of these settings included; empty for one alone.
-        engine: How Ray RLlib runs it; None for Stable-Baselines3.
+        hyperparameters: Hyper-parameters.
+        parameters: Values of the scenario's parameters.
+        strict: Whether unused keys of the scenario are an error.
+        origin: Policy that the run starts from: the path of its file, ``policy``, and its hash, ``sha256``; None for
+            random weights.
+        mixture: All scenarios of the training, including ``scenario``; empty for a single scenario.
+        engine: Settings of Ray RLlib; None for Stable-Baselines3.
     """
 
     scenario: str
@@ -62,7 +65,7 @@ class Settings:
     engine: Engine | None = None
 
     def parts(self) -> tuple[Settings, ...]:
-        """Return the settings in each scenario of a mixture; of one scenario these settings alone."""
+        """Return the settings for each scenario of a mixture; for a single scenario, these settings."""
         alone = replace(self, mixture=())
         return tuple(replace(alone, scenario=one.scenario, parameters=one.parameters) for one in self.mixture) or (
             self,
@@ -70,23 +73,23 @@ class Settings:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the scenarios in tables, all different: with the values of parameters where one is there twice."""
+        """Unique names of the scenarios in tables. Repeated scenarios are named with the values of their parameters."""
         stems = [Path(one.scenario).stem for one in self.parts()]
         values = [_values(one.parameters) for one in self.parts()]
         named = [f"{stem}{own}" if stems.count(stem) > 1 else stem for stem, own in zip(stems, values, strict=True)]
         return tuple(f"{name}-{k}" if name in named[: k - 1] else name for k, name in enumerate(named, start=1))
 
     def snapshot(self) -> Snapshot:
-        """Return the scenario and its task as they are now."""
+        """Return a snapshot of the current scenario and task."""
         return take_snapshot(self.scenario, self.task, self.parameters, strict=self.strict)
 
     @property
     def first_level(self) -> int:
-        """First training level: runs with different seeds share no levels."""
+        """First training level. Runs with different seeds share no levels."""
         return self.seed * SEED_STRIDE
 
     def to_plain(self) -> dict[str, Any]:
-        """Return them as plain data."""
+        """Return the settings as plain data."""
         return {
             "scenario": self.scenario,
             "algorithm": self.algorithm,
@@ -102,7 +105,7 @@ class Settings:
 
     @classmethod
     def from_plain(cls, data: dict[str, Any]) -> Settings:
-        """Make them from what ``to_plain`` returned."""
+        """Make settings from the data of ``to_plain``."""
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
@@ -113,48 +116,52 @@ class Settings:
 
 @dataclass(frozen=True)
 class Run:
-    """The folder of a run."""
+    """A training run on disk.
+
+    Attributes:
+        folder: Folder of the run, which may not exist yet.
+    """
 
     folder: Path
 
     @property
     def config(self) -> Path:
-        """The settings and the versions they ran with."""
+        """File with the settings, and with the machine and the versions of packages."""
         return self.folder / "config.json"
 
     @property
     def copy(self) -> Path:
-        """The folder with a copy of the scenario and its task."""
+        """Folder with a copy of the scenario and its task."""
         return self.folder / "scenario"
 
     @property
     def checkpoints(self) -> Path:
-        """A folder per checkpoint, named by its steps."""
+        """Folder with a folder for each checkpoint, named after its number of steps."""
         return self.folder / "checkpoints"
 
     @property
     def policy(self) -> Path:
-        """The final policy; it exists only when the run is finished."""
+        """File of the final policy. It only exists if the run is finished."""
         return self.folder / "policy.zip"
 
     @property
     def curve(self) -> Path:
-        """Scores of the checkpoints."""
+        """File with the scores of the checkpoints."""
         return self.folder / "curve.json"
 
     def exists(self) -> bool:
-        """Return whether a run has begun here."""
+        """Return whether the folder holds a run."""
         return self.config.is_file()
 
     def finished(self) -> bool:
-        """Return whether the run went through all its steps."""
+        """Return whether the run has taken all its steps."""
         return self.policy.is_file()
 
     def settings(self) -> Settings:
         """Read the settings.
 
         Raises:
-            IrsimGymError: There is no run in the folder.
+            IrsimGymError: If the folder holds no run.
         """
         try:
             return Settings.from_plain(json.loads(self.config.read_text(encoding="utf-8"))["settings"])
@@ -162,11 +169,11 @@ class Run:
             raise IrsimGymError(f"{self.folder} holds no training run: {error}") from error
 
     def begin(self, settings: Settings, now: Snapshot | None = None) -> None:
-        """Write down the settings, and a copy of the scenario and its task.
+        """Write the settings, and a copy of the scenario and its task.
 
         Args:
-            settings: What the run trains.
-            now: The scenario and its task; None to look at them.
+            settings: Settings of the run.
+            now: Snapshot of the scenario and its task; None to take it.
         """
         now = now or settings.snapshot()
         now.write(self.copy)
@@ -178,7 +185,7 @@ class Run:
         write_json(self.config, {"settings": settings.to_plain(), "copy": copied, "machine": machine()})
 
     def snapshot(self) -> Snapshot | None:
-        """Return the scenario and its task as they were when the run began; None for runs that kept no copy."""
+        """Return the snapshot of the scenario and its task from the start of the run; None if the run has no copy."""
         try:
             file = json.loads(self.config.read_text(encoding="utf-8"))["copy"]["file"]
         except (OSError, ValueError, KeyError, TypeError):
@@ -186,7 +193,11 @@ class Run:
         return read_snapshot(self.copy, file)
 
     def own_settings(self) -> Settings:
-        """Return the settings with the run's own copy of its scenario, if it has one, in the place of the scenario."""
+        """Return the settings with the run's own copy in place of the scenario, if there is one.
+
+        Raises:
+            IrsimGymError: If the settings or a copy cannot be read.
+        """
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
@@ -198,13 +209,13 @@ class Run:
         return replace(settings, scenario=str(files[0].resolve()), **own)
 
     def changes_in_others(self, settings: Settings) -> list[str]:
-        """Return what has changed in the further scenarios of a mixture since the run began."""
+        """Return the changes of a mixture's other scenarios since the start of the run."""
         pairs = zip(self._also(), settings.parts()[1:], settings.names[1:], strict=False)
         found = [(name, differences(before, part.snapshot())) for (_, before), part, name in pairs]
         return [f"{name}: {change}" for name, changes in found for change in changes]
 
     def _also(self) -> Iterator[tuple[Path, Snapshot]]:
-        """Yield the folders with copies of the further scenarios of a mixture, and what is in them."""
+        """Yield the folders with copies of a mixture's other scenarios, and their snapshots."""
         for one in json.loads(self.config.read_text(encoding="utf-8"))["copy"].get("also", ()):
             found = read_snapshot(self.copy / one["folder"], one["file"])
             if found is None:
@@ -212,10 +223,10 @@ class Run:
             yield self.copy / one["folder"], found
 
     def clear(self) -> None:
-        """Remove what a run writes; files that are not its own stay.
+        """Remove the files of the run. Other files in the folder are kept.
 
         Raises:
-            IrsimGymError: There is no run in the folder.
+            IrsimGymError: If the folder holds no run.
         """
         self.settings()
         for name in (*FOLDERS, *FILES):
@@ -231,17 +242,17 @@ def _values(parameters: Mapping[str, object]) -> str:
 
 
 def run_of(policy: str | Path) -> Run:
-    """Return the run that a policy is from: its folder, the one with its file, or that of its checkpoint."""
+    """Return the run of a policy, given by the run's folder, or by the file of its policy or of a checkpoint."""
     path = Path(policy)
     folder = path if path.is_dir() else path.parent
     return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
 
 
 def scenario_name(scenario: str) -> str:
-    """Return the shipped name, or the path, of a scenario that may be named by an id.
+    """Return the shipped name or the path of a scenario, which may be given by an environment id.
 
     Raises:
-        IrsimGymError: The id stands for plain data, which no run can be gone on with.
+        IrsimGymError: If the id stands for plain data, from which a run could not be resumed.
     """
     found = IDS.scenario(scenario)
     if not isinstance(found, str | Path):
@@ -250,17 +261,17 @@ def scenario_name(scenario: str) -> str:
 
 
 def environment_id(scenario: str) -> str:
-    """Return the environment id under which hyper-parameters of a scenario are looked up."""
+    """Return the environment id of a scenario, as hyper-parameter files use it."""
     return f"irsim_gym/{Path(scenario_name(scenario)).stem}-v0"
 
 
 def lasting(source: str) -> str:
-    """Make the path of a file absolute, so that a run can be resumed from another folder."""
+    """Return the absolute path of a file, so that a run can be resumed from another folder; return names unchanged."""
     return str(Path(source).resolve()) if Path(source).suffix in (*SUFFIXES, ".npz") else source
 
 
 def machine() -> dict[str, Any]:
-    """Return what a figure depends on beside the settings: the machine and the versions."""
+    """Return the machine and the versions of packages, on which results depend besides the settings."""
     names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch", "ray")
     return {
         "processor": _processor(),
@@ -272,7 +283,7 @@ def machine() -> dict[str, Any]:
 
 
 def _installed(name: str) -> str:
-    """Return the version of a package, nothing where it is not installed."""
+    """Return the version of a package; an empty string if it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3 in files, read with care: see ``trusted``."""
+"""Loading of Stable-Baselines3 models from files, without running code from them; see ``trusted``."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.trusted import harmless_objects, load_pickle
 
 OFF_POLICY = ("sac", "td3", "tqc", "dqn")
-"""Algorithms that are called like the module in which the classes of their policies are."""
+"""Algorithms whose name is that of the module with their policy classes."""
 
 
 def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:
-    """Return the model in a file, and the normalisation beside it.
+    """Load the model of a file, and the normalisation from the same folder, if any.
 
     Raises:
-        IrsimGymError: It is no policy of Stable-Baselines3.
+        IrsimGymError: If the file is not a policy of Stable-Baselines3.
     """
     model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
     return model, _normalization(path.parent / NORMALIZATION)
 
 
 def _algorithm(path: Path) -> type[BaseAlgorithm]:
-    """Find out from the file which algorithm wrote it."""
+    """Return the class of the algorithm that wrote a file."""
     try:
         with zipfile.ZipFile(path) as archive:
             data = json.loads(archive.read("data"))
@@ -55,7 +55,7 @@ def _normalization(path: Path) -> VecNormalize | None:
 
 
 def frozen(normalization: VecNormalize | None) -> VecNormalize | None:
-    """Return a copy of a model's normalisation that learns no more, without its environment."""
+    """Return a copy of a model's normalisation without its environment, whose statistics no longer change."""
     if normalization is None:
         return None
     copied: VecNormalize = pickle.loads(pickle.dumps(normalization))

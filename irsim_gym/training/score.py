@@ -1,4 +1,4 @@
-"""The learning curve: saved checkpoints scored afterwards on the ``dev`` levels."""
+"""The learning curve of a run: scores of its checkpoints on ``dev`` levels, computed after the training."""
 
 from __future__ import annotations
 
@@ -28,31 +28,33 @@ from irsim_gym.training.verdict import COLUMNS, failures
 
 DEV_LEVELS = 1000
 MARKS = (0.90, 0.95, 0.98, 0.99)
+"""Success rates for which the training time is reported."""
 PROGRESS = ("steps", "training_seconds", "cpu_seconds")
-"""How far a run is at a point of its curve."""
+"""Progress of the run at a point of its curve."""
 
 Point = dict[str, float]
+"""A point of a learning curve: progress and scores by name."""
 
 
 def score_run(
     run: Run, *, levels: int = DEV_LEVELS, console: Console | None = None, picture: bool = True
 ) -> list[Point]:
-    """Score every checkpoint that has no score yet; write ``curve.csv``, ``curve.json`` and ``curve.png``.
+    """Score all checkpoints that have no score yet, and write ``curve.csv``, ``curve.json`` and ``curve.png``.
 
-    The files are renewed after every checkpoint, so an interrupted scoring continues where it stopped.
+    The data files are updated after each checkpoint, so an interrupted scoring continues where it stopped.
 
     Args:
         run: The run, finished or not.
-        levels: Levels of ``dev``.
-        console: Where progress is shown; None for standard error.
-        picture: Draw ``curve.png``.
+        levels: Number of ``dev`` levels in each scenario.
+        console: Console for the progress; None for standard error.
+        picture: Whether to draw ``curve.png``.
 
     Returns:
-        A point per checkpoint, in the order of steps.
+        A point for each checkpoint, in the order of steps.
     """
     settings = run.settings()
-    asked = levels * len(settings.parts())
-    whole = [point for point in read_curve(run) if point["levels"] == asked and set(COLUMNS) <= set(point)]
+    wanted = levels * len(settings.parts())
+    whole = [point for point in read_curve(run) if point["levels"] == wanted and set(COLUMNS) <= set(point)]
     points = {int(point["steps"]): point for point in whole}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
@@ -69,12 +71,12 @@ def score_run(
             for path in bar.track(waiting, description="scoring checkpoints"):
                 policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures
                 found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
-                point = _point(load_progress(path), together(found))
+                point = _point(load_progress(path), combined(found))
                 points[int(point["steps"])] = point
                 _write(run, _sorted(points))
     curve = _sorted(points)
     if curve and picture:
-        named = called(settings)
+        named = scenario_title(settings)
         team = "a team by " if settings.hyperparameters.team is not None else ""
         title = f"{named}, {team}{settings.algorithm.upper()}, seed {settings.seed}, scored on {levels:,} dev levels"
         draw_curve(run.folder / "curve.png", curve, title)
@@ -82,7 +84,7 @@ def score_run(
 
 
 def read_curve(run: Run) -> list[Point]:
-    """Return the scores found so far."""
+    """Return the scores on disk; none if there are none yet, or they cannot be read."""
     try:
         points: list[Point] = json.loads(run.curve.read_text(encoding="utf-8"))["points"]
     except (OSError, ValueError, KeyError):
@@ -91,7 +93,7 @@ def read_curve(run: Run) -> list[Point]:
 
 
 def reached(points: Sequence[Point], mark: float) -> Point | None:
-    """Return the first point from which on the success never falls below ``mark``; None when there is none."""
+    """Return the first point from which on the success never falls below ``mark``; None if there is none."""
     held: Point | None = None
     for point in reversed(points):
         if point["success"] < mark:
@@ -100,18 +102,18 @@ def reached(points: Sequence[Point], mark: float) -> Point | None:
     return held
 
 
-def called(settings: Settings) -> str:
-    """Return what a run trains in, in words."""
+def scenario_title(settings: Settings) -> str:
+    """Return the name of a run's scenario with its parameters, or the names of the scenarios of a mixture."""
     if settings.mixture:
         return " and ".join(settings.names)
     return with_parameters(settings.scenario, settings.parameters)
 
 
-def together(found: Mapping[str, Point]) -> Point:
-    """Return the figures of one scenario, or those of several together and then of each as ``NAME/FIGURE``.
+def combined(found: Mapping[str, Point]) -> Point:
+    """Return the scores of a single scenario, or the overall scores of several with those of each as ``NAME/SCORE``.
 
-    Together, counts are sums and all others means: each scenario is played on as many levels. The interval is that of
-    all levels.
+    Overall, ``levels`` is the sum, and all other scores are means, because each scenario has the same number of levels.
+    The confidence interval is computed for all levels together.
     """
     if len(found) == 1:
         return next(iter(found.values()))
@@ -123,14 +125,14 @@ def together(found: Mapping[str, Point]) -> Point:
     return point | {f"{name}/{key}": value for name, part in found.items() for key, value in part.items()}
 
 
-def point_in(point: Point, name: str) -> Point:
-    """Return what a point of the curve of a mixture says of one scenario."""
+def scenario_point(point: Point, name: str) -> Point:
+    """Return the scores in one scenario from a point of a mixture's curve."""
     own = {key.removeprefix(f"{name}/"): value for key, value in point.items() if key.startswith(f"{name}/")}
     return {**{key: point[key] for key in PROGRESS}, **own}
 
 
 def _worlds(settings: Settings, levels: int) -> Episodes:
-    """Return worlds for the scoring."""
+    """Return the worlds for scoring checkpoints."""
     return make_episodes(
         settings.scenario,
         task=settings.task,
@@ -166,7 +168,7 @@ def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) ->
 
 
 def _team_figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
-    """Return the figures of a team; its ``success`` is that of all robots together, the rest are shares of robots."""
+    """Return the scores of a team. ``success`` is the share of levels that all robots solve; rates are per robot."""
     teams = evaluate_team(policy, episodes, levels, "dev", optima=optima)
     summary = summarize_team("", teams)
     agents = [agent for team in teams for agent in team.agents]

@@ -1,4 +1,4 @@
-"""What tuning tries: ranges and choices of hyper-parameters and of the weights of rewards, from a YAML file."""
+"""The search space of a tuning: ranges and choices of hyper-parameters and reward weights, from a YAML file."""
 
 from __future__ import annotations
 
@@ -18,41 +18,42 @@ from irsim_gym.training.hyperparameters import hyperparameters_folder
 DIGITS = 4
 """Significant digits of drawn numbers."""
 LINEAR = "lin_"
+"""Prefix of a linear schedule in a hyper-parameter file."""
 REWARD = "reward."
-"""What names of rewards begin with among those of drawn values."""
+"""Prefix of the names of rewards among the parameters of a trial."""
 
 Values = dict[str, Any]
 
 
-class DrawsValues(Protocol):
-    """What draws values: a trial of Optuna."""
+class OptunaTrial(Protocol):
+    """The methods of a trial of Optuna that draw parameters."""
 
     def suggest_float(self, name: str, low: float, high: float, *, log: bool = False) -> float:
-        """Return a number between two others."""
+        """Return a number from ``low`` to ``high``."""
 
     def suggest_int(self, name: str, low: int, high: int, *, log: bool = False) -> int:
-        """Return a whole number between two others, these included."""
+        """Return an integer from ``low`` to ``high``, both included."""
 
     def suggest_categorical(self, name: str, choices: Sequence[Any]) -> Any:
-        """Return one of several values."""
+        """Return one of the choices."""
 
 
 @kind
 class Range:
-    """Numbers between two others."""
+    """A range of numbers."""
 
-    low: int | float = option(meaning="The least value.")
-    high: int | float = option(meaning="The greatest value.")
+    low: int | float = option(meaning="The smallest value.")
+    high: int | float = option(meaning="The largest value.")
     log: bool = option(False, meaning="Draw the logarithm evenly.")
     schedule: Literal["linear"] | None = option(None, meaning="The value falls linearly to 0 during the run.")
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what does not fit together."""
+        """Return the contradictions between the options, each with its key."""
         found = [] if self.low < self.high else [("high", f"must be greater than low, got {show(self.high)}")]
         return [*found, *([("low", "must be > 0 with log: true")] if self.log and self.low <= 0 else [])]
 
-    def draw(self, name: str, trial: DrawsValues) -> Any:
-        """Return a value as it stands in a hyper-parameter file."""
+    def draw(self, name: str, trial: OptunaTrial) -> Any:
+        """Draw a value, and return it as a hyper-parameter file contains it."""
         if isinstance(self.low, int) and isinstance(self.high, int):
             found: float = trial.suggest_int(name, self.low, self.high, log=self.log)
         else:
@@ -60,17 +61,17 @@ class Range:
         return self._written(found)
 
     def ends(self) -> tuple[Any, Any]:
-        """Return its least and its greatest value, as they stand in a hyper-parameter file."""
+        """Return the smallest and the largest value, as a hyper-parameter file contains them."""
         return self._written(self.low), self._written(self.high)
 
     def _written(self, number: float) -> Any:
         return f"{LINEAR}{number!r}" if self.schedule == "linear" else number
 
-    def place_of(self, value: object) -> Any:
-        """Return what draws a value of a hyper-parameter file.
+    def to_parameter(self, value: object) -> Any:
+        """Return the trial's parameter that yields a value of a hyper-parameter file.
 
         Raises:
-            ValueError: It is not among those that can be drawn.
+            ValueError: If the value is not in the range.
         """
         is_linear = isinstance(value, str) and value.startswith(LINEAR)
         number = float(str(value).removeprefix(LINEAR))
@@ -81,23 +82,23 @@ class Range:
 
 @dataclass(frozen=True)
 class Choices:
-    """Some values of any kind."""
+    """A set of values of any kind."""
 
     values: tuple[Any, ...]
 
-    def draw(self, name: str, trial: DrawsValues) -> Any:
-        """Return one of the values."""
+    def draw(self, name: str, trial: OptunaTrial) -> Any:
+        """Draw one of the values."""
         return self._labels()[trial.suggest_categorical(name, list(self._labels()))]
 
     def ends(self) -> tuple[Any, ...]:
         """Return all values."""
         return self.values
 
-    def place_of(self, value: object) -> Any:
-        """Return what draws a value.
+    def to_parameter(self, value: object) -> Any:
+        """Return the trial's parameter that yields a value.
 
         Raises:
-            ValueError: It is not among those that can be drawn.
+            ValueError: If the value is not among the choices.
         """
         for label, known in self._labels().items():
             if known == value:
@@ -105,55 +106,55 @@ class Choices:
         raise ValueError(f"{value} is none of these")
 
     def _labels(self) -> dict[Any, Any]:
-        """Return the values by what Optuna knows them by: lists and mappings by their JSON."""
+        """Return the values by their labels in Optuna, which are JSON texts for lists and mappings."""
         return {json.dumps(one) if isinstance(one, list | dict) else one: one for one in self.values}
 
 
 @dataclass(frozen=True)
 class SearchSpace:
-    """What may be drawn.
+    """The search space of a tuning.
 
     Attributes:
-        hyperparameters: By key; those of a mapping with a dot.
-        rewards: Factors of the weights of rewards, by their names.
-        file: Where it is from.
+        hyperparameters: Ranges and choices of hyper-parameters by key; dots separate the keys of nested mappings.
+        rewards: Ranges of factors on the weights of rewards, by reward.
+        file: Path of the file.
     """
 
     hyperparameters: Mapping[str, Range | Choices]
     rewards: Mapping[str, Range]
     file: str
 
-    def draw(self, trial: DrawsValues) -> tuple[Values, Values]:
-        """Return hyper-parameters by key, and factors of weights by the names of rewards."""
+    def draw(self, trial: OptunaTrial) -> tuple[Values, Values]:
+        """Draw hyper-parameters by key, and factors on weights by reward."""
         drawn = {key: one.draw(key, trial) for key, one in self.hyperparameters.items()}
         return drawn, {name: one.draw(REWARD + name, trial) for name, one in self.rewards.items()}
 
-    def present(self, hyperparameters: Mapping[str, Any]) -> tuple[Values, list[str]]:
-        """Return what draws the present settings, and the names of those that cannot be drawn.
+    def to_parameters(self, hyperparameters: Mapping[str, Any]) -> tuple[Values, list[str]]:
+        """Return the trial's parameters that yield the current settings, and the names of those outside the space.
 
         Args:
-            hyperparameters: The present ones, as they stand in a file.
+            hyperparameters: Current hyper-parameters, as a file contains them.
         """
-        asked: dict[str, tuple[Range | Choices, Any]] = {
+        current: dict[str, tuple[Range | Choices, Any]] = {
             **{key: (one, value_of(hyperparameters, key)) for key, one in self.hyperparameters.items()},
             **{REWARD + name: (one, 1.0) for name, one in self.rewards.items()},
         }
         found, outside = {}, []
-        for name, (one, value) in asked.items():
+        for name, (one, value) in current.items():
             try:
-                found[name] = one.place_of(value)
+                found[name] = one.to_parameter(value)
             except ValueError:
                 outside.append(name)
         return found, outside
 
     def to_plain(self) -> Values:
-        """Return it as plain data."""
+        """Return the space as plain data."""
         parts = {**self.hyperparameters, **{REWARD + name: one for name, one in self.rewards.items()}}
         return {name: list(one.values) if isinstance(one, Choices) else vars(one) for name, one in parts.items()}
 
 
 def value_of(data: Mapping[str, Any], key: str) -> Any:
-    """Return the value of a key, with dots for mappings in mappings; None where there is none."""
+    """Return the value of a dotted key in nested mappings; None if there is none."""
     found: Any = data
     for part in key.split("."):
         found = found.get(part) if isinstance(found, Mapping) else None
@@ -161,7 +162,7 @@ def value_of(data: Mapping[str, Any], key: str) -> Any:
 
 
 def with_value(data: Mapping[str, Any], key: str, value: object) -> Values:
-    """Return a copy of nested mappings in which a key, with dots, has a value."""
+    """Return a copy of nested mappings in which a dotted key has the given value."""
     first, _, rest = key.partition(".")
     inner = data.get(first)
     own = with_value(inner if isinstance(inner, Mapping) else {}, rest, value) if rest else value
@@ -169,10 +170,10 @@ def with_value(data: Mapping[str, Any], key: str, value: object) -> Values:
 
 
 def shipped_space(algorithm: str) -> Path:
-    """Return the file of the shipped space of an algorithm.
+    """Return the file of the shipped search space of an algorithm.
 
     Raises:
-        IrsimGymError: There is none.
+        IrsimGymError: If no space is shipped for the algorithm.
     """
     folder = hyperparameters_folder() / "spaces"
     file = folder / f"{algorithm}.yaml"
@@ -183,10 +184,10 @@ def shipped_space(algorithm: str) -> Path:
 
 
 def read_space(file: Path) -> SearchSpace:
-    """Read a space.
+    """Read a search space from a YAML file.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line.
+        ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
     source = read_file(file)
     report = Report(source)
@@ -207,7 +208,7 @@ def read_space(file: Path) -> SearchSpace:
 
 
 def _entries(part: str, data: object, report: Report) -> dict[str, Range | Choices]:
-    """Return what one part of the file says."""
+    """Return the ranges and choices of one section of the file."""
     if data is None:
         return {}
     if not isinstance(data, Mapping):

@@ -1,4 +1,4 @@
-"""Several seeds of one training: run one after the other, then summed up."""
+"""Training of several seeds, one after the other, with a summary of their results."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from rich.console import Console
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import print_table, write_text
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
-from irsim_gym.training.interruption import ctrl_c_told
-from irsim_gym.training.remembered import tell_changes
+from irsim_gym.training.interruption import ctrl_c_as_error
+from irsim_gym.training.remembered import report_changes
 from irsim_gym.training.run import Run
 from irsim_gym.training.seed_summary import (
     Figures,
@@ -29,13 +28,14 @@ from irsim_gym.training.seed_summary import (
     summarize_seeds,
     write_seeds,
 )
+from irsim_gym.training.training_request import TrainingRequest
 
 RESULTS, TEST = "results", "test"
-"""Names of the sum's files, and of the folder with the evaluation."""
+"""Name of the summary's files, and of the folder with the evaluation."""
 
 
 def run_seeds(
-    asked: Asked,
+    request: TrainingRequest,
     count: int,
     out: Path | None = None,
     *,
@@ -45,50 +45,51 @@ def run_seeds(
     test_levels: int = 1000,
     address: str | None = None,
 ) -> Path:
-    """Train several seeds, evaluate them as one method, print one table and return the folder above the runs.
+    """Train several seeds, evaluate them as one method, print a table, and return the folder that holds the runs.
 
-    ``results.json``, ``results.png`` and ``results.md`` have the figures, the learning curves and the table; the folder
-    ``test`` has the evaluation.
+    ``results.json``, ``results.png`` and ``results.md`` contain the results, the learning curves and the table. The
+    folder ``test`` contains the evaluation.
 
     Args:
-        asked: What is trained; its seed is the first one.
-        count: How many seeds.
-        out: The folder above the runs ``seed_0``, ``seed_1`` and so on; None for one named after what is trained.
-        resume: Go on with unfinished runs; finished ones stay as they are in any case.
-        overwrite: Replace the runs.
-        dev_levels: Levels of ``dev`` for each checkpoint.
-        test_levels: Levels of ``test`` for the sum.
-        address: A Ray cluster, for runs with RLlib.
+        request: Arguments of the training, with the first seed.
+        count: Number of seeds.
+        out: Folder for the runs ``seed_0``, ``seed_1`` and so on; None for the default folder.
+        resume: Continue unfinished runs. Finished ones never change.
+        overwrite: Replace existing runs.
+        dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
+        test_levels: Number of ``test`` levels of the evaluation.
+        address: Address of a Ray cluster, for runs with RLlib; None for this machine.
 
     Raises:
-        IrsimGymError: Checkpoints are not to be scored, or a folder holds another run.
-        TrainingInterruptedError: Ctrl-C or SIGTERM; what is finished is on disk.
+        IrsimGymError: If ``dev_levels`` is 0, or a folder holds another run.
+        TrainingInterruptedError: If Ctrl-C or SIGTERM stops it. Finished parts are on disk.
     """
     if dev_levels < 1:
-        raise IrsimGymError("--seeds sums up scored checkpoints: --dev-levels must be at least 1")
-    folder = out or group_folder(asked)
+        raise IrsimGymError("--seeds summarizes scored checkpoints: --dev-levels must be at least 1")
+    folder = out or group_folder(request)
     runs = []
-    for seed in range(asked.seed, asked.seed + count):
-        own, place = replace(asked, seed=seed), folder / f"seed_{seed}"
-        goes_on = resume and Run(place).exists()
-        how: dict[str, Any] = {"resume": goes_on, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
+    for seed in range(request.seed, request.seed + count):
+        own, place = replace(request, seed=seed), folder / f"seed_{seed}"
+        continued = resume and Run(place).exists()
+        how: dict[str, Any] = {"resume": continued, "overwrite": overwrite}
+        how |= {"dev_levels": dev_levels, "address": address}
         runs.append(run_training(own, place, **how))
-    with ctrl_c_told("the trainings are finished, but their evaluation is not: run the same command to continue."):
-        sum_up(folder, runs, test_levels)
+    with ctrl_c_as_error("the trainings are finished, but their evaluation is not: run the same command to continue."):
+        summarize_runs(folder, runs, test_levels)
     return folder
 
 
-def group_folder(asked: Asked) -> Path:
-    """Return the default folder above the runs: that of a single run, with ``seeds`` in the place of the seed."""
-    single = asked.folder(asked.settings())
-    return single.with_name(f"{single.name.removesuffix(str(asked.seed))}seeds")
+def group_folder(request: TrainingRequest) -> Path:
+    """Return the default folder for the runs: that of a single run, with ``seeds`` in place of the seed."""
+    single = request.folder(request.settings())
+    return single.with_name(f"{single.name.removesuffix(str(request.seed))}seeds")
 
 
-def sum_up(folder: Path, runs: Sequence[Run], levels: int) -> None:
-    """Evaluate finished runs of one training, write the sum beside them and print it."""
+def summarize_runs(folder: Path, runs: Sequence[Run], levels: int) -> None:
+    """Evaluate the finished runs of several seeds, write a summary into their folder, and print it."""
     settings, screen = runs[0].settings(), Console(stderr=True)
     is_team, places = settings.hyperparameters.team is not None, [run.folder for run in runs]
-    tell_changes(settings.scenario, places[:1], settings.task, strict=settings.strict)
+    report_changes(settings.scenario, places[:1], settings.task, strict=settings.strict)
     chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
     evaluated = evaluate_team_policies if is_team else evaluate_policies
     method = settings.algorithm
@@ -97,27 +98,27 @@ def sum_up(folder: Path, runs: Sequence[Run], levels: int) -> None:
     )
     test = _by_run(folder / TEST / "summary.json", runs)
     summary = summarize_seeds(test["conditions"]["scenario"], places, [test])
-    said = _said(summary, found, method)
+    line = _summary_line(summary, found, method)
     head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
     write_seeds(folder, RESULTS, summary, called=found.scenario)
-    write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", said, ""]))
+    write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", line, ""]))
     title = f"{found.scenario}: {method.upper()}, {levels:,} test levels, {found.level_set}"
     print_table(screen_table(title, head, rows))
     print(
-        f"{said}\ntable, figures and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
+        f"{line}\ntable, summary and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
     )
 
 
 def _by_run(file: Path, runs: Sequence[Run]) -> Figures:
-    """Return an evaluation of one method whose policies, the first rows, are named as the runs' folders."""
+    """Return the evaluation of one method, after renaming its policies, the first rows, to the runs' folders."""
     test: Figures = json.loads(file.read_text(encoding="utf-8"))
     rows = test["policies"]
     named = [{**row, "policy": run.folder.name} for row, run in zip(rows[: len(runs)], runs, strict=True)]
     return {**test, "policies": [*named, *rows[len(runs) :]]}
 
 
-def _said(summary: Figures, found: Evaluation | TeamEvaluation, method: str) -> str:
-    """Return the middle of the seeds, with an interval, and their success on the worst levels."""
+def _summary_line(summary: Figures, found: Evaluation | TeamEvaluation, method: str) -> str:
+    """Return the median and the interquartile mean of the seeds, and their success on the worst levels."""
     is_team = "median_test_csr" in summary
     key = "cooperative_success" if is_team else "success"
     rows = [next(iter(seed["test"].values())) if is_team else seed["test"] for seed in summary["seeds"]]

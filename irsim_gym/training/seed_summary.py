@@ -1,4 +1,4 @@
-"""Several seeds of one training in one: figures as JSON, a table, and a picture of the learning curves."""
+"""Summaries of several seeds of a training: a JSON file, a table, and a figure of the learning curves."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ TEAM_SHARES = ("individual_success", "collision", "timeout", "deadlocked")
 
 
 def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures]) -> Figures:
-    """Return what several seeds came to.
+    """Return a summary of several seeds.
 
     Args:
-        scenario: The scenario.
-        runs: Their folders, with scored checkpoints.
-        tests: Evaluations that hold all runs, by the names of their folders; several for teams alone.
+        scenario: Name of the scenario.
+        runs: Folders of the runs, with scored checkpoints.
+        tests: Evaluations of all runs, whose policies are named after the runs' folders. Only teams may have several.
 
     Raises:
-        IrsimGymError: An evaluation lacks a run, or several are given of one robot.
+        IrsimGymError: If an evaluation lacks a run, or there are several evaluations of a single robot.
     """
     is_team = "cooperative_success" in tests[0]["policies"][0]
     if not is_team and len(tests) > 1:
-        raise IrsimGymError(f"the seeds of one robot are summed up over one evaluation, got {len(tests)}")
+        raise IrsimGymError(f"the seeds of a single robot need one evaluation, got {len(tests)}")
     conditions = [test["conditions"] for test in tests]
     labelled = {label(test["conditions"], conditions): test for test in tests}
     seeds = [read_seed(run, labelled) for run in runs]
@@ -53,8 +53,8 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
             f"median_test_{key}": {test: _median([seed["test"][test] for seed in seeds], name) for test in labelled}
             for key, name in rates.items()
         }
-        said = {name: test["conditions"] for name, test in labelled.items()}
-        return {"scenario": scenario, "conditions": said, **middle, "seeds": seeds, "references": others}
+        by_test = {name: test["conditions"] for name, test in labelled.items()}
+        return {"scenario": scenario, "conditions": by_test, **middle, "seeds": seeds, "references": others}
     (only,) = labelled
     seeds = [{**seed, "test": seed["test"][only]} for seed in seeds]
     return {
@@ -67,14 +67,14 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
 
 
 def label(conditions: Figures, every: Sequence[Figures]) -> str:
-    """Return what tells a test from the others: the parameters that differ between them, or all of a single one."""
+    """Return the label of a test: the parameters that differ between tests, or all parameters of a single test."""
     own = conditions["parameters"]
     differing = [name for name in own if len({str(other["parameters"].get(name)) for other in every}) > 1]
     return ", ".join(f"{name}={own[name]}" for name in differing or own) or str(conditions["scenario"])
 
 
 def read_seed(run: Path, tests: Mapping[str, Figures]) -> Figures:
-    """Return what one run came to: its curve, the seconds to each mark, and its row in each test."""
+    """Return the results of a run: settings, cost, learning curve, the time to each mark, and its row in each test."""
     config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
     last = curve["points"][-1]
     return {
@@ -101,11 +101,11 @@ def _median(rows: Sequence[Figures], key: str) -> float:
 
 
 def seed_cells(summary: Figures, test: str | None = None) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return the heads and rows of a table: the seeds with the cost of their training, then the references.
+    """Return the header and the rows of a table: the seeds with the cost of their training, then the references.
 
     Args:
-        summary: What ``summarize_seeds`` returned.
-        test: Of a team: which test.
+        summary: Summary of ``summarize_seeds``.
+        test: Label of the test of a team; None for a single robot.
     """
     seeds, others = summary["seeds"], summary["references"] if test is None else summary["references"][test]
     cells = _cells if test is None else _team_cells
@@ -134,18 +134,18 @@ def _costs(seed: Figures) -> tuple[str, ...]:
 
 
 def percent(rate: Mapping[str, float]) -> str:
-    """Return a rate with its interval."""
+    """Return a rate with its confidence interval, in percent."""
     return f"{100 * rate['value']:.1f} [{100 * rate['low']:.1f}, {100 * rate['high']:.1f}]"
 
 
 def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of a table in Markdown."""
+    """Return the lines of a Markdown table."""
     first, *others = (f"| {' | '.join(cells)} |" for cells in (head, *rows))
     return [first, "|" + "---|" * len(head), *others]
 
 
 def screen_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-    """Return a table for the screen."""
+    """Return a table for the terminal."""
     table = Table(title=title, title_justify="left")
     for i, name in enumerate(head):
         table.add_column(Text(name), justify="left" if i == 0 else "right", no_wrap=i == 0)
@@ -158,10 +158,10 @@ def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None
     """Write ``NAME.json``, and ``NAME.png`` with the learning curves.
 
     Args:
-        folder: Where they go.
-        name: Of the files.
-        summary: What ``summarize_seeds`` returned.
-        called: What the picture calls it; None for the name of the files.
+        folder: Folder for the files.
+        name: Name of the files.
+        summary: Summary of ``summarize_seeds``.
+        called: Name in the title of the figure; None for ``name``.
     """
     write_json(folder / f"{name}.json", summary)
     seeds = summary["seeds"]
@@ -172,7 +172,7 @@ def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None
 
 
 def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) -> None:
-    """Draw the learning curves of all seeds over training seconds."""
+    """Draw the learning curves of all seeds over the training time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

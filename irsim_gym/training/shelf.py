@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
-from irsim_gym.training.array_network import Options, apply_steps, check_steps, remember
+from irsim_gym.training.array_network import Options, apply_steps, check_steps, gru_cell
 from irsim_gym.training.cards import PolicyCard, read_card
 
 PACKAGE = Path(__file__).parent.parent
@@ -94,7 +94,7 @@ class ShelfPolicy:
         parts = [apply_steps(steps, self._arrays[name], rows[name]) for name, steps in self._parts.items()]
         seen = np.concatenate(parts, axis=1)
         if self._memory is not None:
-            known = remember(seen, self._before(len(seen), state, episode_start), self._memory)
+            known = gru_cell(seen, self._before(len(seen), state, episode_start), self._memory)
             seen, state = np.concatenate([seen, known], axis=1), (known[None],)
         actions = self._actions(seen)
         return (actions if all(several for _, several in batches.values()) else actions[0]), state

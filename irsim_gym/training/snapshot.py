@@ -1,7 +1,7 @@
-"""A scenario and its task as they were when a run began: a copy that can be loaded, and what has changed since.
+"""Snapshots of a scenario and its task at the start of a run: loadable copies, and the changes since then.
 
-The copy refers to nothing outside of it: values are in the places of parameters, the task is one file, and pictures lie
-beside it under names that tell their content.
+A copy is self-contained: parameters are replaced by their values, the task is a single file, and images are in the same
+folder, with the hash of their contents in their names.
 """
 
 from __future__ import annotations
@@ -28,23 +28,26 @@ from irsim_gym.tasks.task import merged_task
 
 TASKS = "tasks"
 DRAWN = frozenset({"plot", "gui", "color", "description", "sample_time"})
-"""Keys that matter to pictures alone."""
-MOST_KEYS = 4
-LEFT_OUT = "nothing"
+"""Keys that only affect drawing."""
+MAX_SHOWN = 4
+"""Largest number of differences that a message lists."""
+MISSING = "nothing"
+"""Text for a missing value."""
 
 Keys = tuple[str | int, ...]
+"""Path of a value in nested mappings and lists."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What is learned, and where, as plain data.
+    """A scenario and its task as plain data.
 
     Attributes:
         file: Name of the scenario's file.
         task_name: Name of the task.
-        scenario: The file's sections, without parameters and the section ``task``.
-        task: All that the task's files and the scenario's section say, laid over each other.
-        pictures: Pictures and levels that the scenario refers to, by their names in the copy.
+        scenario: Sections of the file, without ``parameters`` and ``task``.
+        task: The complete task, merged from its files and the scenario's section.
+        pictures: Images, levels and recordings that the scenario refers to, by their names in the copy.
     """
 
     file: str
@@ -55,17 +58,17 @@ class Snapshot:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of all that matters to learning, in hexadecimal digits."""
+        """SHA-256 hash of all values that affect learning, in hexadecimal digits."""
         text = json.dumps([[list(place), value] for place, value in sorted(self.values().items(), key=str)])
         return hashlib.sha256(text.encode()).hexdigest()
 
     def values(self) -> dict[Keys, Any]:
-        """Return the values that matter to learning, by the path of their keys."""
+        """Return the values that affect learning, by their paths."""
         sections = {**self.scenario, "task": self.task}
         return dict(_leaves(sections, ()))
 
     def write(self, folder: Path) -> None:
-        """Write the copy: the scenario's file, its task below ``tasks/``, and its pictures."""
+        """Write the copy: the scenario's file, its task in ``tasks/``, and the files that it refers to."""
         task_file = f"{TASKS}/{self.task_name}.yaml"
         for name, file in self.pictures.items():
             write_bytes(folder / name, file.read_bytes())
@@ -76,28 +79,28 @@ class Snapshot:
 def take_snapshot(
     scenario: str, task: str | None, parameters: Mapping[str, object] | None = None, *, strict: bool = True
 ) -> Snapshot:
-    """Return how a scenario and its task are now.
+    """Take a snapshot of a scenario and its task.
 
     Args:
         scenario: Shipped name, or path of a scenario file.
         task: Shipped name or path of a task; None for the scenario's own.
         parameters: Values for the scenario's parameters.
-        strict: False ignores unused keys.
+        strict: Whether unused keys are an error; False ignores them.
 
     Raises:
-        IrsimGymError: They cannot be used.
+        IrsimGymError: If the scenario or the task is invalid.
     """
     return snapshot_of(load_scenario(scenario, parameters, strict=strict, warn=False), task)
 
 
 def snapshot_of(loaded: Scenario, task: TaskSource) -> Snapshot:
-    """Return how a loaded scenario and a task (a name, a path, plain data, None for the scenario's own) are now."""
+    """Take a snapshot of a loaded scenario and a task, which is a name, a path, plain data, or None for its own."""
     name, merged = merged_task(loaded, task)
     sections = _sections(loaded.source.data)
     pictures: dict[str, Path] = {}
-    _take_map(loaded, sections, pictures)
+    _copy_map(loaded, sections, pictures)
     if loaded.levels is not None:
-        sections["levels"] = _kept(Path(loaded.levels.file), pictures)
+        sections["levels"] = _add_file(Path(loaded.levels.file), pictures)
     for role in ROLES:
         entries = [_with_pictures(entry, loaded.file, pictures) for entry in sections.get(role, [])]
         sections[role] = [_with_recording(entry, loaded.file, pictures) for entry in entries]
@@ -107,7 +110,7 @@ def snapshot_of(loaded: Scenario, task: TaskSource) -> Snapshot:
 
 
 def read_snapshot(folder: Path, file: str) -> Snapshot | None:
-    """Return a copy that ``write`` made; None where it cannot be read."""
+    """Read a copy that ``Snapshot.write`` wrote; return None if it cannot be read."""
     try:
         scenario = dict(read_file(folder / file).data)
         task_file = folder / scenario.pop("task")
@@ -118,14 +121,14 @@ def read_snapshot(folder: Path, file: str) -> Snapshot | None:
 
 
 def differences(before: Snapshot, now: Snapshot) -> list[str]:
-    """Return which values have changed: ``world.step_time 0.1, now 0.2``."""
+    """Return the values that have changed: ``world.step_time 0.1, now 0.2``."""
     old, new = before.values(), now.values()
     places = [place for place in dict.fromkeys([*old, *new]) if _plain(old.get(place)) != _plain(new.get(place))]
     return [f"{dotted_keys(place)} {_shown(place, old)}, now {_shown(place, new)}" for place in places]
 
 
 def dotted_keys(place: Keys) -> str:
-    """Return the path of a value, ``robot[0].vel_max``."""
+    """Return the path of a value as text: ``robot[0].vel_max``."""
     text = ""
     for part in place:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
@@ -133,13 +136,13 @@ def dotted_keys(place: Keys) -> str:
 
 
 def listed(found: list[str]) -> str:
-    """Return the first of several differences, and how many more there are."""
-    more = len(found) - MOST_KEYS
-    return "; ".join([*found[:MOST_KEYS], *([f"and {more} more"] if more > 0 else [])])
+    """Return the first differences of a list as text, and the number of further ones."""
+    more = len(found) - MAX_SHOWN
+    return "; ".join([*found[:MAX_SHOWN], *([f"and {more} more"] if more > 0 else [])])
 
 
 def _shown(place: Keys, values: Mapping[Keys, Any]) -> str:
-    return show(values[place]) if place in values else LEFT_OUT
+    return show(values[place]) if place in values else MISSING
 
 
 def _plain(value: object) -> Any:
@@ -151,7 +154,7 @@ def _yaml(data: Mapping[str, object]) -> str:
 
 
 def _sections(data: object) -> dict[str, Any]:
-    """Return the sections of a file, those inside the wrapper key too; robots and obstacles are lists."""
+    """Return the sections of a file, including those inside the wrapper key, with robots and obstacles as lists."""
     outer = dict(data) if isinstance(data, Mapping) else {}
     inner = outer.pop(WRAPPER, None)
     sections = {**outer, **(inner if isinstance(inner, Mapping) else {})}
@@ -162,7 +165,7 @@ def _sections(data: object) -> dict[str, Any]:
 
 
 def _leaves(value: object, place: Keys) -> Iterator[tuple[Keys, Any]]:
-    """Yield the values that are no mappings; a list without mappings is one value. A task's terms go by their names."""
+    """Yield all values with their paths. A list without mappings is one value. Terms of the task are keyed by name."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             if key not in DRAWN:
@@ -175,41 +178,41 @@ def _leaves(value: object, place: Keys) -> Iterator[tuple[Keys, Any]]:
         yield place, value
 
 
-def _take_map(loaded: Scenario, sections: dict[str, Any], pictures: dict[str, Path]) -> None:
-    """Let the copy's obstacle map, where it is a picture, refer to a picture beside it."""
+def _copy_map(loaded: Scenario, sections: dict[str, Any], pictures: dict[str, Path]) -> None:
+    """Add the image of the obstacle map, if it has one, to the copy, and refer to it in ``sections``."""
     made = loaded.world.obstacle_map
     path = getattr(made, "path", None)
     world = sections.get("world")
     if not isinstance(path, str) or not isinstance(world, Mapping):
         return
     file = find_map(path, (Path(loaded.file).parent,))
-    name = _kept(file, pictures)
+    name = _add_file(file, pictures)
     given = world.get("obstacle_map")
     sections["world"] = {**world, "obstacle_map": {**given, "path": name} if isinstance(given, Mapping) else name}
 
 
 def _with_pictures(entry: object, file: str, pictures: dict[str, Path]) -> Any:
-    """Return an entry whose images lie beside the copy."""
+    """Return an entry that refers to images in the copy."""
     if not isinstance(entry, Mapping) or "description" not in entry:
         return entry
 
-    def kept(name: object) -> Any:
-        return _kept(image_file(name, file), pictures) if isinstance(name, str) else name
+    def added(name: object) -> Any:
+        return _add_file(image_file(name, file), pictures) if isinstance(name, str) else name
 
     given = entry["description"]
-    return {**entry, "description": [kept(one) for one in given] if isinstance(given, list) else kept(given)}
+    return {**entry, "description": [added(one) for one in given] if isinstance(given, list) else added(given)}
 
 
 def _with_recording(entry: object, file: str, pictures: dict[str, Path]) -> Any:
-    """Return an entry whose recording lies beside the copy."""
+    """Return an entry that refers to a recording in the copy."""
     behavior = entry.get("behavior") if isinstance(entry, Mapping) else None
     if not isinstance(entry, Mapping) or not isinstance(behavior, Mapping) or behavior.get("name") != "recorded":
         return entry
-    return {**entry, "behavior": {**behavior, "file": _kept(find_recording(behavior["file"], file), pictures)}}
+    return {**entry, "behavior": {**behavior, "file": _add_file(find_recording(behavior["file"], file), pictures)}}
 
 
-def _kept(file: Path, pictures: dict[str, Path]) -> str:
-    """Return the name under which the copy finds a picture: its content is part of the name."""
+def _add_file(file: Path, pictures: dict[str, Path]) -> str:
+    """Add a file to the copy, and return its name there, which contains a hash of its contents."""
     content = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
     name = f"{file.stem}-{content}{file.suffix}"
     pictures[name] = file

@@ -13,8 +13,8 @@ from irsim_gym.errors import IrsimGymError, ScenarioError, suggestion
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.hyperparameters import TEAM_MODES
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import write_settings
 
 LISTS = ("hyperparameters", "rewards", "parameters")
@@ -77,9 +77,9 @@ class Sweep:
     dev_levels: int
     lists: Mapping[str, Mapping[str, tuple[Any, ...]]]
 
-    def asked(self, trial: SweepTrial) -> Asked:
+    def asked(self, trial: SweepTrial) -> TrainingRequest:
         """Return what a trial trains, apart from its hyper-parameters and rewards."""
-        return Asked(
+        return TrainingRequest(
             trial.scenario,
             self.algorithm,
             trial.seed,

@@ -1,4 +1,4 @@
-"""The log of a run: how its episodes end and what its reward terms pay, also for Weights & Biases and MLflow."""
+"""The log of a run: outcomes of episodes and reward terms, optionally sent to Weights & Biases and MLflow."""
 
 from __future__ import annotations
 
@@ -11,33 +11,35 @@ from irsim_gym.sb3 import LogCallback
 from irsim_gym.training.run import TRACKING, Run, Settings
 
 PROJECT = "irsim_gym"
-CHOSEN_BY = ("WANDB_PROJECT", "MLFLOW_EXPERIMENT_NAME")
-"""Variables with which people name the project."""
+"""Default name of the project."""
+PROJECT_VARIABLES = ("WANDB_PROJECT", "MLFLOW_EXPERIMENT_NAME")
+"""Environment variables that set the name of the project."""
 GROUP = "seed_"
+"""Prefix of the folders of several seeds."""
 
 
-def log_of(run: Run, settings: Settings, services: Sequence[str], *, goes_on: bool) -> LogCallback:
+def make_log(run: Run, settings: Settings, services: Sequence[str], *, resumed: bool) -> LogCallback:
     """Return the callback that logs a run.
 
     Args:
         run: The run.
-        settings: What it trains, which is stored there.
+        settings: Settings of the run, which are sent to the services.
         services: ``"wandb"`` and ``"mlflow"``, or none.
-        goes_on: It continues its runs at these services.
+        resumed: Whether to continue the runs at the services.
 
     Raises:
-        IrsimGymError: There is no such service, or its package is not installed.
+        IrsimGymError: If there is no such service, or its package is not installed.
     """
     file = run.folder / TRACKING
-    run_ids = json.loads(file.read_text(encoding="utf-8")) if goes_on and file.is_file() else {}
-    project = None if any(os.environ.get(name) for name in CHOSEN_BY) else PROJECT
+    run_ids = json.loads(file.read_text(encoding="utf-8")) if resumed and file.is_file() else {}
+    project = None if any(os.environ.get(name) for name in PROJECT_VARIABLES) else PROJECT
     folder = run.folder.resolve()
     name = f"{folder.parent.name}/{folder.name}" if folder.name.startswith(GROUP) else folder.name
     return LogCallback(services, project=project, name=name, config=settings.to_plain(), run_ids=run_ids)
 
 
 def begin_log(run: Run, log: LogCallback) -> None:
-    """Begin the runs at the services, and keep their ids for a training that goes on."""
+    """Begin the runs at the services, and store their ids for resuming."""
     log.begin()
     if log.run_ids:
         write_json(run.folder / TRACKING, log.run_ids)

@@ -1,4 +1,4 @@
-"""Training with Stable-Baselines3, interruptible at any moment."""
+"""Training that can be interrupted at any time, with Stable-Baselines3 or Ray RLlib."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ from irsim_gym.training.checkpoint_files import (
 from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
-from irsim_gym.training.fine_tuning import take_weights
-from irsim_gym.training.folders import replaceable, setting_differences
+from irsim_gym.training.fine_tuning import copy_weights
+from irsim_gym.training.folders import check_replaceable, setting_differences
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
-from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
+from irsim_gym.training.models import curriculum_of, new_model, resolve_device, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import TRACKING, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
-from irsim_gym.training.tracking import begin_log, log_of
+from irsim_gym.training.tracking import begin_log, make_log
 
 WRITTEN = (
     *("config.json", "training.csv", NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png"),
     TRACKING,
 )
-"""Files in a run's folder that are written under another name first."""
+"""Files of a run that are written to a temporary file first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
 
@@ -58,46 +58,46 @@ def train(
     address: str | None = None,
     log: Sequence[str] = (),
 ) -> Run:
-    """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
+    """Train a policy, and write checkpoints, logs and the final policy to ``folder``.
 
-    A finished run is not changed. With ``resume``, an interrupted run continues from its newest checkpoint;
-    for PPO the result equals that of a run that was never interrupted. It uses its own copy of the scenario,
-    and says so where the scenario has changed. Nothing is written before the model is made.
+    A finished run does not change. With ``resume``, an interrupted run continues from its newest checkpoint. With PPO,
+    its result equals that of an uninterrupted run. A resumed run uses its own copy of the scenario, and prints a
+    message if the scenario has changed. Nothing is written before the model exists.
 
     Args:
-        settings: What is trained.
-        folder: The run's folder.
-        resume: Go on with the run in the folder.
+        settings: Settings of the run.
+        folder: Folder of the run.
+        resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.
-        device: Where the networks are this time; None for what the settings say.
-        console: Where progress is shown; None for standard error.
-        on_checkpoint: Called after each checkpoint but the last, while the clock of the training stands. It changes
-            nothing in what is learned; what it raises ends the run there, unfinished.
-        address: A Ray cluster, for a run with RLlib; None for this machine.
-        log: Where the log goes beside TensorBoard: ``"wandb"``, ``"mlflow"``.
+        device: Device of the networks for this call; None for that of the settings.
+        console: Console for the progress; None for standard error.
+        on_checkpoint: Function that is called after each checkpoint but the last. Its time does not count as training
+            time, and it does not affect the result. If it raises, the run stops unfinished.
+        address: Address of a Ray cluster, for a run with RLlib; None for this machine.
+        log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
-        IrsimGymError: The folder holds another run, or one that should be resumed, or is a file.
-        TrainingInterruptedError: Ctrl-C or SIGTERM; a checkpoint was written.
+        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed.
+        TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
     """
     run, screen = Run(folder), console or Console(stderr=True)
     if run.folder.is_file():
         raise IrsimGymError(f"{run.folder} is a file; choose a folder with --out")
     now = settings.snapshot()
     if overwrite:
-        replaceable(run)
+        check_replaceable(run)
     elif run.exists():
-        _check(run, settings, now, resume, screen)
-    goes_on = run.exists() and not overwrite
-    if goes_on and run.finished():
-        _tidy(run)
+        _check_run(run, settings, now, resume, screen)
+    resumed = run.exists() and not overwrite
+    if resumed and run.finished():
+        _remove_leftovers(run)
         return run
-    used = run.own_settings() if goes_on else settings
-    newest = newest_checkpoint(run.checkpoints) if goes_on else None
+    used = run.own_settings() if resumed else settings
+    newest = newest_checkpoint(run.checkpoints) if resumed else None
     _check_engine(used, address, log)
-    logged = log_of(run, settings, log, goes_on=goes_on)
+    logged = make_log(run, settings, log, resumed=resumed)
     model, progress = _model(used, newest, device, screen)
-    _begin(run, settings, now, goes_on=goes_on)
+    _begin(run, settings, now, resumed=resumed)
     try:
         _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
     finally:
@@ -113,17 +113,17 @@ def _close(model: BaseAlgorithm) -> None:
         env.close()
 
 
-def _begin(run: Run, settings: Settings, now: Snapshot, *, goes_on: bool) -> None:
-    """Write down the settings, in place of what another run left in the folder, unless the run goes on."""
-    if run.exists() and not goes_on:
+def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> None:
+    """Prepare the folder of a run. Unless it is resumed, replace an existing run and write the settings."""
+    if run.exists() and not resumed:
         run.clear()
-    if not goes_on:
+    if not resumed:
         run.begin(settings, now)
-    _tidy(run)
+    _remove_leftovers(run)
 
 
 def _learn_with(settings: Settings, address: str | None, logged: LogCallback) -> Callable[..., None]:
-    """Return what learns, with the engine of a run."""
+    """Return the function that learns with the engine of a run."""
     if settings.engine is None:
         return partial(_learn, logged=logged)
     from irsim_gym.training.rllib_train import learn
@@ -132,7 +132,7 @@ def _learn_with(settings: Settings, address: str | None, logged: LogCallback) ->
 
 
 def _check_engine(settings: Settings, address: str | None, log: Sequence[str]) -> None:
-    """Make sure that the engine can train this, and prepare what has to come before Ray is imported."""
+    """Check that the engine of a run is installed and supports its settings, and prepare the import of Ray."""
     check_engine(settings)
     if settings.engine is not None:
         if log:
@@ -141,14 +141,14 @@ def _check_engine(settings: Settings, address: str | None, log: Sequence[str]) -
         prepare(address)
 
 
-def _tidy(run: Run) -> None:
-    """Remove what a killed process left half written."""
+def _remove_leftovers(run: Run) -> None:
+    """Remove the temporary files of a killed process."""
     for name in WRITTEN:
         remove_leftovers(run.folder / name)
 
 
-def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Console) -> None:
-    """Raise unless the run in the folder has the requested settings and can be resumed."""
+def _check_run(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Console) -> None:
+    """Check that the run in the folder has the requested settings, and that an unfinished one is to be resumed."""
     before = run.snapshot()
     changed = [] if before is None else [*differences(before, now), *run.changes_in_others(settings)]
     found = [*setting_differences(run.settings(), settings), *([] if resume else changed)]
@@ -165,11 +165,11 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
 def _model(
     settings: Settings, newest: Path | None, device: str | None, screen: Console
 ) -> tuple[BaseAlgorithm, RunProgress]:
-    """Return the model that learns, a new one or that of a checkpoint, and how far it is."""
+    """Return the model to train, which is new or restored from a checkpoint, and the progress of the run."""
     if device is not None:
         settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
     torch.set_num_threads(settings.hyperparameters.torch_threads)
-    device_of(settings.hyperparameters.device)
+    resolve_device(settings.hyperparameters.device)
     compile_kernels(settings)
     if newest is not None and settings.engine is None:
         return restored_model(settings, newest)
@@ -177,7 +177,7 @@ def _model(
     if newest is not None:
         return model, load_progress(newest)
     if settings.origin is not None:
-        take_weights(model, settings)
+        copy_weights(model, settings)
     if settings.hyperparameters.clone is None:
         return model, RunProgress()
     seconds, cpu_seconds = clone_behavior(model, settings, screen)
@@ -195,7 +195,7 @@ def _learn(
     *,
     logged: LogCallback,
 ) -> None:
-    """Learn to the end, or to a signal; either way leave a checkpoint."""
+    """Learn until the end of the run or until a signal, and write a checkpoint in both cases."""
     begin_log(run, logged)
     curriculum = curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
@@ -218,7 +218,7 @@ def _learn(
         try:
             left = wanted.n_timesteps - model.num_timesteps
             model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
-            watch.note()
+            watch.update_progress()
         except StopLearningError:
             assert stop.signal is not None
             raise stopped_early(progress.steps, stop.signal) from None
@@ -226,7 +226,7 @@ def _learn(
             watch.finish()
             model.logger.close()
         last = save()
-        watch.tell()
+        watch.print_line()
         if (last / NORMALIZATION).is_file():
             write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)

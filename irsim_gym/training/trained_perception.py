@@ -1,4 +1,4 @@
-"""What policies of runs were trained to observe."""
+"""The perception of a trained policy: the observations and the action of its training."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from irsim_gym.training.run import Settings, run_of
 
 
 def trained_perception(policy: str | Path) -> Perception | None:
-    """Return what a policy was trained to observe; None for a file that is in no run's folder.
+    """Return the perception of a policy's training; None for a file outside a run's folder.
 
-    It is read from the run's copy of its scenario and task. Where that cannot be read, an ``UnknownPerceptionWarning``
-    says why, and the answer is None.
+    It is read from the run's copy of its scenario and task. If this fails, an ``UnknownPerceptionWarning`` gives the
+    reason, and the result is None.
 
     Args:
-        policy: A run's folder, or a policy in it.
+        policy: A run's folder, or the file of a policy in it.
     """
     run = run_of(policy)
     if not run.exists():
@@ -26,16 +26,16 @@ def trained_perception(policy: str | Path) -> Perception | None:
     try:
         return perception_in(run.own_settings())
     except IrsimGymError as error:
-        text = f"{run.folder}: what its policy was trained to observe cannot be read, so it observes what the task says"
-        warn_caller(f"{text} that is played: {error}", UnknownPerceptionWarning)
+        text = f"{run.folder}: the observations of its training cannot be read, so its policy uses those of the task"
+        warn_caller(f"{text}: {error}", UnknownPerceptionWarning)
         return None
 
 
 def perception_in(settings: Settings) -> Perception:
-    """Return what a policy observes that is trained with these settings.
+    """Return the perception of a policy that is trained with the given settings.
 
     Raises:
-        IrsimGymError: The scenario or its task cannot be read.
+        IrsimGymError: If the scenario or its task cannot be read.
     """
     loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
     return perception_of(load_task(loaded, settings.task, team=settings.hyperparameters.team is not None))

@@ -1,4 +1,4 @@
-"""The picture of an evaluation: the ways of its policies over the world, and single levels."""
+"""The figure of an evaluation: the trajectories of its policies on the world, and some single levels."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ if TYPE_CHECKING:
 
 FILES = ("ways.png", "ways.pdf")
 ALIKE = 0.05
-"""Starts, ends and goals count as the same in all levels where they differ by less than this share of the world."""
+"""Starts, ends and goals count as equal in all levels if they differ by less than this share of the world's size."""
 
 
-class Surveyor:
-    """Keeps the ways of a policy, and what the levels look like: a `Watcher`.
+class TrajectoryRecorder:
+    """Records the trajectories of a policy, and the bodies of the levels. It implements `Watcher`.
 
     Args:
-        ways: Who keeps the ways.
-        density: Where obstacles of the levels are noted; None for nowhere.
+        ways: Log of the trajectories.
+        density: Density map to which the obstacles of the levels are added; None for none.
 
     Attributes:
-        ways: Who keeps the ways.
-        fixed: What stands in each level, of which whole ways are kept, and its map.
-        moving: The other bodies of these levels, where they were at the end.
+        ways: Log of the trajectories.
+        fixed: Static bodies and map of each level whose complete trajectories are kept.
+        moving: Moving bodies of these levels at the end of their episodes.
     """
 
     def __init__(self, ways: TrajectoryLog, density: Density | None) -> None:
@@ -47,7 +47,7 @@ class Surveyor:
         self.moving: dict[int, tuple[DrawnBody, ...]] = {}
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Note where agents start and obstacles stand."""
+        """Record the starts of agents, and the obstacles."""
         self.ways.began(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS:
@@ -57,18 +57,18 @@ class Surveyor:
                     self._density.add(scene.fixed, scene.map)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Note where agents are."""
+        """Record the positions of agents."""
         self.ways.stepped(episodes, worlds)
 
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Note the ways of worlds that have ended, and where bodies are."""
+        """Complete the trajectories of worlds that have ended, and record their moving bodies."""
         self.ways.ended(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS:
                 self.moving[index] = self._renderer.scene(world).moving
 
     def levels(self) -> list[DrawnLevel]:
-        """Return those levels of which whole ways are kept."""
+        """Return the levels whose complete trajectories are kept."""
         from irsim_gym.render.ways_levels import DrawnLevel
 
         simulation, of_level = self.ways.episodes.simulation, defaultdict[int, list[AgentTrajectory]](list)
@@ -89,34 +89,34 @@ class Surveyor:
         ]
 
 
-class Atlas:
-    """Follows policies through the same levels, and draws their ways.
+class TrajectoryFigure:
+    """Records the trajectories of several policies on the same levels, and draws them.
 
     Args:
-        episodes: The worlds that they drive in.
+        episodes: The worlds in which the policies play.
     """
 
     def __init__(self, episodes: Episodes) -> None:
         from irsim_gym.render.ways_density import Density
 
         self._episodes = episodes
-        self._surveyors: dict[str, Surveyor] = {}
+        self._recorders: dict[str, TrajectoryRecorder] = {}
         self._density = Density(episodes.simulation.model.bounds)
 
     def follow(self, name: str) -> Watcher:
-        """Return a watcher for a policy; the first one also notes where obstacles stand."""
-        surveyor = Surveyor(TrajectoryLog(self._episodes), None if self._surveyors else self._density)
-        self._surveyors[name] = surveyor
-        return surveyor
+        """Return a watcher that records a policy. The first one also records the obstacles of the levels."""
+        recorder = TrajectoryRecorder(TrajectoryLog(self._episodes), None if self._recorders else self._density)
+        self._recorders[name] = recorder
+        return recorder
 
     def draw(self, folder: Path, title: str, successes: Mapping[str, str], levels: int) -> None:
-        """Write the pictures.
+        """Write ``ways.png`` and ``ways.pdf``.
 
         Args:
-            folder: Where they go.
-            title: Heading.
-            successes: For each policy, what is said of its success.
-            levels: How many levels were driven.
+            folder: Folder for the files.
+            title: Title of the figure.
+            successes: Text about the success of each policy.
+            levels: Number of levels that were played.
         """
         from irsim_gym.render.ways_levels import worth_showing
         from irsim_gym.render.ways_plot import FEW, SHOWN_LEVELS, WaysPanel, draw_ways
@@ -129,20 +129,18 @@ class Atlas:
                 Counter(way.outcome for way in kept.ways.ways),
                 worth_showing(kept.levels(), SHOWN_LEVELS) if self._differs(kept) else (),
             )
-            for name, kept in self._surveyors.items()
+            for name, kept in self._recorders.items()
         ]
         source = f"the first {KEPT_LEVELS} of {levels:,} levels" if levels > KEPT_LEVELS else f"{levels} levels"
-        note = (
-            f"Ways: at most {FEW} that succeeded and {FEW} that failed, from {source}. Marks: where episodes failed, "
-        )
-        note += "from all levels. Grey: obstacles that stand still"
+        note = f"Trajectories: at most {FEW} that succeeded and {FEW} that failed, from {source}. "
+        note += "Marks: where episodes failed, from all levels. Grey: static obstacles"
         if any(panel.levels for panel in panels):
-            note += ", the darker in the more levels. Small pictures: single levels at their end, failed ones first; "
-            note += "light grey is what else moves. `irsim-gym record` with --level N plays level N"
+            note += ", darker where more levels have one. Small pictures: single levels at their end, failed ones "
+            note += "first, with moving bodies in light grey. `irsim-gym record` with --level N plays level N"
         draw_ways([folder / name for name in FILES], panels, self._density, title, f"{note}.")
 
-    def _differs(self, kept: Surveyor) -> bool:
-        """Return whether obstacles, starts, goals or the ends of a policy's ways are elsewhere in other levels."""
+    def _differs(self, kept: TrajectoryRecorder) -> bool:
+        """Return whether obstacles, starts, goals or the ends of a policy's trajectories differ between levels."""
         x_min, y_min, x_max, y_max = self._density.bounds
         levels = kept.levels()
         places = np.array([[(way.points[0], way.points[-1], way.goal) for way in level.ways] for level in levels])

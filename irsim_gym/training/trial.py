@@ -1,4 +1,4 @@
-"""Scenarios are played for some steps in another process, so that not even a crash ends the one that asks."""
+"""Trial runs of scenarios in a child process, so that even a crash does not end the calling process."""
 
 from __future__ import annotations
 
@@ -24,25 +24,27 @@ if TYPE_CHECKING:
     from irsim_gym.scenario import Scenario
 
 TRIAL_STEPS = 30
-"""At most, in each way."""
+"""Largest number of steps for each kind of environment."""
 LONGEST_S = 2.0
-"""A file is played no longer than this in each way [s], apart from the first step."""
+"""Longest time for each kind of environment, without the first step [s]."""
 WINDOWS_ERRORS = 0xC0000000
+"""Exit codes from here on are those of crashes on Windows."""
 WAIT_MESSAGE_S = 5.0
-"""After this time [s] a message says what the command waits for."""
+"""Time after which a message reports what the command is waiting for [s]."""
 PACKAGE = str(Path(__file__).parents[1])
 
 Failures = dict[str, str]
+"""Error messages by file."""
 
 
 @dataclass(frozen=True)
-class Reading:
-    """How files are read.
+class ReadOptions:
+    """Options for reading scenario files.
 
     Attributes:
-        parameters: Values of their parameters.
-        modules: What ``import_modules`` imports first.
-        strict: Unused keys are errors.
+        parameters: Values for the parameters of the scenarios.
+        modules: Modules that ``import_modules`` imports first.
+        strict: Whether unused keys are an error; False ignores them.
     """
 
     parameters: Mapping[str, object]
@@ -50,27 +52,28 @@ class Reading:
     strict: bool = True
 
 
-def try_out(files: Sequence[str], reading: Reading) -> Failures:
-    """Play files that can be read, and return what went wrong by file; those that are fine are not in it.
+def try_files(files: Sequence[str], reading: ReadOptions) -> Failures:
+    """Run scenarios for a few steps in a child process, and return the error messages of those that fail.
 
-    Each begins a level and takes some steps without learners, with one and as a team, where possible.
+    Each scenario begins a level and takes some steps without learners, with a single learner, and as a team, if
+    possible.
 
     Args:
         files: Scenarios, as ``load_scenario`` takes them.
-        reading: How they are read.
+        reading: How the files are read.
     """
     found, end = _in_a_process(files, reading)
     if not end:
         return found
     if len(files) == 1:
         return {files[0]: f"{files[0]}: {end}"}
-    alone = [try_out([file], reading) for file in files]
+    alone = [try_files([file], reading) for file in files]
     errors = {file: message for one in alone for file, message in one.items()}
     return errors or {files[0]: f"{', '.join(files)}, one after the other: {end}"}
 
 
-def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str]:
-    """Return what went wrong by file, and how the process ended, nothing if as it should."""
+def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Failures, str]:
+    """Return the error messages by file, and how the process failed; an empty string if it did not."""
     with tempfile.TemporaryDirectory(prefix="irsim_gym-") as folder:
         plan, results, crash = (Path(folder) / name for name in ("plan", "results", "crash"))
         plan.write_text(json.dumps({"files": list(files), "reading": asdict(reading)}), encoding="utf-8")
@@ -86,38 +89,38 @@ def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str
             child.kill()
             child.wait()
         lines = results.read_text(encoding="utf-8").splitlines() if results.is_file() else []
-        said = dict(json.loads(line) for line in lines)
+        reported = dict(json.loads(line) for line in lines)
         trace = crash.read_text(encoding="utf-8", errors="replace") if crash.is_file() else ""
-    failures = {file: message for file, message in said.items() if message}
-    return failures, "" if status == 0 and len(said) == len(files) else _end(status, trace)
+    failures = {file: message for file, message in reported.items() if message}
+    return failures, "" if status == 0 and len(reported) == len(files) else _end(status, trace)
 
 
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
     with suppress(subprocess.TimeoutExpired):
         return child.wait(WAIT_MESSAGE_S)
-    over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # the other process may show there what it compiles
+    over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # overwrites the child's message about compilation
     print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to check that it runs", file=sys.stderr)
     return child.wait()
 
 
 def _end(status: int, trace: str) -> str:
-    """Return how a process ended that should have gone on, with what to do about it."""
+    """Return a message about how a process failed, with advice."""
     known = {int(one): one.name for one in signal.Signals}
-    number = f"{status:#010x}" if status >= WINDOWS_ERRORS else status  # there, Windows tells how a process crashed
+    number = f"{status:#010x}" if status >= WINDOWS_ERRORS else status
     how = f"by signal {known.get(-status, -status)}" if status < 0 else f"with status {number}"
     shown = "".join(f"\n    {line}" for line in trace.strip().splitlines()[:12])
     return (
-        f"the process that played it for some steps ended {how}.\n"
+        f"the process that ran it for some steps ended {how}.\n"
         "  The mistake is in irsim_gym or in an imported module, not in the file. Please report it with the file, the "
         f"command and these lines.{shown}"
     )
 
 
-def play(file: str, reading: Reading) -> None:
-    """Begin a level of a file and take some steps: without learners, with one and as a team, where possible.
+def run_briefly(file: str, reading: ReadOptions) -> None:
+    """Begin a level of a scenario and take some steps: without learners, with one, and as a team, if possible.
 
     Raises:
-        IrsimGymError: The file cannot be used, or its level not be drawn.
+        IrsimGymError: If the file is invalid, or its level cannot be generated.
     """
     from irsim_gym.scenario import load_scenario
 
@@ -130,7 +133,7 @@ def play(file: str, reading: Reading) -> None:
 
 
 def _take_steps(steps: Iterator[None]) -> None:
-    """Take so many steps; where they are slow, fewer."""
+    """Take ``TRIAL_STEPS`` steps, or fewer if they take longer than ``LONGEST_S``."""
     next(steps, None)  # this one may compile
     begun = time.perf_counter()
     for _ in range(TRIAL_STEPS - 1):
@@ -175,10 +178,10 @@ def _as_a_team(scenario: Scenario) -> Iterator[None]:
         yield
 
 
-def _failure(file: str, reading: Reading) -> str:
-    """Play a file, and return what went wrong."""
+def _failure(file: str, reading: ReadOptions) -> str:
+    """Run a scenario briefly, and return the error message; an empty string if there is no error."""
     try:
-        play(file, reading)
+        run_briefly(file, reading)
     except (IrsimGymError, OSError) as error:
         return "\n".join([str(error), *getattr(error, "__notes__", ())])
     except Exception as error:
@@ -195,12 +198,12 @@ def _indented(line: str) -> str:
 
 
 def main(folder: Path) -> None:
-    """Play what the plan in a folder names, and write there what went wrong with each file, line by line."""
+    """Run the files of the plan in a folder, and write a line with the error message of each file to ``results``."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent process reports Ctrl-C
-    os.dup2(2, 1)  # what behaviours print is no part of what the command says
+    os.dup2(2, 1)  # output of behaviours does not belong to the output of the command
     plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
-    reading = Reading(**plan["reading"])
-    warnings.simplefilter("ignore", ScenarioWarning)  # they are reported as notes
+    reading = ReadOptions(**plan["reading"])
+    warnings.simplefilter("ignore", ScenarioWarning)  # the parent process reports them as notes
     with (
         (folder / "crash").open("w", encoding="utf-8") as crash,
         (folder / "results").open("w", encoding="utf-8") as results,

@@ -1,4 +1,4 @@
-"""What a trial of a tuning trains: files of hyper-parameters and of the task, made from drawn values."""
+"""The settings of a tuning's trial: its hyper-parameter file and its task file, made from drawn values."""
 
 from __future__ import annotations
 
@@ -16,25 +16,27 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.task import merged_task
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.run import Settings
 from irsim_gym.training.search_space import DIGITS, SearchSpace, Values, with_value
+from irsim_gym.training.training_request import TrainingRequest
 
 HYPERPARAMETERS, TASK = "hyperparameters.yaml", "task.yaml"
 
 
-def write_settings(place: Path, asked: Asked, settings: Settings, hyperparameters: Values, factors: Values) -> Asked:
-    """Write the files of a trial, and return what it trains.
+def write_settings(
+    place: Path, request: TrainingRequest, settings: Settings, hyperparameters: Values, factors: Values
+) -> TrainingRequest:
+    """Write the files of a trial, and return the arguments of its training.
 
     Args:
         place: Folder of the trial.
-        asked: What is tuned.
-        settings: Its present settings.
-        hyperparameters: Drawn values by key.
-        factors: Factors of the weights of rewards.
+        request: Arguments of the training that is tuned.
+        settings: Settings of this training.
+        hyperparameters: Drawn hyper-parameters by key.
+        factors: Drawn factors on the weights of rewards, by reward.
 
     Raises:
-        IrsimGymError: The task has no such rewards.
+        IrsimGymError: If the task has no such rewards, or they have no weights.
     """
     chosen = {key: value for key, value in settings.hyperparameters.to_plain().items() if value is not None}
     for key, value in hyperparameters.items():
@@ -44,14 +46,14 @@ def write_settings(place: Path, asked: Asked, settings: Settings, hyperparameter
     if factors:
         write_text(place / TASK, yaml.safe_dump(weighted_task(settings, factors), sort_keys=False))
         own["task"] = str(place / TASK)
-    return replace(asked, steps=None, team=None, curriculum=None, **own)
+    return replace(request, steps=None, team=None, curriculum=None, **own)
 
 
 def weighted_task(settings: Settings, factors: Values) -> Values:
-    """Return the task with other weights of its rewards, complete: it builds on no other file.
+    """Return the complete task, which does not extend another file, with scaled weights of its rewards.
 
     Raises:
-        IrsimGymError: The task gives no weights for these rewards.
+        IrsimGymError: If the task has no such rewards, or they have no weights.
     """
     scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
     _, merged = merged_task(scenario, settings.task)
@@ -65,11 +67,11 @@ def weighted_task(settings: Settings, factors: Values) -> Values:
     return {**merged, "name": "blank", "rewards": rewards}
 
 
-def check_space(asked: Asked, settings: Settings, space: SearchSpace) -> None:
-    """Make sure that the settings have what the space changes, and take its least and greatest hyper-parameters.
+def check_space(request: TrainingRequest, settings: Settings, space: SearchSpace) -> None:
+    """Check that a training accepts all choices and the limits of all ranges of a search space.
 
     Raises:
-        IrsimGymError: They do not.
+        IrsimGymError: If it does not. The message lists every problem with its line in the file of the space.
     """
     report = Report(read_file(space.file))
     for name in space.rewards:
@@ -81,7 +83,7 @@ def check_space(asked: Asked, settings: Settings, space: SearchSpace) -> None:
         for value in one.ends():
             with tempfile.TemporaryDirectory() as folder:
                 try:
-                    write_settings(Path(folder), asked, settings, {key: value}, {}).settings()
+                    write_settings(Path(folder), request, settings, {key: value}, {}).settings()
                 except ScenarioError as error:
                     for problem in error.problems:
                         report.add(("hyperparameters", key), problem.message)

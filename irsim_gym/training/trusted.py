@@ -1,8 +1,8 @@
-"""Loading what others saved without running code that is in it.
+"""Loading of files from others without running code from them.
 
-A file of Stable-Baselines3 holds weights, which are read as numbers alone, and pickled Python objects, which can run
-any code. Here objects are unpickled only if they are made of classes that are known to be harmless. Of the others,
-those that only training needs are left out.
+A file of Stable-Baselines3 holds weights, which are read as plain numbers, and pickled Python objects, which can run
+any code. Here, objects are only unpickled if all their classes are known to be harmless. Other objects are left out if
+only the training needs them.
 """
 
 from __future__ import annotations
@@ -63,25 +63,25 @@ HARMLESS: dict[str, frozenset[str]] = {
         "torch.optim.sgd": "SGD",
     }.items()
 }
-"""Names that a pickle may use, by module: making one of these objects runs no code of the file's."""
+"""Names that a pickle may use, by module: creating these objects runs no code from the file."""
 
 NEEDED = frozenset({"action_space", "observation_space", "policy_class", "policy_kwargs", "train_freq"})
-"""What a policy needs to drive; the rest is for training."""
+"""Objects that a policy needs to act. Only the training needs the others."""
 
 STAND_INS: dict[str, Any] = {"clip_range": 0.0, "learning_rate": 0.0}
-"""What stands for objects that only training needs; None for all others."""
+"""Replacements for objects that only the training needs; None for all others."""
 
 SERIALIZED = ":serialized:"
 
 
 class HarmlessUnpickler(pickle.Unpickler):
-    """Unpickles objects that are made of harmless classes alone."""
+    """An unpickler that only accepts harmless classes."""
 
     def find_class(self, module: str, name: str) -> Any:
         """Return a class or function.
 
         Raises:
-            UnpicklingError: It is not among the harmless ones.
+            UnpicklingError: If it is not known to be harmless.
         """
         if name in HARMLESS.get(module, ()):
             return super().find_class(module, name)
@@ -89,7 +89,7 @@ class HarmlessUnpickler(pickle.Unpickler):
 
 
 def load_pickle(path: Path) -> Any:
-    """Return the object in a file; warn if loading it can run code."""
+    """Return the object in a file. Warn if loading it can run code."""
     content = path.read_bytes()
     try:
         return _harmless(content)
@@ -99,12 +99,12 @@ def load_pickle(path: Path) -> Any:
 
 
 def harmless_objects(path: Path) -> dict[str, Any]:
-    """Return the objects in a policy's file that stand in for pickled ones: ``custom_objects`` of ``model.load``.
+    """Return the argument ``custom_objects`` of ``model.load``: replacements for the pickled objects of a file.
 
-    Warn if some are left out that a policy needs to drive, because those can run code when the model is loaded.
+    Warn if objects that the policy needs are not harmless: ``model.load`` unpickles them, which can run code.
 
     Args:
-        path: A file of Stable-Baselines3.
+        path: File of a Stable-Baselines3 model.
     """
     with zipfile.ZipFile(path) as archive:
         data: dict[str, Any] = json.loads(archive.read("data"))

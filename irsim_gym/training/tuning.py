@@ -1,4 +1,4 @@
-"""Tuning: trials of hyper-parameters and weights of rewards, chosen by Optuna, each an ordinary training run."""
+"""Tuning of hyper-parameters and reward weights. Optuna chooses the trials, which are ordinary training runs."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
-from irsim_gym.training.asked import Asked
-from irsim_gym.training.checkpoint_files import forget_state, list_checkpoints
-from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_told
+from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
+from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
 from irsim_gym.training.snapshot import listed
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, write_settings
 from irsim_gym.training.tuning_results import (
     BEST,
@@ -39,9 +39,9 @@ from irsim_gym.training.tuning_results import (
 
 JOURNAL, CONFIG, TRIALS = "study.log", "tune.json", "trials"
 REFUSED = "refused"
-"""Attribute of a trial whose settings cannot be trained: why."""
+"""Attribute of a trial with the reason why its settings cannot be trained."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
-"""Finished trials before any is pruned, and the first checkpoint at which one can be."""
+"""Number of trials that finish before any is pruned, and the first checkpoint at which a trial can be pruned."""
 PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
@@ -50,16 +50,16 @@ class Tuning:
     """A study on disk.
 
     Attributes:
-        asked: What is trained; its settings are those of the first trial.
-        settings: These settings.
-        space: What may change.
-        dev_levels: Levels of ``dev`` that each checkpoint is scored on.
-        folder: Where the study is.
-        optuna: The library.
-        console: Where progress is shown.
+        request: Arguments of the training that is tuned.
+        settings: Settings of this training, with which the first trial runs if the search space contains them.
+        space: Search space.
+        dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
+        folder: Folder of the study.
+        optuna: The imported library.
+        console: Console for the progress.
     """
 
-    asked: Asked
+    request: TrainingRequest
     settings: Settings
     space: SearchSpace
     dev_levels: int
@@ -72,13 +72,13 @@ class Tuning:
         found = {"settings": self.settings.to_plain(), "scenario": self.settings.snapshot().digest}
         return dict(plain({**found, "space": self.space.to_plain(), "dev_levels": self.dev_levels}))
 
-    def place(self, number: int) -> Path:
+    def trial_folder(self, number: int) -> Path:
         """Return the folder of a trial."""
         return self.folder / TRIALS / f"{number:04d}"
 
 
 def run_tuning(
-    asked: Asked,
+    request: TrainingRequest,
     trials: int,
     *,
     space: Path | None = None,
@@ -86,57 +86,57 @@ def run_tuning(
     overwrite: bool = False,
     dev_levels: int = 300,
 ) -> Path:
-    """Try settings until there are so many trials, and return the folder of the study.
+    """Run trials until the study has the given number, and return the folder of the study.
 
-    A folder with a study is gone on with: an interrupted trial continues at its newest checkpoint. What is drawn
-    follows from the seed and from the trials before, so an interrupted study ends as an uninterrupted one.
+    An existing study continues, and an interrupted trial resumes from its newest checkpoint. The drawn values depend on
+    the seed and the previous trials only, so an interrupted study gives the same result as an uninterrupted one.
 
     Args:
-        asked: What is trained.
-        trials: How many there shall be in the folder.
-        space: File of the search space; None for the algorithm's shipped one.
-        out: Folder of the study; None for one named after what is tuned.
+        request: Arguments of the training that is tuned.
+        trials: Total number of trials of the study.
+        space: File of the search space; None for the shipped one of the algorithm.
+        out: Folder of the study; None for the default folder.
         overwrite: Replace the study in the folder.
-        dev_levels: Levels of ``dev`` for each checkpoint.
+        dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
 
     Raises:
-        IrsimGymError: Something of it is not right, the folder holds another study, or Optuna is not installed.
-        TrainingInterruptedError: Ctrl-C or SIGTERM; the same command goes on.
+        IrsimGymError: If an argument is invalid, the folder holds another study, or Optuna is not installed.
+        TrainingInterruptedError: If Ctrl-C or SIGTERM stops it. The same command continues the study.
     """
-    optuna, settings = _optuna(), asked.settings()
+    optuna, settings = _optuna(), request.settings()
     chosen = read_space(space or shipped_space(settings.algorithm))
-    check_space(asked, settings, chosen)
-    run = asked.folder(settings)
-    tuning = Tuning(asked, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
+    check_space(request, settings, chosen)
+    run = request.folder(settings)
+    tuning = Tuning(request, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
     _begin(tuning, overwrite)
     try:
-        with ctrl_c_told("stopped at once; finished trials and the newest checkpoint are kept"):
-            found = _go_on(tuning, _study(tuning), trials)
+        with ctrl_c_as_error("stopped at once; finished trials and the newest checkpoint are kept"):
+            found = _run_trials(tuning, _study(tuning), trials)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
-    show_trials(found, asked.scenario)
+    show_trials(found, request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table and picture: {', '.join(RESULTS[:2])} in {tuning.folder}")
     if best_of(found) is not None:
-        print(f"to confirm the best by five seeds:\n{_confirming(tuning)}")
+        print(f"to confirm the best by five seeds:\n{_confirm_command(tuning)}")
     return tuning.folder
 
 
-def _confirming(tuning: Tuning) -> str:
+def _confirm_command(tuning: Tuning) -> str:
     """Return the command that trains several seeds with the best settings."""
-    asked = tuning.asked
-    words = ["irsim-gym train", asked.scenario, "--seeds 5", f"--hyperparameters {tuning.folder / BEST}"]
+    request = tuning.request
+    words = ["irsim-gym train", request.scenario, "--seeds 5", f"--hyperparameters {tuning.folder / BEST}"]
     words += [f"--task {tuning.folder / BEST_TASK}"] if tuning.space.rewards else []
-    words += [f"--task {asked.task}"] if asked.task is not None and not tuning.space.rewards else []
-    words += [] if asked.algorithm is None else [f"--algorithm {asked.algorithm}"]
-    words += [f"--set {name}={value}" for name, value in (asked.parameters or {}).items()]
-    return " ".join([*words, *([] if asked.strict else ["--lenient"])])
+    words += [f"--task {request.task}"] if request.task is not None and not tuning.space.rewards else []
+    words += [] if request.algorithm is None else [f"--algorithm {request.algorithm}"]
+    words += [f"--set {name}={value}" for name, value in (request.parameters or {}).items()]
+    return " ".join([*words, *([] if request.strict else ["--lenient"])])
 
 
 def _optuna() -> Any:
-    """Return the library.
+    """Import and return Optuna.
 
     Raises:
-        MissingExtraError: It is not installed.
+        MissingExtraError: If it is not installed.
     """
     require("tune", "irsim-gym tune")
     import optuna
@@ -146,10 +146,10 @@ def _optuna() -> Any:
 
 
 def _begin(tuning: Tuning, overwrite: bool) -> None:
-    """Make sure that the folder holds no other study, and write down what this one is.
+    """Check that the folder holds no other study, and write the settings of this one.
 
     Raises:
-        IrsimGymError: It holds another study, or something else.
+        IrsimGymError: If the folder holds another study, or other files.
     """
     folder, now = tuning.folder, tuning.to_plain()
     path = folder / CONFIG
@@ -166,13 +166,13 @@ def _begin(tuning: Tuning, overwrite: bool) -> None:
                 "replace the study with --overwrite"
             )
     elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise IrsimGymError(f"{folder} holds something else than a study: choose another folder with --out")
+        raise IrsimGymError(f"{folder} holds something other than a study: choose another folder with --out")
     else:
         write_json(path, now)
 
 
 def _differences(before: object, now: object, place: tuple[str, ...]) -> list[str]:
-    """Return the values in which two mappings differ, both of each."""
+    """Return the keys in which two nested mappings differ, with both values."""
     if isinstance(before, Mapping) and isinstance(now, Mapping):
         keys = dict.fromkeys([*before, *now])
         return [one for key in keys for one in _differences(before.get(key), now.get(key), (*place, key))]
@@ -180,10 +180,10 @@ def _differences(before: object, now: object, place: tuple[str, ...]) -> list[st
 
 
 def _study(tuning: Tuning) -> Any:
-    """Return the study on disk; a new one begins with the present settings, where the space has them."""
+    """Open the study on disk. A new one begins with the current settings, if the search space contains them."""
     optuna, states = tuning.optuna, tuning.optuna.trial.TrialState
     backends, file = optuna.storages.journal, str(tuning.folder / JOURNAL)
-    # Its own choice is a lock by symbolic links, which Windows allows to few users.
+    # Optuna's default lock uses symbolic links, which need privileges on Windows.
     journal = backends.JournalFileBackend(file, lock_obj=backends.JournalFileOpenLock(file))
     study = optuna.create_study(
         study_name="tune",
@@ -196,54 +196,55 @@ def _study(tuning: Tuning) -> Any:
         study.tell(trial.number, state=states.FAIL)
         study.enqueue_trial(trial.params)
     if not study.get_trials(deepcopy=False):
-        found, outside = tuning.space.present(tuning.settings.hyperparameters.to_plain())
+        found, outside = tuning.space.to_parameters(tuning.settings.hyperparameters.to_plain())
         if outside:
-            said = f"{tuning.space.file} has not the present values of {', '.join(outside)}"
-            tuning.console.print(f"{said}: the first trial draws them", **PLAIN)
+            missing = f"{tuning.space.file} does not contain the current values of {', '.join(outside)}"
+            tuning.console.print(f"{missing}: the first trial draws them", **PLAIN)
         study.enqueue_trial(found)
     return study
 
 
-def _go_on(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
-    """Run trials until there are enough; the results on disk are renewed after each. Return them."""
+def _run_trials(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
+    """Run trials until there are enough, update the results on disk after each, and return all trials."""
     found = _trials(tuning, study)
     while len(found) < trials:
         number = len(found)
-        seed = int(np.random.SeedSequence((tuning.asked.seed, number)).generate_state(1)[0])
+        seed = int(np.random.SeedSequence((tuning.request.seed, number)).generate_state(1)[0])
         study.sampler = tuning.optuna.samplers.TPESampler(seed=seed)
         trial = study.ask()
         drawn = tuning.space.draw(trial)
-        told = ", ".join(f"{name}={value_text(value)}" for name, value in trial.params.items())
-        tuning.console.print(f"trial {number}, {number + 1} of {trials}: {told}", **PLAIN)
+        values = ", ".join(f"{name}={value_text(value)}" for name, value in trial.params.items())
+        tuning.console.print(f"trial {number}, {number + 1} of {trials}: {values}", **PLAIN)
+        folder = tuning.trial_folder(number)
         try:
-            wanted = write_settings(tuning.place(number), tuning.asked, tuning.settings, *drawn).settings()
+            wanted = write_settings(folder, tuning.request, tuning.settings, *drawn).settings()
         except IrsimGymError as error:
             trial.set_user_attr(REFUSED, str(error))
             study.tell(trial, state=tuning.optuna.trial.TrialState.FAIL)
             tuning.console.print(f"refused: {error}", **PLAIN)
         else:
-            value = _run_trial(tuning, trial, wanted, tuning.place(number))
+            value = _run_trial(tuning, trial, wanted, folder)
             state = None if value is not None else tuning.optuna.trial.TrialState.PRUNED
             study.tell(trial, value, state=state)
         found = _trials(tuning, study)
-        write_trials(tuning.folder, found, tuning.asked.scenario)
+        write_trials(tuning.folder, found, tuning.request.scenario)
         best = best_of(found)
         if best is not None:
-            keep_best(tuning.folder, tuning.place(best.number))
+            keep_best(tuning.folder, tuning.trial_folder(best.number))
     return found
 
 
 def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> float | None:
-    """Train, and return the success on ``dev`` levels; None where the trial was pruned."""
-    run, told = Run(place), set[int]()
+    """Train a trial, and return its success on ``dev`` levels; None if it is pruned."""
+    run, reported = Run(place), set[int]()
 
     def report(run: Run) -> None:
-        """Tell the study what is new, and stop a trial that is not worth going on with."""
+        """Report new scores to the study, and stop the trial if the study prunes it."""
         for point in _score(tuning, run):
             number = int(point["steps"]) // wanted.hyperparameters.checkpoint_every
-            if number and number not in told:
+            if number and number not in reported:
                 trial.report(point["success"], number)
-                told.add(number)
+                reported.add(number)
         if trial.should_prune():
             raise tuning.optuna.TrialPruned
 
@@ -251,13 +252,14 @@ def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> flo
     try:
         if run.exists():
             report(run)
-        how: dict[str, Any] = {"resume": run.exists(), "device": tuning.asked.device, "console": tuning.console}
+        how: dict[str, Any] = {"resume": run.exists(), "device": tuning.request.device, "console": tuning.console}
         train(wanted, place, on_checkpoint=report, **how)
         value = _score(tuning, run)[-1]["success"]
     except tuning.optuna.TrialPruned:
-        tuning.console.print(f"pruned: worse than the median of the trials before, at checkpoint {max(told)}", **PLAIN)
+        last = max(reported)
+        tuning.console.print(f"pruned: worse than the median of the trials before, at checkpoint {last}", **PLAIN)
     for checkpoint in list_checkpoints(run.checkpoints):
-        forget_state(checkpoint)
+        remove_state(checkpoint)
     return value
 
 
@@ -266,7 +268,7 @@ def _score(tuning: Tuning, run: Run) -> list[Point]:
 
 
 def _trials(tuning: Tuning, study: Any) -> list[TuningTrial]:
-    """Return the trials that count: not those that were interrupted and go on under another number."""
+    """Return the trials of a study, without interrupted ones, which are repeated under another number."""
     states = tuning.optuna.trial.TrialState
     found: list[TuningTrial] = []
     for one in study.get_trials(deepcopy=False):

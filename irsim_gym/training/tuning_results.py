@@ -1,4 +1,4 @@
-"""What a tuning has found: a table, a picture, and the settings of the best trial."""
+"""The results of a tuning: a table, a figure, and the settings of the best trial."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ TABLE, PICTURE = "trials.csv", "trials.png"
 BEST, BEST_TASK = "best_hyperparameters.yaml", "best_task.yaml"
 RESULTS = (TABLE, PICTURE, BEST, BEST_TASK)
 SHOWN = 10
-"""Trials in the table on the screen."""
+"""Number of trials in the printed table."""
 COLUMNS = 4
-"""Panels beside each other in the picture."""
+"""Number of panels in a row of the figure."""
 ACCENT, PALE = "#2166ac", "#9aa5b1"
 
 
 @dataclass(frozen=True)
 class TuningTrial:
-    """One trial.
+    """A trial of a tuning.
 
     Attributes:
-        number: From 0.
-        drawn: What was drawn, by name.
-        success: Success at the end of the training; None where it was pruned or refused.
-        scores: Success at checkpoints, by their numbers from 1.
-        refused: Why its settings could not be trained; empty where they could.
+        number: Number of the trial, from 0.
+        drawn: Drawn values by name.
+        success: Success at the end of the training; None if the trial was pruned or refused.
+        scores: Success at each checkpoint, by its number from 1.
+        refused: Reason why its settings could not be trained; empty if they could.
     """
 
     number: int
@@ -45,21 +45,21 @@ class TuningTrial:
 
     @property
     def latest(self) -> float:
-        """Its latest success; NaN without any."""
+        """Latest success; NaN without any score."""
         if self.success is not None:
             return self.success
         return self.scores[max(self.scores)] if self.scores else math.nan
 
     @property
     def ending(self) -> str:
-        """How it ended, in words: of a pruned one, at which checkpoint."""
+        """How the trial ended: ``refused``, ``finished``, or ``pruned at`` a checkpoint."""
         if self.refused:
             return "refused"
         return "finished" if self.success is not None else f"pruned at {max(self.scores, default=0)}"
 
 
 def best_of(trials: Sequence[TuningTrial]) -> TuningTrial | None:
-    """Return the finished trial of the greatest success, the first of several; None without any."""
+    """Return the first finished trial with the greatest success; None if no trial has finished."""
     done = [trial for trial in trials if trial.success is not None]
     return max(done, key=lambda trial: trial.latest, default=None)
 
@@ -77,14 +77,14 @@ def write_trials(folder: Path, trials: Sequence[TuningTrial], title: str) -> Non
 
 
 def keep_best(folder: Path, place: Path) -> None:
-    """Copy the settings of a trial to where the best ones are."""
+    """Copy the settings of the best trial from its folder ``place`` to the study's ``folder``."""
     write_text(folder / BEST, (place / HYPERPARAMETERS).read_text(encoding="utf-8"))
     if (place / TASK).is_file():
         write_text(folder / BEST_TASK, (place / TASK).read_text(encoding="utf-8"))
 
 
 def show_trials(trials: Sequence[TuningTrial], title: str) -> None:
-    """Print the best trials, and the first, whose settings are the present ones where the space has them."""
+    """Print the best trials and the first one, which has the original settings if the search space contains them."""
     order = sorted(trials, key=lambda trial: (trial.success is None, -trial.latest if trial.scores else 1.0))
     shown = order[:SHOWN] + [trial for trial in order[SHOWN:] if trial.number == 0]
     names = list(dict.fromkeys(name for trial in shown for name in trial.drawn))
@@ -100,12 +100,12 @@ def show_trials(trials: Sequence[TuningTrial], title: str) -> None:
 
 
 def value_text(value: object) -> str:
-    """Return a drawn value, a number with four digits."""
+    """Return a drawn value as text, with four significant digits."""
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _draw(path: Path, trials: Sequence[TuningTrial], names: Sequence[str], title: str) -> None:
-    """Draw success by trial, with the best so far, and by each drawn value; pruned trials are hollow."""
+    """Draw success over trials, with the best so far, and over each drawn value. Pruned trials are hollow."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -133,7 +133,7 @@ def _draw(path: Path, trials: Sequence[TuningTrial], names: Sequence[str], title
 
 
 def _scatter(axes: Any, values: Sequence[Any], trials: Sequence[TuningTrial]) -> None:
-    """Draw success over drawn values; values that are no numbers stand in the order in which they were drawn."""
+    """Draw success over drawn values. Values other than numbers appear in the order in which they were drawn."""
     known = [(value, trial) for value, trial in zip(values, trials, strict=True) if not math.isnan(trial.latest)]
     if not all(isinstance(value, int | float) and not isinstance(value, bool) for value, _ in known):
         known = [(str(value), trial) for value, trial in known]

@@ -1,6 +1,6 @@
-"""What a training that hardly ever arrives looks like, and what to try.
+"""Diagnosis of a training whose policy hardly ever reaches the goal, with advice.
 
-It is measured on the episodes by which checkpoints are scored; the shares it needs stand in the learning curve.
+It uses the episodes with which checkpoints are scored. The shares that it needs are stored in the learning curve.
 """
 
 from __future__ import annotations
@@ -15,30 +15,34 @@ from irsim_gym.tasks import Task
 from irsim_gym.tasks.sight import unseen
 
 RARELY = 0.1
-"""A success below this is worth some words."""
+"""Success below which a training gets a diagnosis."""
 HARDLY = 0.25
-"""An episode that ends by the time limit before so much of the way counts as standing still."""
+"""Share of the path: an episode that reaches its time limit with less than this counts as standing still."""
 SOME, MOST = 0.05, 0.5
 """Shares of episodes that count as some of them, and as most of them."""
 SHORT = 500_000
-"""Trainings of fewer steps are short."""
+"""Number of steps below which a training counts as short."""
 HITS = ("obstacle", "moving obstacle", "robot", "map")
 COLUMNS = ("stood_still", "hit_at_once", "no_way", "too_far", *(f"hit_{hit.replace(' ', '_')}" for hit in HITS))
-"""What ``failures`` adds to a point of the curve."""
+"""Scores that ``failures`` adds to a point of the learning curve."""
 
 
 def failures(rows: Sequence[EpisodeRow], speeds: Sequence[float], limit: float) -> dict[str, float]:
-    """Return how episodes failed, as shares of all of them.
+    """Return the kinds of failures, as shares of all episodes.
 
     Args:
         rows: The episodes.
-        speeds: The robot's greatest linear speed in each [m/s].
-        limit: Their time limit [s].
+        speeds: Maximum linear speed of the robot in each episode [m/s].
+        limit: Time limit of the episodes [s].
 
     Returns:
-        ``stood_still``: the time limit ended it before a quarter of the way was driven. ``hit_at_once``: a collision
-        in the first step. ``no_way``: no collision-free way was found. ``too_far``: the way takes longer than the
-        limit at full speed. ``hit_obstacle`` and so on: a collision with one.
+        The shares of episodes by kind:
+
+        - ``stood_still``: the time limit ended the episode before a quarter of the shortest path was driven;
+        - ``hit_at_once``: the robot collided in the first step;
+        - ``no_way``: no collision-free path was found;
+        - ``too_far``: the shortest path takes longer than the time limit at full speed;
+        - ``hit_obstacle`` and so on: the robot collided with this kind of body.
     """
     ways = [row.optimum for row in rows]
     slow = [row.outcome == "timeout" and row.path_length < HARDLY * row.optimum < math.inf for row in rows]
@@ -54,13 +58,13 @@ def failures(rows: Sequence[EpisodeRow], speeds: Sequence[float], limit: float) 
 
 
 def verdict(point: Mapping[str, float], scenario: Scenario, task: Task, look: str) -> list[str]:
-    """Return lines that say what a training looks like that ended near 0 %; none where it did not.
+    """Return lines with the diagnosis of a training that ended near 0 % success; an empty list for other trainings.
 
     Args:
-        point: The last point of its curve.
-        scenario: Where it was trained.
-        task: What was to be learned.
-        look: The command that shows what the policy does.
+        point: Last point of the learning curve.
+        scenario: Scenario of the training.
+        task: Task of the training.
+        look: Command that shows what the policy does.
     """
     arrived = point.get("individual_success", point["success"])
     if arrived >= RARELY or "stood_still" not in point:
@@ -71,14 +75,14 @@ def verdict(point: Mapping[str, float], scenario: Scenario, task: Task, look: st
 
 
 def look_command(scenario: str, folder: Path, *, team: bool, task: str | None = None) -> str:
-    """Return the command that draws what a run's policy does on some ``dev`` levels."""
+    """Return the command that draws a run's policy on some ``dev`` levels."""
     levels = " ".join(f"--level {level}" for level in range(3))
-    asked = f"{' --team' if team else ''}{'' if task is None else f' --task {task}'}"
-    return f"irsim-gym record {scenario} {folder} --split dev {levels}{asked} --strobe"
+    options = f"{' --team' if team else ''}{'' if task is None else f' --task {task}'}"
+    return f"irsim-gym record {scenario} {folder} --split dev {levels}{options} --strobe"
 
 
 def _ends(point: Mapping[str, float]) -> str:
-    """Return in words how episodes end, the most frequent end first."""
+    """Return a text about how episodes end, the most frequent end first."""
     still, late = point["stood_still"], point["timeout"] - point["stood_still"]
     ends = [(still, f"stand still (the time ends before {HARDLY:.0%} of the way is driven)"), (late, "run out of time")]
     ends += [(point["left_world"], "leave the world"), (point.get("deadlocked", 0.0), "are stuck")]
@@ -91,7 +95,7 @@ def _one(hit: str) -> str:
 
 
 def _hints(point: Mapping[str, float], scenario: Scenario, task: Task) -> list[str]:
-    """Return what to try, the surest first."""
+    """Return advice, the most reliable first."""
     hints = []
     hidden = unseen(scenario, task)
     if hidden:
@@ -121,7 +125,7 @@ def _hints(point: Mapping[str, float], scenario: Scenario, task: Task) -> list[s
 
 
 def _hints_by_end(point: Mapping[str, float], task: Task) -> list[str]:
-    """Return what to try against how most episodes end."""
+    """Return advice against the most frequent end of episodes."""
     weights = {type(reward).__name__: reward.weight for reward in task.rewards}
     if point["stood_still"] >= MOST:
         fine = f" (now {weights['Collision']:g})" if "Collision" in weights else ""

@@ -1,4 +1,4 @@
-"""Compiling beforehand what scenarios need."""
+"""The command ``irsim-gym warmup``: compile the kernels of scenarios in advance."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.look import begin_level
+from irsim_gym.training.inspection import begin_level
 
 WARMUP_STEPS = 3
-"""The first one is recorded, later ones take a shorter way."""
+"""The first step is recorded. Later ones replay it, which uses other kernels."""
 
 
 def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
-    """Compile the kernels of scenarios, and say where they are kept.
+    """Compile the kernels of scenarios, and print where they are cached.
 
     Args:
-        names: Shipped names, environment ids or paths of scenario files; none for all in ``configs/scenarios``.
-        strict: False ignores unused keys.
+        names: Shipped names, environment ids or paths of scenario files; empty for all shipped scenarios.
+        strict: Whether unused keys are an error; False ignores them.
     """
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
     chosen = names or scenario_names()
-    watch.said = True  # the bar says it
+    watch.said = True  # the progress bar replaces the message about compilation
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in progress.track(chosen, description="compiling"):
-            use(load_scenario(name, strict=strict))
+            exercise(load_scenario(name, strict=strict))
     place = cache_folder()
     kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
@@ -51,8 +51,8 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
     print(f"{ready}: {watch.compiled - before} kernels compiled in {spent:.0f} s, {kept}")
 
 
-def use(scenario: Scenario) -> None:
-    """Step a scenario once without learners, with one and as a team, and draw it."""
+def exercise(scenario: Scenario) -> None:
+    """Take a few steps in a scenario without learners, with one, and as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
     for _ in range(WARMUP_STEPS):
@@ -74,7 +74,7 @@ def use(scenario: Scenario) -> None:
 
 
 def _drive(episodes: Episodes) -> None:
-    """Measure the shortest way and play a level with each reference that every evaluation shows, where it can."""
+    """Compute a shortest path, and play a level with each reference policy of every evaluation, if it can drive."""
     Optima("train").of(episodes, 0, 0)
     for name in ALWAYS_SHOWN:
         with suppress(UnfitBehaviorError):

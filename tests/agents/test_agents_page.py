@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from command_line import run
 
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.search_space import read_space
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space
 
 PAGE = Path(__file__).parents[2] / "agents" / "README.md"
@@ -37,7 +37,7 @@ def test_blocks_in_python_run(block: str) -> None:
 @pytest.mark.parametrize("block", blocks("yaml"))
 def test_search_spaces_can_be_read(block: str, tmp_path: Path) -> None:
     (tmp_path / "space.yaml").write_text(block, encoding="utf-8")
-    asked = Asked("cluttered_room")
+    asked = TrainingRequest("cluttered_room")
     check_space(asked, asked.settings(), read_space(tmp_path / "space.yaml"))
 
 

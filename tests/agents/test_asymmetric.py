@@ -21,7 +21,6 @@ from stable_baselines3.common.vec_env import DummyVecEnv
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.exported_network import export_network
@@ -32,6 +31,7 @@ from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.shelf import ShelfPolicy
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 
 QUIET = Console(file=io.StringIO())
 PPO: dict[str, Any] = {
@@ -163,6 +163,6 @@ def test_an_actor_imitates_what_it_sees(task: str) -> None:
 
 def test_an_algorithm_without_such_a_critic_is_refused(task: str) -> None:
     with pytest.raises(IrsimGymError, match=r"sac has no critic that may see more.*ppo, a2c"):
-        Asked("cluttered_room", "sac", task=task).settings()
+        TrainingRequest("cluttered_room", "sac", task=task).settings()
     with pytest.raises(IrsimGymError, match="share_features_extractor must be false"):
         new_model(settings(task, policy_kwargs={"share_features_extractor": True}))

@@ -141,17 +141,17 @@ def test_check_plays_files_where_a_crash_ends_another_process(
 ) -> None:
     monkeypatch.setattr(trial, "WAIT_MESSAGE_S", 0.0)
     assert run(monkeypatch, "check", "never.yaml", "--import", "shaky.py", "--set", "ends=abort") == 1
-    assert "never.yaml: the process that played it for some steps ended by signal SIGABRT" in capfd.readouterr().err
+    assert "never.yaml: the process that ran it for some steps ended by signal SIGABRT" in capfd.readouterr().err
     files = ("never.yaml", "abort.yaml", "exit.yaml", "empty_goal")
     assert run(monkeypatch, "check", *files, "--import", "shaky.py") == 1
     said = capfd.readouterr()
     assert said.out.splitlines()[0].startswith("never.yaml: fine (robots: 1")
     assert [line.split(":")[0] for line in said.out.splitlines() if ": fine" in line] == ["never.yaml", "empty_goal"]
     assert "playing never.yaml for some steps, to check that it runs" in said.err  # who waits long is told what for
-    assert "abort.yaml: the process that played it for some steps ended by signal SIGABRT" in said.err
+    assert "abort.yaml: the process that ran it for some steps ended by signal SIGABRT" in said.err
     assert "Please report it with the file, the command and these lines." in said.err
     assert f'File "{tmp_path / "shaky.py"}", line 9 in shaky' in said.err
-    assert "exit.yaml: the process that played it for some steps ended with status 0" in said.err
+    assert "exit.yaml: the process that ran it for some steps ended with status 0" in said.err
     del sys.modules["shaky"]
 
 

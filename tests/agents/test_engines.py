@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.engines import Engine, engine_of
 from irsim_gym.training.folders import setting_differences
 from irsim_gym.training.run import Settings
 from irsim_gym.training.sweep_file import read_sweep
 from irsim_gym.training.sweep_results import read_result, show_sweep, write_result, write_sweep
+from irsim_gym.training.training_request import TrainingRequest
 
 
 def test_an_engine_shares_out_the_worlds() -> None:
@@ -24,10 +24,10 @@ def test_an_engine_shares_out_the_worlds() -> None:
 
 
 def test_settings_keep_the_engine() -> None:
-    settings = Asked("empty_goal", engine=Engine(2, 8)).settings()
+    settings = TrainingRequest("empty_goal", engine=Engine(2, 8)).settings()
     again = Settings.from_plain(settings.to_plain())
     assert again.engine == Engine(2, 8)
-    other = Asked("empty_goal").settings()
+    other = TrainingRequest("empty_goal").settings()
     assert "engine" not in other.to_plain()
     assert any("engine.workers" in one for one in setting_differences(settings, other))
 
@@ -56,14 +56,14 @@ def test_options_of_the_other_engine(given: tuple[Any, ...], said: str) -> None:
 )
 def test_what_rllib_does_not_take(asked: dict[str, Any], said: str) -> None:
     with pytest.raises(IrsimGymError, match=said):
-        Asked("empty_goal", **asked).settings()
+        TrainingRequest("empty_goal", **asked).settings()
 
 
 def test_a_schedule_that_rllib_does_not_know(tmp_path: Path) -> None:
     file = tmp_path / "ppo.yaml"
     file.write_text("default: {n_timesteps: 100, n_envs: 2, clip_range: lin_0.2}", encoding="utf-8")
     with pytest.raises(IrsimGymError, match="clip_range must be a number"):
-        Asked("empty_goal", hyperparameters=file, engine=Engine()).settings()
+        TrainingRequest("empty_goal", hyperparameters=file, engine=Engine()).settings()
 
 
 SWEEP = """\

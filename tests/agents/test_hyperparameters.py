@@ -7,9 +7,9 @@ from torch.cuda import is_available as cuda
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.training.algorithms import ALGORITHMS
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear, load_hyperparameters
-from irsim_gym.training.models import device_of
+from irsim_gym.training.models import resolve_device
+from irsim_gym.training.training_request import TrainingRequest
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
@@ -138,9 +138,9 @@ def test_what_there_is_not() -> None:
         Hyperparameters(1, 1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}).algorithm_arguments()
     if not cuda():
         with pytest.raises(IrsimGymError, match=r"device cuda: PyTorch \S+ finds none here"):
-            device_of("cuda")
-    assert device_of("cpu") == "cpu"
-    assert device_of("auto") == ("cuda" if cuda() else "cpu")
+            resolve_device("cuda")
+    assert resolve_device("cpu") == "cpu"
+    assert resolve_device("auto") == ("cuda" if cuda() else "cpu")
 
 
 def test_networks_for_pictures_look_for_a_graphics_card() -> None:
@@ -158,7 +158,7 @@ def test_networks_for_pictures_look_for_a_graphics_card() -> None:
 )
 def test_an_algorithm_that_does_not_fit_the_action(algorithm: str, task: str | None, said: str) -> None:
     with pytest.raises(IrsimGymError, match=said):
-        Asked("empty_goal", algorithm, 0, None, task, None).settings()
+        TrainingRequest("empty_goal", algorithm, 0, None, task, None).settings()
 
 
 def test_an_algorithm_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:

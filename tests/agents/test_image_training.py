@@ -16,14 +16,14 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.demonstrations import load_demonstrations
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
-from irsim_gym.training.models import for_dicts, network
+from irsim_gym.training.models import dict_policy_arguments, network_kind
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.recorder import record_demonstrations
 from irsim_gym.training.run import Settings
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 
 TINY = {"n_timesteps": 128, "n_envs": 4, "n_steps": 16, "batch_size": 32, "n_epochs": 1}
 NET = {"policy_kwargs": {"features_extractor_kwargs": {"features_dim": 16}, "net_arch": [16]}}
@@ -91,22 +91,22 @@ def test_functions_of_what_is_seen(tmp_path: Path) -> None:
 
 def test_networks_for_spaces() -> None:
     picture, numbers = Box(0, 255, (36, 36, 2), np.uint8), Box(-1, 1, (3,), np.float32)
-    assert [network(space) for space in (picture, numbers, Dict({"a": picture}))] == ["Cnn", "Mlp", "MultiInput"]
+    assert [network_kind(space) for space in (picture, numbers, Dict({"a": picture}))] == ["Cnn", "Mlp", "MultiInput"]
     given = {"features_extractor_kwargs": {"features_dim": 9}, "net_arch": [4]}
-    assert for_dicts(given) == {"features_extractor_kwargs": {"cnn_output_dim": 9}, "net_arch": [4]}
-    assert for_dicts({"net_arch": [4]}) == {"net_arch": [4]}
+    assert dict_policy_arguments(given) == {"features_extractor_kwargs": {"cnn_output_dim": 9}, "net_arch": [4]}
+    assert dict_policy_arguments({"net_arch": [4]}) == {"net_arch": [4]}
 
 
 def test_pictures_have_hyperparameters_of_their_own(tmp_path: Path) -> None:
-    looking = Asked("cluttered_room", "ppo", 0, None, "image_navigation", None).settings().hyperparameters
-    feeling = Asked("cluttered_room", "ppo", 0, None, None, None).settings().hyperparameters
+    looking = TrainingRequest("cluttered_room", "ppo", 0, None, "image_navigation", None).settings().hyperparameters
+    feeling = TrainingRequest("cluttered_room", "ppo", 0, None, None, None).settings().hyperparameters
     assert looking == load_hyperparameters("ppo", "irsim_gym/cluttered_room-v0", images=True)
     assert looking.n_envs < feeling.n_envs
     assert looking.arguments["policy_kwargs"]["features_extractor_kwargs"] == {"features_dim": 128}
     named = written(tmp_path, BESIDE, "dict")
-    sac = Asked("cluttered_room", "sac", 0, None, named, None).settings().hyperparameters
+    sac = TrainingRequest("cluttered_room", "sac", 0, None, named, None).settings().hyperparameters
     assert sac.arguments["buffer_size"] <= 50_000
-    recurrent = Asked("cluttered_room", "recurrent_ppo", 0, None, named, None).settings().hyperparameters
+    recurrent = TrainingRequest("cluttered_room", "recurrent_ppo", 0, None, named, None).settings().hyperparameters
     assert recurrent == load_hyperparameters("recurrent_ppo", "irsim_gym/cluttered_room-v0", images=True)
 
 

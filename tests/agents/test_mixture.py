@@ -19,7 +19,6 @@ from rich.console import Console
 
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.interruption import TrainingInterruptedError
@@ -27,8 +26,9 @@ from irsim_gym.training.mixture import MixturePart, read_part, shared_worlds
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.score import point_in, together
+from irsim_gym.training.score import combined, scenario_point
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 
 QUIET = Console(file=io.StringIO())
 PPO: dict[str, Any] = {
@@ -134,15 +134,15 @@ def test_figures_together_and_of_each() -> None:
         "a": {"levels": 10, "success": 0.5, "success_low": 0.2, "success_high": 0.8, "collision": 0.5},
         "b": {"levels": 10, "success": 0.9, "success_low": 0.6, "success_high": 1.0, "collision": 0.1},
     }
-    point = {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **together(parts)}
+    point = {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **combined(parts)}
     assert (point["levels"], point["success"], point["collision"]) == (20, pytest.approx(0.7), pytest.approx(0.3))
     low, high = 0.481, 0.855  # Wilson's interval of 14 of 20
     assert (point["success_low"], point["success_high"]) == (
         pytest.approx(low, abs=1e-3),
         pytest.approx(high, abs=1e-3),
     )
-    assert point_in(point, "b") == {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **parts["b"]}
-    assert together({"a": parts["a"]}) == parts["a"]
+    assert scenario_point(point, "b") == {"steps": 3, "training_seconds": 1.0, "cpu_seconds": 2.0, **parts["b"]}
+    assert combined({"a": parts["a"]}) == parts["a"]
 
 
 def weights(run: Run) -> torch.Tensor:
@@ -209,7 +209,7 @@ def test_the_command_line_trains_a_mixture(
 )
 def test_what_does_not_go_with_a_mixture(asked: dict[str, Any], told: str) -> None:
     with pytest.raises(IrsimGymError, match=told):
-        Asked("cluttered_room", mixture=("cluttered_room", "dense_room"), **asked).settings()
+        TrainingRequest("cluttered_room", mixture=("cluttered_room", "dense_room"), **asked).settings()
 
 
 def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written(tmp_path: Path) -> None:
@@ -219,11 +219,11 @@ def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written
     room["task"] = {**room.get("task", {}), "observations": [{"name": "scan", "code": "linear"}]}
     file.write_text(yaml.safe_dump(room))
     with pytest.raises(IrsimGymError, match=r"cluttered_room has scan.code inverse, .*coded.yaml linear; --task"):
-        Asked("cluttered_room", mixture=("cluttered_room", str(file))).settings()
+        TrainingRequest("cluttered_room", mixture=("cluttered_room", str(file))).settings()
     with pytest.raises(
         IrsimGymError, match=r"cluttered_room has scan, free_travel, which empty_goal has not; .*no nearest_bodies"
     ):
-        Asked("cluttered_room", mixture=("cluttered_room", "empty_goal")).settings()
+        TrainingRequest("cluttered_room", mixture=("cluttered_room", "empty_goal")).settings()
 
 
 def test_names_are_short_and_differ() -> None:

@@ -143,7 +143,7 @@ def test_a_run_whose_copy_cannot_be_read_observes_what_the_task_says(folder: Pat
     shutil.copytree(folder / "plain", tmp_path / "plain")
     file = tmp_path / "plain" / "scenario" / "yard.yaml"
     file.write_text(file.read_text().replace("lidar2d", "my_lidar"))
-    with pytest.warns(UnknownPerceptionWarning, match="plain: what its policy was trained to observe cannot be read"):
+    with pytest.warns(UnknownPerceptionWarning, match="plain: the observations of its training cannot be read"):
         policy = load_policy(tmp_path / "plain")
     episodes = Worlds(folder / "yard.yaml", 2).episodes
     assert evaluate(policy, episodes, LEVELS) == alone(folder, "plain", {})

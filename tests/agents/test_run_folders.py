@@ -17,7 +17,6 @@ from irsim_gym.errors import ChangedScenarioWarning, IrsimGymError
 from irsim_gym.scenario.library import find
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.tasks import load_task
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.fine_tuning import load_origin
 from irsim_gym.training.folders import free_folder
 from irsim_gym.training.hyperparameters import hyperparameters_folder
@@ -27,6 +26,7 @@ from irsim_gym.training.remembered import changes_since
 from irsim_gym.training.run import Run
 from irsim_gym.training.snapshot import differences, read_snapshot, take_snapshot
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 
 TINY = "n_timesteps: 64, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, policy_kwargs: {net_arch: [8]}"
 FILE = """\
@@ -51,11 +51,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def asked(scenario: str = "yard.yaml", **own: Any) -> Asked:
-    return Asked(scenario, **{"hyperparameters": Path("ppo.yaml"), **own})
+def asked(scenario: str = "yard.yaml", **own: Any) -> TrainingRequest:
+    return TrainingRequest(scenario, **{"hyperparameters": Path("ppo.yaml"), **own})
 
 
-def begun(name: str, wanted: Asked) -> Run:
+def begun(name: str, wanted: TrainingRequest) -> Run:
     run = Run(Path(name))
     run.begin(wanted.settings())
     return run
@@ -80,7 +80,7 @@ def test_a_name_tells_what_is_not_as_usual(own: dict[str, Any], name: str) -> No
     Path("little.yaml").write_text(yaml.safe_dump({"default": {**shipped["default"], "gamma": 0.9}}))
     Path("much.yaml").write_text(f"default: {{{TINY}}}")
     given = {**own, **({"hyperparameters": Path(own["hyperparameters"])} if "hyperparameters" in own else {})}
-    wanted = Asked("empty_goal", **given)
+    wanted = TrainingRequest("empty_goal", **given)
     assert wanted.folder(wanted.settings()) == Path("runs") / name
 
 
@@ -96,11 +96,11 @@ def test_a_number_tells_runs_apart_whose_names_are_alike() -> None:
     assert said == f"{first} holds a run with other settings (world.step_time 0.1, now 0.2): this one is new"
     Run(second).begin(settings)
     assert free_folder(first, settings, settings.snapshot()) == (second, "")
-    assert wanted.place(settings, resume=True, overwrite=False)[0] == second
-    assert wanted.place(settings, resume=False, overwrite=True)[0] == first
+    assert wanted.choose_folder(settings, resume=True, overwrite=False)[0] == second
+    assert wanted.choose_folder(settings, resume=False, overwrite=True)[0] == first
     Path("ppo.yaml").write_text(f"default: {{{TINY}, gamma: 0.5}}")
     with pytest.raises(IrsimGymError, match=r"gamma nothing, asked for: 0\.5: its schedule cannot change during a run"):
-        wanted.to_resume(Run(first), wanted.settings())
+        wanted.resumed_settings(Run(first), wanted.settings())
 
 
 def test_a_refused_folder_names_what_differs(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -250,7 +250,7 @@ def test_going_on_from_a_policy_with_other_settings(monkeypatch: pytest.MonkeyPa
 
 
 def test_weights_and_statistics_come_along() -> None:
-    from irsim_gym.training.fine_tuning import take_weights
+    from irsim_gym.training.fine_tuning import copy_weights
 
     first = asked().settings()
     train(replace(first, hyperparameters=replace(first.hyperparameters, normalize={})), Path("source"))
@@ -258,7 +258,7 @@ def test_weights_and_statistics_come_along() -> None:
     model = new_model(settings)
     _, learned = load_origin("source")
     fresh = {name: value.clone() for name, value in model.policy.state_dict().items()}
-    take_weights(model, settings)
+    copy_weights(model, settings)
     taken = model.policy.state_dict()
     assert all(torch.equal(value, taken[name]) for name, value in learned.model.policy.state_dict().items())
     assert not all(torch.equal(value, taken[name]) for name, value in fresh.items())

@@ -10,12 +10,12 @@ import pytest
 from command_line import run
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import make_worlds
 from irsim_gym.training.episode_setup import conditions, make_episodes
 from irsim_gym.training.folders import default_folder, evaluation_folder
 from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.training_request import TrainingRequest
 
 FILE = """
 parameters:
@@ -38,7 +38,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def asked(file: str, **parameters: Any) -> Settings:
-    return Asked(file, "ppo", 0, 512, None, None, parameters=parameters).settings()
+    return TrainingRequest(file, "ppo", 0, 512, None, None, parameters=parameters).settings()
 
 
 def test_settings_hold_all_values(file: str) -> None:
@@ -57,10 +57,10 @@ def test_settings_hold_all_values(file: str) -> None:
 def test_a_run_is_resumed_with_its_own(file: str) -> None:
     run = Run(Path("run"))
     run.begin(asked(file, n_robots=3))
-    plain = Asked(file, "ppo", steps=512)
-    assert plain.to_resume(run, asked(file, n_robots="3")).parameters["n_robots"] == 3
+    plain = TrainingRequest(file, "ppo", steps=512)
+    assert plain.resumed_settings(run, asked(file, n_robots="3")).parameters["n_robots"] == 3
     with pytest.raises(IrsimGymError, match=r"run with parameters.n_robots 3, asked for: 4: its .* --from run"):
-        plain.to_resume(run, asked(file, n_robots=4))
+        plain.resumed_settings(run, asked(file, n_robots=4))
 
 
 def test_given_parameters_name_the_folder(file: str) -> None:

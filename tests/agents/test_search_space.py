@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.search_space import read_space, shipped_space, value_of, with_value
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, weighted_task, write_settings
 
 SPACE = """\
@@ -65,10 +65,10 @@ def test_the_present_settings_are_the_first_trial(tmp_path: Path) -> None:
         "gamma": 0.99,
         "policy_kwargs": {"net_arch": [64, 64]},
     }
-    found, outside = space_of(tmp_path, SPACE).present(present)
+    found, outside = space_of(tmp_path, SPACE).to_parameters(present)
     assert found == {"learning_rate": 0.003, "n_epochs": 3, "policy_kwargs.net_arch": "[64, 64]", "reward.arrival": 1.0}
     assert outside == ["gamma", "policy_kwargs.log_std_init"]
-    _, outside = space_of(tmp_path, SPACE).present({**present, "learning_rate": 3e-3})
+    _, outside = space_of(tmp_path, SPACE).to_parameters({**present, "learning_rate": 3e-3})
     assert "learning_rate" in outside  # constant, where the space has schedules
 
 
@@ -120,7 +120,7 @@ hyperparameters:
 rewards:
   arival: {low: 0.5, high: 2.0}
 """
-    asked = Asked("empty_goal")
+    asked = TrainingRequest("empty_goal")
     with pytest.raises(ScenarioError) as refused:
         check_space(asked, asked.settings(), space_of(tmp_path, text))
     told = {problem.line: problem.message for problem in refused.value.problems}
@@ -132,10 +132,10 @@ rewards:
 def test_the_shipped_space_fits_the_shipped_settings() -> None:
     space = read_space(shipped_space("ppo"))
     for scenario in ("cluttered_room", "circle_swap"):
-        asked = Asked(scenario)
+        asked = TrainingRequest(scenario)
         settings = asked.settings()
         check_space(asked, settings, space)
-        assert space.present(settings.hyperparameters.to_plain())[1] == []
+        assert space.to_parameters(settings.hyperparameters.to_plain())[1] == []
     with pytest.raises(
         IrsimGymError, match=r"no search space for td3 is shipped \(only for ppo\): give one with --space"
     ):
@@ -147,12 +147,12 @@ def test_every_corner_of_the_shipped_space_can_be_trained(tmp_path: Path) -> Non
     space = read_space(shipped_space("ppo"))
     factors = {"collision": space.rewards["collision"].low, "time": space.rewards["time"].high}
     for scenario in ("cluttered_room", "circle_swap"):
-        asked = Asked(scenario)
+        asked = TrainingRequest(scenario)
         write_settings(tmp_path / scenario, asked, asked.settings(), {}, factors).settings()
 
 
 def test_a_trial_is_told_by_its_files(tmp_path: Path) -> None:
-    asked = Asked("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
+    asked = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
     settings = asked.settings()
     drawn = {"gamma": 0.9, "policy_kwargs.log_std_init": -1.0}
     own = write_settings(tmp_path, asked, settings, drawn, {"collision": 0.95, "arrival": 1.5})

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from command_line import run as command
 
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.results_files import read_results
 from irsim_gym.training.seed_runs import group_folder
 from irsim_gym.training.seed_summary import seed_cells
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.training_request import TrainingRequest
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 TINY = "n_timesteps: 64, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, policy_kwargs: {net_arch: [8]}"
 FILE = """\
@@ -30,7 +30,7 @@ WORDS = ("train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--dev-levels", 
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A new working directory with a scenario and hyper-parameters for short runs; pictures of ways take too long."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(Atlas, "draw", lambda *args: None)
+    monkeypatch.setattr(TrajectoryFigure, "draw", lambda *args: None)
     Path("yard.yaml").write_text(FILE)
     Path("ppo.yaml").write_text(f"default: {{{TINY}}}")
     return tmp_path
@@ -99,7 +99,7 @@ def test_what_does_not_go_with_seeds(monkeypatch: pytest.MonkeyPatch, capsys: py
 
 
 def test_the_folder_above_is_named_as_a_run() -> None:
-    asked = Asked("yard.yaml", seed=10, hyperparameters=Path("ppo.yaml"))
+    asked = TrainingRequest("yard.yaml", seed=10, hyperparameters=Path("ppo.yaml"))
     assert asked.folder(asked.settings()).name.endswith("-10")
     assert group_folder(asked).name == asked.folder(asked.settings()).name.removesuffix("10") + "seeds"
 

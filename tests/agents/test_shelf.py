@@ -198,7 +198,7 @@ def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
             irsim_gym.load_policy(file)
     card_file(file).write_text('{"name": 3}')
     file.write_bytes(shelf_file("cluttered_room").read_bytes())
-    with pytest.raises(IrsimGymError, match=r"later.json is no card of a policy: name: .*; scenario: Field required"):
+    with pytest.raises(IrsimGymError, match=r"later.json is not a policy card: name: .*; scenario: Field required"):
         irsim_gym.load_policy(file)
 
 
@@ -216,7 +216,7 @@ def test_names_on_the_shelf_are_policies(tmp_path: Path, monkeypatch: pytest.Mon
         load_policy("cluttered_rom")
     with pytest.raises(UnknownNameError, match="no policy named 'dash' on the shelf"):
         irsim_gym.load_policy("dash")
-    with pytest.raises(IrsimGymError, match="what drives alone, without a critic"):
+    with pytest.raises(IrsimGymError, match="holds an actor without a critic"):
         load_origin("cluttered_room")
 
 
@@ -313,9 +313,9 @@ def test_what_cannot_be_exported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for words, said in (
         ((zipped, "dense"), "settings and the cost of the training"),
         ((zipped, "dash"), "'dash' is the name of a behavior"),
-        ((zipped, "dense room"), "a name on the shelf has letters, digits and _ alone"),
-        (("dash", "mine"), "is no trained policy of Stable-Baselines3"),
-        ((shelf_file("cluttered_room"), "mine"), "is no trained policy of Stable-Baselines3"),
+        ((zipped, "dense room"), "the name of a policy must consist of letters, digits and _"),
+        (("dash", "mine"), "is not a trained policy of Stable-Baselines3"),
+        ((shelf_file("cluttered_room"), "mine"), "is not a trained policy of Stable-Baselines3"),
         ((AGENTS / "policies" / "cluttered_room_images_seed_100.zip", "x", "--results", results), "has no row of its"),
         ((zipped, "dense", "--results", __file__), "holds no figures of policies"),
     ):

@@ -12,9 +12,9 @@ import pytest
 import yaml
 
 from irsim_gym.scenario.library import scenario_names
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.commands import run_evaluation, run_training
 from irsim_gym.training.evaluate_teams import TeamEvaluation
+from irsim_gym.training.training_request import TrainingRequest
 
 AGENTS = Path(__file__).parents[2] / "agents"
 LEVELS = 1000
@@ -104,7 +104,7 @@ def test_a_newer_run_takes_the_place_of_an_older_one() -> None:
 
 def trained(scenario: str, folder: Path) -> float:
     """Train as `irsim-gym train` does by default; return the success on `dev` levels, of a team that of all robots."""
-    run = run_training(Asked(scenario), folder, resume=True, dev_levels=0)
+    run = run_training(TrainingRequest(scenario), folder, resume=True, dev_levels=0)
     is_team = run.settings().hyperparameters.team is not None
     found = run_evaluation(scenario, [str(folder)], LEVELS, "dev", None, folder / "dev", references=False, team=is_team)
     if isinstance(found, TeamEvaluation):

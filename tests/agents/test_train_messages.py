@@ -57,14 +57,14 @@ def test_scoring_that_is_stopped_goes_on_with_the_same_command(train: Train, mon
 
 
 def test_a_second_ctrl_c_is_told_too(train: Train, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("irsim_gym.training.monitoring.TrainingMonitor.note", stop)
+    monkeypatch.setattr("irsim_gym.training.monitoring.TrainingMonitor.update_progress", stop)
     status, said = train("empty_goal")
     assert status == 130
     assert said[-1].endswith("the newest checkpoint is kept. To continue, run the same command with --resume.")
 
 
 def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("irsim_gym.training.demo.Asked", stop)
+    monkeypatch.setattr("irsim_gym.training.demo.TrainingRequest", stop)
     monkeypatch.setattr(sys, "argv", ["irsim-gym", "demo"])
     with pytest.raises(SystemExit) as end:
         main()

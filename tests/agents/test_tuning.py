@@ -14,12 +14,12 @@ import yaml
 from command_line import run as command
 
 from irsim_gym.training import tuning
-from irsim_gym.training.asked import Asked
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import score_run
 from irsim_gym.training.train import train
+from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.tuning import run_tuning
 
 TINY = "n_timesteps: 256, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, checkpoint_every: 64, gamma: 0.95"
@@ -47,8 +47,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def asked(**own: Any) -> Asked:
-    return Asked("yard.yaml", hyperparameters=Path("ppo.yaml"), **own)
+def asked(**own: Any) -> TrainingRequest:
+    return TrainingRequest("yard.yaml", hyperparameters=Path("ppo.yaml"), **own)
 
 
 def study(out: str, trials: int, **own: Any) -> Path:
@@ -94,7 +94,7 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     assert "yard.yaml: 2 trials, 0 of them pruned" in said.out
     best = "--hyperparameters study/best_hyperparameters.yaml --task study/best_task.yaml"
     assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seeds 5 {best}"
-    assert "space.yaml has not the present values of ent_coef: the first trial draws them" in said.err
+    assert "space.yaml does not contain the current values of ent_coef: the first trial draws them" in said.err
     first, second = rows("study")
     assert (first["trial"], first["gamma"], first["reward.arrival"], first["ending"]) == (
         "0",
@@ -128,7 +128,7 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     Path("other/file").write_text("mine")
     capsys.readouterr()
     assert command(monkeypatch, *WORDS, "--out", "other", "--overwrite") == 1
-    assert "other holds something else than a study" in capsys.readouterr().err
+    assert "other holds something other than a study" in capsys.readouterr().err
 
 
 def test_an_interrupted_study_ends_as_an_uninterrupted_one(monkeypatch: pytest.MonkeyPatch) -> None:

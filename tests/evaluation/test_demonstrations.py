@@ -92,7 +92,7 @@ def test_an_episode_that_is_left_is_kept_as_cut_off_or_dropped(tmp_path: Path) -
             seen, reward, terminated, truncated, info = env.step(action)
             recorder.add(action, seen, float(reward), terminated, truncated, info["outcome"], by_hand=True)
         if level == 1:
-            recorder.drop()
+            recorder.discard()
     assert recorder.n_episodes == 2
     recorder.save()
     found = irsim_gym.load_demonstrations(tmp_path / "a.npz")

@@ -12,7 +12,7 @@ from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.evaluation.trajectories import TrajectoryLog
 from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.trajectory_figures import Atlas
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 DISC: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "vel_max": [1, 1]}
 
@@ -76,7 +76,7 @@ def test_levels_that_differ_are_drawn_one_by_one(corridor: str, tmp_path: Any, m
     monkeypatch.setattr("irsim_gym.render.ways_plot.draw_ways", lambda files, panels, *_: shown.extend(panels))
     for scenario in (corridor, "empty_goal"):
         episodes = make_episodes(scenario, n_worlds=2, team=True)
-        atlas = Atlas(episodes)
+        atlas = TrajectoryFigure(episodes)
         evaluate_team(reference_policy("dash"), episodes, 8, watcher=atlas.follow("dash"))
         atlas.draw(tmp_path, "title", {"dash": "said"}, 8)
     alike, differing = shown

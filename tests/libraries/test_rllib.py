@@ -237,15 +237,15 @@ def test_registered_environments_work_with_rllibs_own_runner(mode):
 
 
 def settings(folder: Path, **own: Any) -> Any:
-    from irsim_gym.training.asked import Asked
     from irsim_gym.training.engines import Engine
+    from irsim_gym.training.training_request import TrainingRequest
 
     file = folder / "small.yaml"
     keys = "n_steps: 16, gamma: 0.9, learning_rate: lin_1e-3"
     if own.get("algorithm", "ppo") == "ppo":
         keys += ", batch_size: 64, n_epochs: 1"
     file.write_text(f"default: {{n_timesteps: 2048, n_envs: 16, checkpoint_every: 512, {keys}}}\n", encoding="utf-8")
-    return Asked("empty_goal", hyperparameters=file, **{"engine": Engine(0), **own}).settings()
+    return TrainingRequest("empty_goal", hyperparameters=file, **{"engine": Engine(0), **own}).settings()
 
 
 @pytest.mark.parametrize("algorithm", ["ppo", "appo"])

@@ -1,4 +1,4 @@
-"""Inspect a scenario before training: is it valid, and how does a level look? Without PyTorch."""
+"""Inspection of a scenario before the training: its task, and a picture of a level. Needs no PyTorch."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def draw_level(
     parameters: Parameters = None,
     strict: bool = True,
 ) -> Path:
-    """Draw the start of a level into a file and return its path. The scenario needs no learner.
+    """Draw the start of a level into a file, and return its path. The scenario needs no learner.
 
     Raises:
-        IrsimGymError: The file is to have another ending than ``.png``, ``.pdf`` or ``.svg``.
+        IrsimGymError: If the file's suffix is not ``.png``, ``.pdf`` or ``.svg``.
     """
     from irsim_gym.render import Renderer
     from irsim_gym.render.sheet import save_sheet
@@ -48,8 +48,8 @@ def draw_level(
     return path
 
 
-def refused_as_team(scenario: Scenario) -> ScenarioError | None:
-    """Return why the robots of a scenario cannot learn together; None where they can, or where there is but one."""
+def team_error(scenario: Scenario) -> ScenarioError | None:
+    """Return why the robots of a scenario cannot learn together; None if they can, or if there is only one."""
     try:
         if len(scenario.robots) > 1:
             load_task(scenario, team=True)
@@ -59,10 +59,14 @@ def refused_as_team(scenario: Scenario) -> ScenarioError | None:
 
 
 def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, ScenarioError | None]:
-    """Return a scenario's task, or the reason why no robot can learn; neither for a file without robots.
+    """Return the task of a scenario, or the reason why no robot can learn; neither for a scenario without robots.
+
+    Args:
+        scenario: The scenario.
+        team: Whether all robots have to be able to learn together.
 
     Raises:
-        ScenarioError: The task that the file gives, or ``team``, cannot be met.
+        ScenarioError: If the file defines a task, or ``team`` is set, and the robots do not fit it.
     """
     if not scenario.robots:
         return None, None
@@ -78,7 +82,7 @@ def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: 
     """Return one world at the start of a level, with the learners of its task, if any.
 
     Raises:
-        IrsimGymError: The level cannot be drawn, or the named task does not fit.
+        IrsimGymError: If the level cannot be generated, or the named task does not fit the scenario.
     """
     try:
         agents = load_task(scenario, task).agents

@@ -1,4 +1,4 @@
-"""From the arguments of ``train`` to the settings of a run, and to its folder."""
+"""The arguments of ``irsim-gym train``, and the settings and the folder of the run that follow from them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.engines import RLLIB, Engine
-from irsim_gym.training.folders import as_name, begun_folders, default_folder, free_folder, setting_differences
+from irsim_gym.training.folders import as_name, default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
 from irsim_gym.training.mixture import MixturePart, read_part
 from irsim_gym.training.policies import policy_names
@@ -24,30 +24,31 @@ from irsim_gym.training.run import Run, Settings, environment_id, lasting, scena
 from irsim_gym.training.snapshot import listed
 from irsim_gym.training.trained_perception import perception_in
 
-FEW = 2
+MAX_MARKS = 2
+"""Largest number of changed hyper-parameters that are named in a run's folder."""
 Parameters = Mapping[str, object] | None
 
 
 @dataclass(frozen=True)
-class Asked:
+class TrainingRequest:
     """The arguments of ``irsim-gym train``.
 
     Attributes:
         scenario: Shipped name, environment id, or path of a scenario file.
-        algorithm: The algorithm; None for that of ``origin``, else PPO.
+        algorithm: Name of the algorithm; None for that of ``origin``, or PPO without one.
         seed: Seed of networks, exploration and levels.
-        steps: Training steps in place of the file's.
-        task: Shipped name or path of a task in place of the scenario's own.
-        hyperparameters: A file in place of the shipped one.
-        team: What robots that have ended do while others learn on.
+        steps: Number of training steps; None for that of the hyper-parameter file.
+        task: Shipped name or path of a task; None for the scenario's own.
+        hyperparameters: Path of a hyper-parameter file; None for the shipped one.
+        team: Team mode, ``"episode"`` or ``"respawn"``; None for that of the hyper-parameter file.
         parameters: Values for the scenario's parameters.
-        strict: False ignores unused keys of the scenario.
-        device: Where the networks are, in place of the file's.
-        origin: A run's folder or a ``policy.zip`` to start from.
-        curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
-        mixture: All scenarios that are learnt together, as ``read_part`` takes them; ``scenario`` is the first one's.
-        engine: How Ray RLlib runs it; None for Stable-Baselines3.
-        log: Where the log goes beside TensorBoard: ``"wandb"``, ``"mlflow"``.
+        strict: Whether unused keys of the scenario are an error; False ignores them.
+        device: Device of the networks; None for that of the hyper-parameter file.
+        origin: Policy to start from: a run's folder or a ``policy.zip``.
+        curriculum: Curriculum, ``"learnability"``; None for that of the hyper-parameter file.
+        mixture: Scenarios that are trained together, as ``read_part`` takes them. ``scenario`` is the first of them.
+        engine: Settings of Ray RLlib; None for Stable-Baselines3.
+        log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
     """
 
     scenario: str
@@ -68,32 +69,32 @@ class Asked:
 
     @property
     def overrides(self) -> dict[str, Any]:
-        """Hyper-parameters that are given by themselves."""
-        asked = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "curriculum": self.curriculum}
-        return {name: value for name, value in asked.items() if value is not None}
+        """Hyper-parameters that have an option of their own."""
+        options = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "curriculum": self.curriculum}
+        return {name: value for name, value in options.items() if value is not None}
 
     def settings(self) -> Settings:
-        """Put the settings of a run together from this and the hyper-parameter file.
+        """Return the settings of the run, with the hyper-parameters of the file.
 
         Raises:
-            IrsimGymError: Something of it is not right, or it does not fit together.
+            IrsimGymError: If an argument is invalid, or arguments contradict each other.
         """
         if self.origin is None:
             return self._settings(self.algorithm or "ppo")
-        from irsim_gym.training.fine_tuning import algorithm_of, inheriting, load_origin
+        from irsim_gym.training.fine_tuning import algorithm_of, inherit_settings, load_origin
 
         file, policy = load_origin(self.origin)
-        return inheriting(self._settings(self.algorithm or algorithm_of(policy)), file, policy)
+        return inherit_settings(self._settings(self.algorithm or algorithm_of(policy)), file, policy)
 
     def _settings(self, algorithm: str) -> Settings:
-        """Return the settings without a policy to start from."""
+        """Return the settings of a run that starts with random weights."""
         if not self.mixture:
-            return self._of_one(algorithm)
+            return self._scenario_settings(algorithm)
         if self.parameters:
             raise IrsimGymError("--set is for one scenario: with --mixture write SCENARIO:NAME=VALUE")
         parts = [read_part(text) for text in self.mixture]
         found = [
-            replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._of_one(algorithm)
+            replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._scenario_settings(algorithm)
             for part in parts
         ]
         if found[0].hyperparameters.curriculum is not None:
@@ -109,7 +110,8 @@ class Asked:
         check_engine(settings)
         return settings
 
-    def _of_one(self, algorithm: str) -> Settings:
+    def _scenario_settings(self, algorithm: str) -> Settings:
+        """Return the settings for a single scenario."""
         named = lasting(scenario_name(self.scenario))
         chosen = find_algorithm(algorithm)
         loaded = load_scenario(named, self.parameters, strict=self.strict, warn=False)
@@ -121,7 +123,7 @@ class Asked:
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
             "task": self._task_name(),
-            "images": _looks(learned),
+            "images": _observes_images(learned),
             "file": self.hyperparameters,
         }
         found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
@@ -133,7 +135,7 @@ class Asked:
         return settings
 
     def folder(self, settings: Settings) -> Path:
-        """Return the default folder of a run, named after its unusual settings."""
+        """Return the default folder of a run. Its name contains the settings that differ from the defaults."""
         task = self._task_name()
         marks = [] if task is None else [task]
         marks += [] if self.curriculum is None else [self.curriculum]
@@ -148,33 +150,37 @@ class Asked:
         return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
 
     def _task_name(self) -> str | None:
-        """Return the name of the task in place of the scenario's own."""
+        """Return the name of the task; None for the scenario's own."""
         return None if self.task is None else Path(self.task).stem
 
     def _changed(self, settings: Settings) -> list[str]:
-        """Return which hyper-parameters differ from the shipped ones: a few by value, else by the file's name."""
+        """Return the changes to the shipped hyper-parameters: each value if they are few, else the file's name."""
         if self.hyperparameters is None and self.steps is None:
             return []
         loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
         names = settings.algorithm, environment_id(self.scenario)
-        images = _looks(load_task(loaded, self.task, team=True))
+        images = _observes_images(load_task(loaded, self.task, team=True))
         chosen: dict[str, Any] = {"task": self._task_name(), "images": images, "given": self.overrides}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
         changed = _changed_values(usual, stated)
         marks = [f"{name}={value}" for name, value in changed.items()]
-        if len(changed) > FEW or any(isinstance(value, Mapping | list) for value in changed.values()):
+        if len(changed) > MAX_MARKS or any(isinstance(value, Mapping | list) for value in changed.values()):
             assert self.hyperparameters is not None
             marks = [] if self.hyperparameters.stem == settings.algorithm else [self.hyperparameters.stem]
         if self.steps is None or self.steps == stated.get("n_timesteps"):
             return marks
         return [*(mark for mark in marks if not mark.startswith("n_timesteps=")), f"steps={self.steps}"]
 
-    def to_resume(self, run: Run, settings: Settings) -> Settings:
-        """Return the settings that a run began with, which later changes of the shipped files leave alone.
+    def resumed_settings(self, run: Run, settings: Settings) -> Settings:
+        """Return the settings that a run was started with. Later changes of the shipped files do not affect them.
+
+        Args:
+            run: The run to resume.
+            settings: The requested settings.
 
         Raises:
-            IrsimGymError: The run in the folder is for something else.
+            IrsimGymError: If the run was started with other settings.
         """
         begun = run.settings()
         wanted = replace(
@@ -193,44 +199,44 @@ class Asked:
         return begun
 
     def _hyperparameters_of(self, begun: Settings, settings: Settings) -> Hyperparameters:
-        """Return the hyper-parameters of a run, with the user's values."""
+        """Return the hyper-parameters of a run, with those that the user sets."""
         if self.hyperparameters is not None:
             return replace(settings.hyperparameters, device=begun.hyperparameters.device)
         own = {name: value for name, value in self.overrides.items() if name != "device"}
         return replace(begun.hyperparameters, **own)
 
-    def place(self, settings: Settings, resume: bool, overwrite: bool) -> tuple[Path, str]:
-        """Return a folder for a run that was given none, and a remark on it.
+    def choose_folder(self, settings: Settings, resume: bool, overwrite: bool) -> tuple[Path, str]:
+        """Choose the folder of a run if the user names none, and return it with a remark, which may be empty.
 
         Args:
-            settings: What it trains.
-            resume: Return the newest run of that name with these settings, an unfinished one first.
-            overwrite: It takes the place of the one of that name.
+            settings: Settings of the run.
+            resume: Choose the newest run of the default name with these settings; unfinished runs take precedence.
+            overwrite: Choose the default folder, even if it holds a run.
         """
         first = self.folder(settings)
         if overwrite:
             return first, ""
         if not resume:
             return free_folder(first, settings, settings.snapshot())
-        begun = begun_folders(first)
+        begun = existing_folders(first)
         fitting = [folder for folder in begun if self._fits(Run(folder), settings)]
         unfinished = [folder for folder in fitting if not Run(folder).finished()]
         return (unfinished or fitting or begun or [first])[-1], ""
 
     def _fits(self, run: Run, settings: Settings) -> bool:
         try:
-            self.to_resume(run, settings)
+            self.resumed_settings(run, settings)
         except IrsimGymError:
             return False
         return True
 
 
-def _looks(task: Task) -> bool:
-    """Return whether observations hold pictures."""
+def _observes_images(task: Task) -> bool:
+    """Return whether a task's observations contain images."""
     return any(isinstance(term, IsImage) for term in task.observations)
 
 
 def _changed_values(usual: Mapping[str, object], given: Mapping[str, object]) -> dict[str, Any]:
-    """Return the hyper-parameters that differ, those that are missing as None."""
+    """Return the hyper-parameters that differ; missing ones are None."""
     names = [name for name in dict.fromkeys([*usual, *given]) if usual.get(name) != given.get(name)]
     return {as_name(name): given.get(name) for name in names if name not in ("team", "device")}
