@@ -19,7 +19,7 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.suite.members import shipped_suite
 from irsim_gym.suite.suite_record import SuiteRecord
 from irsim_gym.training.cards import PolicyCard, read_card
-from irsim_gym.training.players import players
+from irsim_gym.training.players import load_players
 from irsim_gym.training.shelf import shelf_files
 
 SIZE = 480
@@ -114,7 +114,7 @@ def _references() -> SuiteRecord:
 
 def _policy_film(name: str, driver: Driver) -> Film:
     """Film the first level that is solved, or the last of those that are tried."""
-    cast = players(name, [driver.source or ""], team=driver.team)
+    cast = load_players(name, [driver.source or ""], team=driver.team)
     try:
         for level in range(driver.levels):
             frames, status = [], ""
