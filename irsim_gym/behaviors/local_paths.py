@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMaps, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Floats, Ints, Point
 from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import ASTRAY, CELL, LocalWays, advance_on_way
 from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, mark_standing
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Search
 from irsim_gym.world.group import Group, Shard

@@ -7,10 +7,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Point
 from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, room_at, way_is_free
+from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.points import PointMap

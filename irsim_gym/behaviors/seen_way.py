@@ -6,10 +6,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Labels, Point
 from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell, is_clear
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid, Search, centre
 from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Spans
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Point, Spans
 from irsim_gym.geometry.cell_room import nearest_to_point2, room_about
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
@@ -282,7 +282,7 @@ def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tupl
             px = min(max(x, cells.x + i * cells.width), cells.x + (i + 1) * cells.width)
             py = min(max(y, cells.y + j * cells.height), cells.y + (j + 1) * cells.height)
             if cells.radius > 0.0:
-                px, py = nearest_disc_point(cells, i, j, x, y)
+                px, py = nearest_disc_point(cells, i, j, (x, y))
             here = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
             if here < best:
                 best, best_x, best_y = here, px, py
@@ -290,8 +290,9 @@ def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tupl
 
 
 @kernel
-def nearest_disc_point(cells: CellMap, i: int, j: int, x: float, y: float) -> tuple[float, float]:
+def nearest_disc_point(cells: CellMap, i: int, j: int, point: Point) -> Point:
     """Return the point of the disc in a cell that is nearest to a point [m]: that point itself if it lies within."""
+    x, y = point
     cx, cy = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
     away = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
     share = cells.radius / away if away > cells.radius else 1.0

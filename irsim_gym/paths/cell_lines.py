@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.arraytypes import Bytes, Point
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid
 
 NEAR = 15

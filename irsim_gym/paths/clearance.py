@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMaps, Flags
+from irsim_gym.arraytypes import CellMaps, Flags, Point
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
@@ -17,8 +17,6 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
-
-Point = tuple[float, float]
 
 
 class Obstacles(NamedTuple):
@@ -101,5 +99,5 @@ def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
             best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
-    best = points_distance(obstacles.points, x, y, map_distance(obstacles.cells, w, x, y, best))
+    best = points_distance(obstacles.points, x, y, map_distance(obstacles.cells, w, (x, y), best))
     return float(np.maximum(best, 0.0))

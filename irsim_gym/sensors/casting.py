@@ -93,7 +93,7 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, 
                     n_rounds += 1
                 start, end, limit = model.segment_start[b], model.segment_start[b] + n_segments[b], 0.0
                 if not model.solid[b] or (
-                    distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, eye.x, eye.y)
+                    distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, (eye.x, eye.y))
                 ):
                     limit = np.inf
                 for s in range(start, end):

@@ -7,10 +7,9 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
 from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell, is_clear
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.paths.scan_marks import OCCUPIED, quarter
 from irsim_gym.paths.wavefront import NEVER, begin_costs, block_border, follow_costs, narrow, new_queues, spread_costs
