@@ -87,11 +87,12 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
 
 
 @kernel
-def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
+def room_at(obstacles: Obstacles, point: Point, limit: float) -> float:
     """Return the distance [m] of a point from what is in the way, 0 within it, ``limit`` if nothing is nearer.
 
     Reads: obstacles (blocks, cells, model, state, w).
     """
+    x, y = point
     model, pose, w, best = obstacles.model, obstacles.state.pose[obstacles.w], obstacles.w, limit
     for b in range(obstacles.blocks.shape[0]):
         if not obstacles.blocks[b]:
@@ -99,5 +100,5 @@ def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
             best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
-    best = points_distance(obstacles.points, x, y, map_distance(obstacles.cells, w, (x, y), best))
+    best = points_distance(obstacles.points, point, map_distance(obstacles.cells, w, point, best))
     return float(np.maximum(best, 0.0))
