@@ -23,6 +23,8 @@ Point = tuple[float, float]
 """x and y [m]."""
 Vector = tuple[float, float]
 """Both parts of a vector, such as a velocity [m/s]."""
+Pose = tuple[float, float, float]
+"""x, y [m] and heading [rad]."""
 
 MAP_FRAME = np.dtype((np.record, "f8, f8, f8, f8, i8"))
 MAP_FRAME.names = "x", "y", "width", "height", "body"

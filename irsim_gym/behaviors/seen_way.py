@@ -109,7 +109,7 @@ def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
     while i < count - 1:
         last = i + 1
         for j in range(count - 1, i + 1, -1):
-            if is_clear(path[kept - 1, 0], path[kept - 1, 1], path[j, 0], path[j, 1], grid, blocked):
+            if is_clear((path[kept - 1, 0], path[kept - 1, 1]), (path[j, 0], path[j, 1]), grid, blocked):
                 last = j
                 break
         path[kept, 0], path[kept, 1] = path[last, 0], path[last, 1]

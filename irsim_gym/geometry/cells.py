@@ -14,6 +14,8 @@ from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
 
+Cell = tuple[int, int]
+"""Column and row."""
 LARGEST = 255
 SLACK = 1e-9
 """How much farther than needed cells are looked for [cells], so that rounding loses none; an exact test follows."""
@@ -94,8 +96,9 @@ def is_run(occupied: Flags, i: int, first: int, end: int) -> bool:
 
 
 @kernel
-def box_is_free(squares: Bytes, first_i: int, first_j: int, last_i: int, last_j: int) -> bool:
+def box_is_free(squares: Bytes, first: Cell, last: Cell) -> bool:
     """Return True if free squares of the quickest tiling show that a box of cells is free; False proves nothing."""
+    first_i, first_j, last_i, last_j = first[0], first[1], last[0], last[1]
     width, height = last_i - first_i + 1, last_j - first_j + 1
     if width <= height:
         j = first_j
@@ -185,7 +188,7 @@ def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, re
     columns, rows = squares.shape[1], squares.shape[2]
     first_i, last_i = cell_range(min(ax, bx) - reach, max(ax, bx) + reach, cells.x, cells.width, columns)
     first_j, last_j = cell_range(min(ay, by) - reach, max(ay, by) + reach, cells.y, cells.height, rows)
-    if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
+    if last_i < first_i or last_j < first_j or box_is_free(squares, (first_i, first_j), (last_i, last_j)):
         return best
     for i in range(first_i, last_i + 1):
         left, right = cells.x + i * cells.width, cells.x + (i + 1) * cells.width
@@ -326,7 +329,7 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
         low, high = min(low, segments[s, 1]), max(high, segments[s, 1])
     first_i, last_i = cell_range(left, right, cells.x, cells.width, squares.shape[1])
     first_j, last_j = cell_range(low, high, cells.y, cells.height, squares.shape[2])
-    if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
+    if last_i < first_i or last_j < first_j or box_is_free(squares, (first_i, first_j), (last_i, last_j)):
         return False
     for i in range(first_i, last_i + 1):
         j = first_j

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline
+from irsim_gym.arraytypes import BodyOutline, Point
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2, segments_intersect
 from irsim_gym.jit import kernel
@@ -94,8 +94,9 @@ def line_is_out(x: float, y: float, ax: float, ay: float, bx: float, by: float, 
 
 
 @kernel(inlined=True)
-def disc_outline_distance(x: float, y: float, radius: float, outline: BodyOutline, limit: float) -> float:
+def disc_outline_distance(centre: Point, radius: float, outline: BodyOutline, limit: float) -> float:
     """Return what ``outline_distance`` returns for a disc [m] and an outline, in fewer steps."""
+    x, y = centre
     best, segments, discs = limit, outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         dx, dy, both = x - discs[d, 0], y - discs[d, 1], radius + discs[d, 2]

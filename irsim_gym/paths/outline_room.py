@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline
+from irsim_gym.arraytypes import BodyOutline, Pose
 from irsim_gym.geometry.overlap import outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2
@@ -16,8 +16,6 @@ from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of, own_outline
 from irsim_gym.world.rows import row_of
-
-Pose = tuple[float, float, float]
 
 
 class PoseShape(NamedTuple):

@@ -84,7 +84,7 @@ def test_a_single_disc_gets_the_same_answers_bit_for_bit() -> None:
         limit = rng.choice([0.1, 0.7, np.inf])
         ring = disc(x, y, radius)
         assert disc_meets_outline(x, y, radius, shape.outline) is overlap(ring, shape)
-        assert disc_outline_distance(x, y, radius, shape.outline, limit) == distance(ring, shape, limit)
+        assert disc_outline_distance((x, y), radius, shape.outline, limit) == distance(ring, shape, limit)
         touching += overlap(ring, shape)
     assert 200 < touching < 1800
 

@@ -139,7 +139,7 @@ def test_colours_are_blended_in_each_channel(channels: int) -> None:
 def test_nothing_is_painted_outside_the_box() -> None:
     drawing, box = Drawing(), np.array([6, 3, 19, 14])
     for paint_one in (
-        lambda: paint_disc(RasterCanvas(drawing.picture, drawing.sheet, box), 12.0, 9.0, 30.0, WHITE),
+        lambda: paint_disc(RasterCanvas(drawing.picture, drawing.sheet, box), (12.0, 9.0), 30.0, WHITE),
         lambda: paint_polygon(
             RasterCanvas(drawing.picture, drawing.sheet, box), 2.0 * SQUARE - 15.0, 0, 4, False, WHITE
         ),
