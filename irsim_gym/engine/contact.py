@@ -135,7 +135,7 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel
                     continue
                 other = outline_of(model, state, w, q)
                 if is_disc:
-                    meets = disc_meets_outline(discs[d, 0], discs[d, 1], discs[d, 2], other)
+                    meets = disc_meets_outline((discs[d, 0], discs[d, 1]), discs[d, 2], other)
                 else:
                     whole = outline_of(model, state, w, b)
                     meets = outlines_overlap(whole, other)

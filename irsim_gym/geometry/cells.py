@@ -262,8 +262,9 @@ def segment_cells_distance(cells: CellMap, ax: float, ay: float, bx: float, by: 
 
 
 @kernel
-def cells_are_closer(cells: CellMap, x: float, y: float, limit: float) -> bool:
+def cells_are_closer(cells: CellMap, point: Point, limit: float) -> bool:
     """Return whether an occupied cell comes closer than ``limit`` [m] to a point."""
+    x, y = point
     _, most = room_about(cells, x, y)
     return bool(most < limit or segment_cells_distance(cells, x, y, x, y, limit) < limit)
 
@@ -337,7 +338,7 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
             if squares[0, i, j] > 0:
                 j += int(squares[0, i, j])
                 continue
-            if holds_point(outline, cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height):
+            if holds_point(outline, (cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height)):
                 return True
             j += 1
             while cells.radius == 0.0 and j <= last_j and squares[0, i, j] == 0:

@@ -30,9 +30,9 @@ def contains_point(segments: Floats, start: int, count: int, point: Point) -> bo
 
 
 @kernel
-def holds_point(outline: BodyOutline, x: float, y: float) -> bool:
+def holds_point(outline: BodyOutline, point: Point) -> bool:
     """Return whether a point [m] lies within the area that the segments of an outline enclose."""
-    return contains_point(outline.segments, outline.first_segment, outline.n_segments, (x, y))
+    return contains_point(outline.segments, outline.first_segment, outline.n_segments, point)
 
 
 @kernel

@@ -86,7 +86,7 @@ def map_is_closer(cells: CellMaps | None, w: int, point: Point, limit: float) ->
     """Return ``cells_are_closer`` for the map of world w; False without maps."""
     if cells is None:
         return False
-    return bool(cells_are_closer(map_of(cells, w), point[0], point[1], limit))
+    return bool(cells_are_closer(map_of(cells, w), point, limit))
 
 
 @kernel

@@ -79,7 +79,7 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
                 continue
             if segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy) <= radius2:
                 return False
-        if outline.solid and holds_point(outline, ax, ay):
+        if outline.solid and holds_point(outline, start):
             return False
     if capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius):
         return False
@@ -99,6 +99,6 @@ def room_at(obstacles: Obstacles, point: Point, limit: float) -> float:
             continue
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
-            best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
+            best = min(best, point_outline_distance(point, outline_of(model, obstacles.state, w, b)))
     best = points_distance(obstacles.points, point, map_distance(obstacles.cells, w, point, best))
     return float(np.maximum(best, 0.0))

@@ -130,7 +130,7 @@ def touch_inside(outline: BodyOutline, x: float, y: float, width: float, height:
     for i in range(first, last + 1):
         for j in range(low, high + 1):
             if not touched[i, j]:
-                touched[i, j] = holds_point(outline, x + (i + 0.5) * width, y + (j + 0.5) * height)
+                touched[i, j] = holds_point(outline, (x + (i + 0.5) * width, y + (j + 0.5) * height))
 
 
 @kernel

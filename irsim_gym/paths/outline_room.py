@@ -93,7 +93,7 @@ def largest_disc(model: WorldModel, w: int, b: int) -> float:
     best, least2, segments, discs = 0.0, np.inf, outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         best = max(best, discs[d, 2] - np.sqrt(discs[d, 0] * discs[d, 0] + discs[d, 1] * discs[d, 1]))
-    if not outline.solid or not holds_point(outline, 0.0, 0.0):
+    if not outline.solid or not holds_point(outline, (0.0, 0.0)):
         return best
     for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]

@@ -158,7 +158,7 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state
             continue
         for k in range(kept_goals(w, q, model)):
             x, y = model.waypoints[w, q, k, 0], model.waypoints[w, q, k, 1]
-            if point_outline_distance(x, y, outline) < reaches[q] + clearance:
+            if point_outline_distance((x, y), outline) < reaches[q] + clearance:
                 return False
     return True
 
@@ -208,7 +208,7 @@ def is_goal_free(
         near = reaches[b] + reaches[q] + clearance
         if dx * dx + dy * dy > near * near:
             continue
-        if point_outline_distance(x, y, outline_of(model, state, w, q)) < room:
+        if point_outline_distance((x, y), outline_of(model, state, w, q)) < room:
             return False
     return True
 
