@@ -22,7 +22,7 @@ def test_contains_point_against_shapely() -> None:
         rows[flipped] = rows[flipped][:, [2, 3, 0, 1]]
         found = [contains_point(rows, 0, len(rows), (x, y)) for x, y in points]
         assert found == shapely.contains_xy(shape, points).tolist()
-        assert found[:9] == [contains_point.py_func(rows, 0, len(rows), x, y) for x, y in points[:9]]  # type: ignore[attr-defined]
+        assert found[:9] == [contains_point.py_func(rows, 0, len(rows), (x, y)) for x, y in points[:9]]  # type: ignore[attr-defined]
 
 
 def test_contains_point_at_the_height_of_vertices() -> None:
