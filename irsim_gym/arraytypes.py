@@ -19,6 +19,13 @@ Pixels = NDArray[np.uint32]
 Record = np.record
 Records = NDArray[np.record]
 
+Point = tuple[float, float]
+"""x and y [m]."""
+Vector = tuple[float, float]
+"""Both parts of a vector, such as a velocity [m/s]."""
+Pose = tuple[float, float, float]
+"""x, y [m] and heading [rad]."""
+
 MAP_FRAME = np.dtype((np.record, "f8, f8, f8, f8, i8"))
 MAP_FRAME.names = "x", "y", "width", "height", "body"
 """Where an occupancy map lies: its lower left corner, width and height of a cell [m]; its body, -1 without a map."""

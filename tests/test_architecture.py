@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+from statistics import median
 
 import pytest
 from kernel_access import kernels
@@ -103,6 +104,8 @@ RENDER_FROM = {"envs", "levels", "live", "controls", "training", "arenas", "cli"
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
 MAX_KERNEL_LINES = 80
+MAX_ARGUMENTS, MEDIAN_ARGUMENTS = 8, 4
+"""Of kernels: values that belong together are one argument, such as a ``Point`` or a struct."""
 # tasks/checks.py compares a task with a scenario file, in the file's own words.
 YAML_READERS = ("engine/compile", "tasks/checks")
 YAML_ONLY_NAMES = {"acce", "vel_min", "vel_max"}
@@ -553,6 +556,16 @@ def test_files_and_functions_are_short() -> None:
             if length > limit:
                 problems.append(f"{module.place}:{function.lineno} {function.name}: {length} lines, at most {limit}")
     report(problems)
+
+
+def test_kernels_have_few_arguments() -> None:
+    counts = {
+        f"{module.place}:{kernel.lineno} {kernel.name}": len(kernel.args.args)
+        for module in modules()
+        for kernel in filter(is_kernel, functions(module))
+    }
+    report([f"{name}: {n} arguments, at most {MAX_ARGUMENTS}" for name, n in counts.items() if n > MAX_ARGUMENTS])
+    assert median(counts.values()) <= MEDIAN_ARGUMENTS
 
 
 def test_public_things_have_docstrings() -> None:

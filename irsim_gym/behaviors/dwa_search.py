@@ -243,7 +243,7 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
             break
     x, y, cosine, sine = place_at(twist, end)
     x, y = x + task.forward * cosine, y + task.forward * sine
-    path, reached = off_way(tables.way, task.n_way, x, y, speed * end + task.forward)
+    path, reached = off_way(tables.way, task.n_way, (x, y), speed * end + task.forward)
     obstacle = max(obstacle, obstacle_cost(options, least))
     goal = task.length - reached - saved
     return float(options.obstacle_weight * obstacle + options.path_weight * path + options.goal_weight * goal)

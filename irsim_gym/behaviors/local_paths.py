@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMaps, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Floats, Ints, Point
 from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import ASTRAY, CELL, LocalWays, advance_on_way
 from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, mark_standing
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Search
 from irsim_gym.world.group import Group, Shard
@@ -70,7 +70,7 @@ def note_scans(
                 y = here[1] + sine * hits[0, j] + cosine * hits[1, j]
                 note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
             is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
-            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
+            if is_known and advance_on_way(ways, w, m, here) <= ASTRAY:
                 free = is_still_free(ways.points[w, m], ways.side[w, m], ways.count[w, m], grid, soft, max(oldest, 0))
                 if (ways.count[w, m] > 1 and free) or now < ways.since[w, m]:
                     continue
@@ -124,7 +124,7 @@ def find_ways(
                 continue
             here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
             is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
-            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
+            if is_known and advance_on_way(ways, w, m, here) <= ASTRAY:
                 continue
             mark_standing(model, w, b, ways.blocks)
             reach = model.reach[row_of(model.reach, w), b]

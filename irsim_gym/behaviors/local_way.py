@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Point, Vector
 from irsim_gym.behaviors.seen_way import SeenCells
 from irsim_gym.behaviors.steering import goal_offset
 from irsim_gym.geometry.segments import point_segment_distance2
@@ -96,8 +96,8 @@ def forget_ways(worlds: Ints, ways: LocalWays) -> None:
 
 
 @kernel
-def advance_on_way(ways: LocalWays, w: int, m: int, x: float, y: float) -> float:
-    """Write beside which side of its path a member is now, and return how far from it [m].
+def advance_on_way(ways: LocalWays, w: int, m: int, place: Point) -> float:
+    """Write beside which side of its path a member is at its place [m], and return how far from it [m].
 
     Reads: ways (count, points, side).
     Writes: ways (side).
@@ -105,7 +105,7 @@ def advance_on_way(ways: LocalWays, w: int, m: int, x: float, y: float) -> float
     best2, found, points, gone = np.inf, ways.side[w, m], ways.points[w, m], 0.0
     for i in range(ways.side[w, m], ways.count[w, m] - 1):
         ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
-        distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
+        distance2 = point_segment_distance2(place[0], place[1], ax, ay, bx, by)
         if distance2 < best2:
             best2, found = distance2, i
         gone += np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
@@ -136,7 +136,7 @@ def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, length: float, w
     n_points = 1
     way[0, 0], way[1, 0] = 0.0, 0.0
     if count > 1:
-        dx, dy = nearest_on_side(points, side, x, y)
+        dx, dy = nearest_on_side(points, side, (x, y))
         way[0, 0], way[1, 0] = cosine * dx + sine * dy, cosine * dy - sine * dx
         driven = 0.0
         for i in range(side + 1, count - 1):
@@ -152,8 +152,9 @@ def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, length: float, w
 
 
 @kernel
-def nearest_on_side(points: Floats, side: int, x: float, y: float) -> tuple[float, float]:
+def nearest_on_side(points: Floats, side: int, place: Point) -> Vector:
     """Return where the point of a side of a path nearest to a body is, relative to the body [m]."""
+    x, y = place
     ax, ay, dx, dy = points[side, 0], points[side, 1], points[side + 1, 0], points[side + 1, 1]
     dx, dy = dx - ax, dy - ay
     length2 = dx * dx + dy * dy
@@ -163,7 +164,7 @@ def nearest_on_side(points: Floats, side: int, x: float, y: float) -> tuple[floa
 
 
 @kernel
-def off_way(way: Floats, n_points: int, x: float, y: float, most: float) -> tuple[float, float]:
+def off_way(way: Floats, n_points: int, point: Point, most: float) -> tuple[float, float]:
     """Return how far a point is from a way, and how far along the way the nearest point on it is [m].
 
     A body that drives ``most`` gets no farther along: the rest of the way, which may come near again behind a wall,
@@ -172,10 +173,10 @@ def off_way(way: Floats, n_points: int, x: float, y: float, most: float) -> tupl
     Args:
         way: x and y of its points [m], shape ``(2, n)``.
         n_points: Number of points.
-        x: The point [m].
-        y: The point [m].
+        point: The point [m].
         most: How much of the way counts [m].
     """
+    x, y = point
     best2, reached, driven = np.inf, 0.0, 0.0
     for i in range(n_points - 1):
         if driven > most:

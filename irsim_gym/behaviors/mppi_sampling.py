@@ -177,10 +177,10 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
         dx, dy = task.goal_x - here_x, task.goal_y - here_y
         if gap >= task.bearable and dx * dx + dy * dy < task.goal_radius * task.goal_radius:
             break
-        front_x, front_y = here_x + task.forward * poses.cosine[k], here_y + task.forward * poses.sine[k]
+        front = here_x + task.forward * poses.cosine[k], here_y + task.forward * poses.sine[k]
         driven += np.sqrt((here_x - last_x) * (here_x - last_x) + (here_y - last_y) * (here_y - last_y))
         last_x, last_y = here_x, here_y
-        path, reached = off_way(tables.way, task.n_way, front_x, front_y, driven + task.forward)
+        path, reached = off_way(tables.way, task.n_way, front, driven + task.forward)
         away = options.path_weight * path + options.goal_weight * (task.length - reached)
         if gap < task.bearable:
             return float(total + options.collision_cost * (2.0 - t / n_steps) + away * (n_steps - t) * motion.step)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Record
+from irsim_gym.arraytypes import Floats, Point, Record, Vector
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.linear_program import set_plane
 from irsim_gym.jit import kernel
@@ -65,7 +65,7 @@ def disc_plane(ego: Ego, other: Other, horizon: float, share: float, side: float
     overlap = distance2 <= radius * radius
     if overlap or (ahead < 0.0 and ahead * ahead > radius * radius * cut2):
         length = np.sqrt(cut2)
-        nx, ny = away(cut_x, cut_y, length, x, y)
+        nx, ny = away((cut_x, cut_y), (x, y))
         if length == 0.0 and distance2 == 0.0:
             nx = side
         change = radius / horizon - length
@@ -94,15 +94,17 @@ def standing_plane(ego: Ego, disc: Floats, horizon: float, plane: Record) -> Non
     dx, dy, both = disc[0] - ego.x, disc[1] - ego.y, disc[2] + ego.radius
     gap2 = dx * dx + dy * dy
     if gap2 <= both * both:
-        nx, ny = away(-dx, -dy, np.sqrt(gap2), dx, dy)
+        nx, ny = away((-dx, -dy), (dx, dy))
         set_plane(plane, nx, ny, 0.0)
     else:
         disc_plane(ego, Other(dx, dy, 0.0, 0.0, both), horizon, WHOLE, 1.0, plane)
 
 
 @kernel
-def away(dx: float, dy: float, length: float, x: float, y: float) -> tuple[float, float]:
-    """Return the unit vector along (dx, dy); without a length, that away from (x, y), and without either, +x."""
+def away(along: Vector, place: Point) -> Vector:
+    """Return the unit vector along a vector; without a length, that away from a place, and without either, +x."""
+    dx, dy, x, y = along[0], along[1], place[0], place[1]
+    length = np.sqrt(dx * dx + dy * dy)
     if length > 0.0:
         return dx / length, dy / length
     distance = np.sqrt(x * x + y * y)

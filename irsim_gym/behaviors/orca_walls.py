@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Record, Records
+from irsim_gym.arraytypes import Floats, Point, Record, Records, Vector
 from irsim_gym.behaviors.orca_lines import away
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.linear_program import set_plane
@@ -163,11 +163,11 @@ def wall_plane(edge: Edge, ego: Ego, horizon: float, plane: Record) -> bool:
     height, radius = dx * ay - dy * ax, ego.radius
     radius2, gap_a2, gap_b2 = radius * radius, ax * ax + ay * ay, bx * bx + by * by
     if before_a and gap_a2 <= radius2:
-        nx, ny = away(-ax, -ay, np.sqrt(gap_a2), ax, ay)
+        nx, ny = away((-ax, -ay), (ax, ay))
         set_plane(plane, nx, ny, 0.0)
         return bool(convex_a)
     if past_b and gap_b2 <= radius2:
-        nx, ny = away(-bx, -by, np.sqrt(gap_b2), bx, by)
+        nx, ny = away((-bx, -by), (bx, by))
         set_plane(plane, nx, ny, 0.0)
         return bool(convex_b and bx * edge.behind_y - by * edge.behind_x >= 0.0)
     if height <= radius and not before_a and not past_b:
@@ -210,9 +210,9 @@ def cone_plane(edge: Edge, front: Front, ego: Ego, horizon: float, plane: Record
     before_a = from_a_x * dx + from_a_y * dy < 0.0
     past_b = from_b_x * dx + from_b_y * dy > 0.0
     if (is_point and up_left < 0.0 and up_right < 0.0) or (not is_point and before_a and up_left < 0.0):
-        return round_plane(ax, ay, from_a_x, from_a_y, horizon, grown, plane)
+        return round_plane((ax, ay), (from_a_x, from_a_y), horizon, grown, plane)
     if not is_point and past_b and up_right < 0.0:
-        return round_plane(bx, by, from_b_x, from_b_y, horizon, grown, plane)
+        return round_plane((bx, by), (from_b_x, from_b_y), horizon, grown, plane)
     to_front = from_a_x * dy - from_a_y * dx
     to_left = from_a_x * left_y - from_a_y * left_x
     to_right = from_b_x * right_y - from_b_y * right_x
@@ -239,10 +239,10 @@ def tangent(x: float, y: float, radius: float, turn: float) -> tuple[float, floa
 
 
 @kernel
-def round_plane(x: float, y: float, dx: float, dy: float, horizon: float, grown: float, plane: Record) -> bool:
-    """Write the half-plane at the round end of a cone around (x, y) / horizon, in the direction (dx, dy) from it."""
-    nx, ny = away(dx, dy, np.sqrt(dx * dx + dy * dy), x, y)
-    set_plane(plane, nx, ny, (nx * x + ny * y) / horizon + grown)
+def round_plane(centre: Point, off: Vector, horizon: float, grown: float, plane: Record) -> bool:
+    """Write the half-plane at the round end of a cone around centre / horizon, in the direction of ``off`` from it."""
+    nx, ny = away(off, centre)
+    set_plane(plane, nx, ny, (nx * centre[0] + ny * centre[1]) / horizon + grown)
     return True
 
 

@@ -10,11 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Record, Records
+from irsim_gym.arraytypes import Floats, Pose, Record, Records
 from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, note_pose, pop, push
 from irsim_gym.jit import kernel
-from irsim_gym.paths.outline_room import Pose
 
 COARSE = 2
 """The cells of the table are so many times as large as those of the search, and as many times fewer headings differ."""
@@ -103,7 +102,7 @@ def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: Pos
         for m in range(moves.shape[0]):
             # The body comes from where the opposite of the move leads.
             move = moves[m]
-            before = pose_after(here, -move.ahead, -move.left, -move.turn, 1.0)
+            before = pose_after(here, (-move.ahead, -move.left, -move.turn), 1.0)
             count, size = offer_pose(
                 nodes, costs, cell, before, cost + seconds_of(options, move, gear, turn), m, count, size
             )  # fmt: skip

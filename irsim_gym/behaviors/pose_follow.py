@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Pose
 from irsim_gym.behaviors.pose_moves import SPIN, pose_after
 from irsim_gym.behaviors.pose_tables import AHEAD, GEAR, HEADING, LEFT, TURN, PoseWay, X, Y
 from irsim_gym.behaviors.pursuit_commands import STEEPEST, axis_speed, spin
@@ -14,7 +14,6 @@ from irsim_gym.behaviors.pursuit_motion import Command, Moving, executed
 from irsim_gym.behaviors.steering import braked_rate
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
-from irsim_gym.paths.outline_room import Pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
 
 SETTLE, SETTLE_STEPS = 0.2, 5.0
@@ -61,7 +60,7 @@ class OnWay(NamedTuple):
 def pose_on(way: PoseWay, place: OnWay) -> Pose:
     """Return the pose of the way at a place."""
     piece = way.pieces[place.piece]
-    return pose_after((piece[X], piece[Y], piece[HEADING]), piece[AHEAD], piece[LEFT], piece[TURN], place.share)
+    return pose_after((piece[X], piece[Y], piece[HEADING]), (piece[AHEAD], piece[LEFT], piece[TURN]), place.share)
 
 
 @kernel

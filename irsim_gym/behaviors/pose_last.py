@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Record, Records
+from irsim_gym.arraytypes import Pose, Record, Records
 from irsim_gym.behaviors.pose_costs import Aim
 from irsim_gym.behaviors.pose_moves import BACKWARD, FORWARD, SLIDE, SPIN
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
-from irsim_gym.paths.outline_room import Pose
 
 THERE = 1e-6
 """Nearer than this a body is at the place [m]."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Records
+from irsim_gym.arraytypes import Pose, Records
 from irsim_gym.behaviors.pursuit_commands import STEEPEST, axis_speed
 from irsim_gym.behaviors.pursuit_motion import Moving
-from irsim_gym.behaviors.rollouts import place_at
+from irsim_gym.behaviors.rollouts import Twist, place_at
 from irsim_gym.jit import kernel
-from irsim_gym.paths.outline_room import Pose
 from irsim_gym.structs import record_type
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
 
@@ -34,11 +33,11 @@ MOST_MOVES = 24
 
 
 @kernel
-def pose_after(pose: Pose, ahead: float, left: float, turn: float, share: float) -> Pose:
+def pose_after(pose: Pose, move: Twist, share: float) -> Pose:
     """Return where a share of a move leads from a pose [m, m, rad]; headings are not wrapped."""
-    dx, dy, _, _ = place_at((ahead, left, turn), share)
+    dx, dy, _, _ = place_at(move, share)
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    return pose[0] + (cosine * dx - sine * dy), pose[1] + (sine * dx + cosine * dy), pose[2] + turn * share
+    return pose[0] + (cosine * dx - sine * dy), pose[1] + (sine * dx + cosine * dy), pose[2] + move[2] * share
 
 
 @kernel

@@ -6,9 +6,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints, Pose
 from irsim_gym.jit import kernel
-from irsim_gym.paths.outline_room import Pose
 
 MOST_NODES = 1 << 19
 MOST_CLOSED = 1 << 17

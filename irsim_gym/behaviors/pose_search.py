@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Record, Records
+from irsim_gym.arraytypes import Floats, Pose, Record, Records
 from irsim_gym.behaviors.pose_costs import Aim, aim_gap, cost_without_obstacles, seconds_of
 from irsim_gym.behaviors.pose_last import lay_last
 from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
@@ -30,7 +30,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import field_at
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.outline_room import Pose, PoseShape, room_at_pose
+from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 
 NEAR = 2.0
 """Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
@@ -122,7 +122,7 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
     while share < 1.0:
         step = max(room - task.padding, task.padding, LEAST_STEP)
         share = min(share + step / travel, 1.0)
-        there = pose_after(pose, move.ahead, move.left, move.turn, share)
+        there = pose_after(pose, (move.ahead, move.left, move.turn), share)
         room = room_at_pose(task.obstacles, task.shape, there, limit)
         if room < task.padding or room <= 0.0:
             return 0.0, 0.0
@@ -196,7 +196,7 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
             n_closed += 1
             count, size = expand(task, nodes, node, count, size)
         if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
-            there = pose_after(here, task.last.ahead, task.last.left, task.last.turn, 1.0)
+            there = pose_after(here, (task.last.ahead, task.last.left, task.last.turn), 1.0)
             note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
             size = push(nodes, size, nodes.cost[count] + GREED * cost_to_go(task, there), count)
             count += 1
@@ -215,7 +215,7 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
         gear, turn = task.moves[nodes.move[node]].gear, task.moves[nodes.move[node]].turn
     for k in range(task.moves.shape[0]):
         move = task.moves[k]
-        there = pose_after(here, move.ahead, move.left, move.turn, 1.0)
+        there = pose_after(here, (move.ahead, move.left, move.turn), 1.0)
         cell = cell_of(task, there)
         if cell < 0 or is_closed(nodes.closed, cell):
             continue

@@ -76,22 +76,22 @@ def follow(
         course: The way.
         back: Steps for which it drives back.
     """
-    x, y, way, count = moving.pose[0], moving.pose[1], course.points, course.n_points
-    side, near_x, near_y = place_on_way(way, count, course.side, x, y)
-    if abs(near_x - x) > WINDOW or abs(near_y - y) > WINDOW:  # it was put elsewhere
+    here, way, count = (moving.pose[0], moving.pose[1]), course.points, course.n_points
+    side, near = place_on_way(way, count, course.side, here)
+    if abs(near[0] - here[0]) > WINDOW or abs(near[1] - here[1]) > WINDOW:  # it was put elsewhere
         return False, side, 0, braking_command(moving)
-    remaining = np.inf if course.goes_on else remaining_length(way, count, side, near_x, near_y)
-    room = room_at(everything, x, y, reach + max(options.proximity, SIGHT)) - reach
+    remaining = np.inf if course.goes_on else remaining_length(way, count, side, near)
+    room = room_at(everything, here, reach + max(options.proximity, SIGHT)) - reach
     radius = reach + 0.5 * min(course.margin, room) if room > 0.0 else TIGHT * (reach + room)
     slack = max(room + reach - radius, 0.0)
     speed = np.abs(moving.velocity[0])
     if moving.drive not in (DIFFERENTIAL, ACKERMANN):
         speed = np.sqrt(speed * speed + moving.velocity[1] * moving.velocity[1])
-    distance, found, target = lookahead_distance(options, speed), False, (x, y)
+    distance, found, target = lookahead_distance(options, speed), False, here
     for _ in range(TRIES):
-        point = point_at_distance(way, count, side, x, y, distance)
+        point = point_at_distance(way, count, side, here, distance)
         distance *= 0.5
-        if not way_is_free(standing, radius, (x, y), point):
+        if not way_is_free(standing, radius, here, point):
             continue
         found, target = True, point
         if wants_back(moving, point, back):

@@ -76,7 +76,8 @@ def note_scan(scan: OwnScan, w: int, k: int, b: int, state: WorldState, points: 
     cosine, sine = np.cos(heading), np.sin(heading)
     for i in range(find_hits(scan, w, k, np.inf, hits)):
         ahead, aside = hits[0, i], hits[1, i]
-        add_point(points, x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside, x, y)
+        hit = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+        add_point(points, hit, (x, y))
 
 
 @kernel
@@ -90,15 +91,15 @@ def way_is_blocked(obstacles: Obstacles, reach: float, tables: PursuitTables, w:
     way, count, pose = tables.points[w, m], tables.count[w, m], obstacles.state.pose[w, b]
     if count == 0:
         return False
-    side, x, y = place_on_way(way, count, tables.side[w, m], pose[0], pose[1])
+    side, place = place_on_way(way, count, tables.side[w, m], (pose[0], pose[1]))
     far = reach + 0.5 * tables.margin[w, m]
     for i in range(side + 1, count):
-        radius = far
+        radius, point = far, (way[i, 0], way[i, 1])
         if i == side + 1:
-            radius = min(radius, TIGHT * room_at(obstacles, x, y, far))
+            radius = min(radius, TIGHT * room_at(obstacles, place, far))
         if i == count - 1:
-            radius = min(radius, max(TIGHT * room_at(obstacles, way[i, 0], way[i, 1], far), reach))
-        if not way_is_free(obstacles, radius, (x, y), (way[i, 0], way[i, 1])):
+            radius = min(radius, max(TIGHT * room_at(obstacles, point, far), reach))
+        if not way_is_free(obstacles, radius, place, point):
             return True
-        x, y = way[i, 0], way[i, 1]
+        place = point
     return False

@@ -7,10 +7,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Point
 from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, room_at, way_is_free
+from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.points import PointMap
@@ -224,7 +224,7 @@ def place_beside(obstacles: Obstacles, radius: float, end: Point) -> Point:
 
     Reads: obstacles (blocks, cells, model, state, w).
     """
-    room = room_at(obstacles, end[0], end[1], 2.0 * radius)
+    room = room_at(obstacles, end, 2.0 * radius)
     if room > radius:
         return end
     for ring in range(1, RINGS + 1):
@@ -232,8 +232,6 @@ def place_beside(obstacles: Obstacles, radius: float, end: Point) -> Point:
         for k in range(DIRECTIONS):
             angle = 2.0 * np.pi * k / DIRECTIONS
             place = (end[0] + away * np.cos(angle), end[1] + away * np.sin(angle))
-            if room_at(obstacles, place[0], place[1], 2.0 * radius) > radius and way_is_free(
-                obstacles, TIGHT * room, end, place
-            ):
+            if room_at(obstacles, place, 2.0 * radius) > radius and way_is_free(obstacles, TIGHT * room, end, place):
                 return place
     return end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Point
 from irsim_gym.jit import kernel
 
 WINDOW = 2.0
@@ -12,16 +12,16 @@ WINDOW = 2.0
 
 
 @kernel
-def place_on_way(way: Floats, count: int, begin: int, x: float, y: float) -> tuple[int, float, float]:
+def place_on_way(way: Floats, count: int, begin: int, body: Point) -> tuple[int, Point]:
     """Return the side of the way, and the point on it [m], that is nearest to a body; the first of several.
 
     Args:
         way: The points [m], shape ``(n_points, 2)``.
         count: Number of points, at least 2; side i leads from point i to the next.
         begin: The side where the search begins.
-        x: The body [m].
-        y: The body [m].
+        body: Where the body is [m].
     """
+    x, y = body
     best, found, best_x, best_y, gone, i = np.inf, begin, way[begin, 0], way[begin, 1], 0.0, begin
     while i < count - 1 and gone <= WINDOW:
         ax, ay, dx, dy = way[i, 0], way[i, 1], way[i + 1, 0] - way[i, 0], way[i + 1, 1] - way[i, 1]
@@ -34,12 +34,13 @@ def place_on_way(way: Floats, count: int, begin: int, x: float, y: float) -> tup
             best, found, best_x, best_y = distance2, i, px, py
         gone += np.sqrt(length2) * (1.0 - share if i == begin else 1.0)
         i += 1
-    return found, best_x, best_y
+    return found, (best_x, best_y)
 
 
 @kernel
-def remaining_length(way: Floats, count: int, side: int, x: float, y: float) -> float:
+def remaining_length(way: Floats, count: int, side: int, point: Point) -> float:
     """Return the length of the way [m] from a point on one of its sides to its end."""
+    x, y = point
     total = 0.0
     for i in range(side + 1, count):
         total += np.sqrt((way[i, 0] - x) * (way[i, 0] - x) + (way[i, 1] - y) * (way[i, 1] - y))
@@ -48,7 +49,7 @@ def remaining_length(way: Floats, count: int, side: int, x: float, y: float) -> 
 
 
 @kernel
-def point_at_distance(way: Floats, count: int, side: int, x: float, y: float, distance: float) -> tuple[float, float]:
+def point_at_distance(way: Floats, count: int, side: int, body: Point, distance: float) -> Point:
     """Return the first point of the way [m], from one of its sides on, that is so far away from a body; else its end.
 
     Where a side leaves the circle about the body, the point is where they meet; one that passes by the circle has the
@@ -58,10 +59,10 @@ def point_at_distance(way: Floats, count: int, side: int, x: float, y: float, di
         way: The points [m], shape ``(n_points, 2)``.
         count: Number of points.
         side: The side where the body is.
-        x: The body [m].
-        y: The body [m].
+        body: Where the body is [m].
         distance: How far away [m].
     """
+    x, y = body
     for i in range(side, count - 1):
         bx, by = way[i + 1, 0] - x, way[i + 1, 1] - y
         if bx * bx + by * by < distance * distance:

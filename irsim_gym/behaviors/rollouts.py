@@ -171,7 +171,7 @@ def gap_at(
             distance2 = dx * dx + dy * dy
             if distance2 <= within and distance2 < (reach + best) * (reach + best):
                 x, y = poses.cosine[k] * dx + poses.sine[k] * dy, poses.cosine[k] * dy - poses.sine[k] * dx
-                best = min(best, point_outline_distance(x, y, outline))
+                best = min(best, point_outline_distance((x, y), outline))
     return best
 
 

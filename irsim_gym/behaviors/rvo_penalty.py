@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Records
+from irsim_gym.arraytypes import Floats, Records, Vector
 from irsim_gym.behaviors.free_samples import RvoTables
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.behaviors.velocity_obstacles import SLACK, Axis
@@ -45,7 +45,7 @@ def least_penalty(
                 break
             time = 0.0
             if least == 0.0:
-                time = time_to_collision(ego, samples[0, i], samples[1, j], rounds, sides)
+                time = time_to_collision(ego, (samples[0, i], samples[1, j]), rounds, sides)
             cost = factor * (1.0 / (NO_TIME if time == 0.0 else time)) + distance
             place = i * along_y.n + j
             if cost < best_cost or (cost == best_cost and place < best):
@@ -54,24 +54,24 @@ def least_penalty(
 
 
 @kernel
-def time_to_collision(ego: Ego, vx: float, vy: float, rounds: Records, sides: Floats) -> float:
-    """Return when a body with the velocity (vx, vy) [m/s] runs into what it sees [s].
+def time_to_collision(ego: Ego, velocity: Vector, rounds: Records, sides: Floats) -> float:
+    """Return when a body with a velocity [m/s] runs into what it sees [s].
 
     A reciprocal body moves as if it took twice the change: relative to a disc it has the velocity 2 v - v_now - u.
     """
     time = np.inf
     for disc in rounds:
-        tx, ty = 2.0 * vx - ego.vx - disc.vx, 2.0 * vy - ego.vy - disc.vy
+        tx, ty = 2.0 * velocity[0] - ego.vx - disc.vx, 2.0 * velocity[1] - ego.vy - disc.vy
         time = min(time, disc.touch_way / (np.sqrt(tx * tx + ty * ty) + 1e-7))
     for side in sides:
-        time = min(time, time_to_side(ego, vx, vy, side))
+        time = min(time, time_to_side(ego, velocity, side))
     return time
 
 
 @kernel
-def time_to_side(ego: Ego, vx: float, vy: float, side: Floats) -> float:
-    """Return when a body with the velocity (vx, vy) meets a segment [s]: its line, up to its radius beyond its ends."""
-    x, y, r = ego.x, ego.y, ego.radius
+def time_to_side(ego: Ego, velocity: Vector, side: Floats) -> float:
+    """Return when a body with a velocity [m/s] meets a segment [s]: its line, up to its radius beyond its ends."""
+    x, y, vx, vy, r = ego.x, ego.y, velocity[0], velocity[1], ego.radius
     along_x, along_y = side[2] - side[0], side[3] - side[1]
     length = np.sqrt(along_x * along_x + along_y * along_y)
     if length < 1e-12:

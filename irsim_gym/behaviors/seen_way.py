@@ -6,10 +6,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Labels, Point
 from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell, is_clear
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid, Search, centre
 from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
 
@@ -110,7 +109,7 @@ def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
     while i < count - 1:
         last = i + 1
         for j in range(count - 1, i + 1, -1):
-            if is_clear(path[kept - 1, 0], path[kept - 1, 1], path[j, 0], path[j, 1], grid, blocked):
+            if is_clear((path[kept - 1, 0], path[kept - 1, 1]), (path[j, 0], path[j, 1]), grid, blocked):
                 last = j
                 break
         path[kept, 0], path[kept, 1] = path[last, 0], path[last, 1]

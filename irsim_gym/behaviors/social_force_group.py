@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Flags, Ints, Vector
 from irsim_gym.behaviors import social_force
 from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
@@ -178,7 +178,7 @@ def force_of_party(
     pull = (np.tanh(np.hypot(mean_x - x, mean_y - y) - (count - 1.0) / 2.0) + 1.0) / 2.0
     others_x, others_y = (count * mean_x - x) / (count - 1.0), (count * mean_y - y) / (count - 1.0)
     vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
-    turn = head_turn(vx, vy, others_x - x, others_y - y, options.gaze_vision_angle * np.pi / 180.0)
+    turn = head_turn((vx, vy), (others_x - x, others_y - y), options.gaze_vision_angle * np.pi / 180.0)
     coherence, repulsion = options.force_factor_coherence, options.force_factor_group_repulsion
     gaze = options.force_factor_gaze
     return (
@@ -188,8 +188,9 @@ def force_of_party(
 
 
 @kernel
-def head_turn(vx: float, vy: float, dx: float, dy: float, sight: float) -> float:
-    """Return by how much a walker has to turn its head [rad] to see a point at (dx, dy) [m]."""
+def head_turn(velocity: Vector, offset: Vector, sight: float) -> float:
+    """Return by how much a walker has to turn its head [rad] to see a point at an offset [m]."""
+    vx, vy, dx, dy = velocity[0], velocity[1], offset[0], offset[1]
     speed, distance = np.hypot(vx, vy), np.hypot(dx, dy)
     if speed <= 1e-9 or distance <= 1e-9:
         return 0.0

@@ -143,7 +143,7 @@ def push_of_bodies(
         look = ROUND if among[q] else look_of(model, w, q)
         if look == STANDING:
             outline = outline_of(model, state, w, q)
-            distance = point_outline_distance(x, y, outline)
+            distance = point_outline_distance((x, y), outline)
             if distance <= reach:
                 cx, cy = nearest_point(x, y, outline)
                 fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Record, Records
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Point, Record, Records
 from irsim_gym.behaviors.map_parts import map_discs, map_walls, most_map_discs, most_map_walls
 from irsim_gym.behaviors.surroundings import MARGIN, is_seen, wall_bodies
 from irsim_gym.geometry.segments import side
@@ -148,8 +148,7 @@ def find_nearest_walls(model: WorldModel, w: int, x: float, y: float, reach: flo
     for k in range(map_walls(model, w, x, y, reach, sides, 0)):
         ax, ay, bx, by = sides[k]
         if side(ax, ay, bx, by, x, y) >= 0.0:
-            cx, cy = foot_on(x, y, sides[k])
-            note_nearest(x, y, cx, cy, tables.nearest[2 * int(ax == bx) + int(bx < ax or by < ay)])
+            note_nearest((x, y), foot_on(x, y, sides[k]), tables.nearest[2 * int(ax == bx) + int(bx < ax or by < ay)])
 
 
 @kernel
@@ -166,15 +165,16 @@ def find_nearest_discs(model: WorldModel, w: int, x: float, y: float, reach: flo
         if off > radius:
             share = radius / off
             way = 2 + int(dx < 0.0) if np.abs(dx) > np.abs(dy) else int(dy < 0.0)
-            note_nearest(x, y, discs[d, 0] + share * dx, discs[d, 1] + share * dy, tables.nearest[way])
+            note_nearest((x, y), (discs[d, 0] + share * dx, discs[d, 1] + share * dy), tables.nearest[way])
 
 
 @kernel
-def note_nearest(x: float, y: float, cx: float, cy: float, point: Record) -> None:
-    """Note a point at (cx, cy) if it is nearer to (x, y) [m] than the one that is known."""
-    gap2 = (x - cx) * (x - cx) + (y - cy) * (y - cy)
-    if gap2 < point.gap2:
-        point.gap2, point.x, point.y = gap2, cx, cy
+def note_nearest(body: Point, point: Point, nearest: Record) -> None:
+    """Note a point if it is nearer to a body [m] than the one that is known."""
+    dx, dy = body[0] - point[0], body[1] - point[1]
+    gap2 = dx * dx + dy * dy
+    if gap2 < nearest.gap2:
+        nearest.gap2, nearest.x, nearest.y = gap2, point[0], point[1]
 
 
 @kernel

@@ -200,7 +200,7 @@ def look_around(
         if is_far(model, state, w, b, q, sight) or not is_seen(model, w, b, q, target_roles):
             continue
         look = look_of(model, w, q)
-        if look == STANDING and point_outline_distance(x, y, outline_of(model, state, w, q)) < sight:
+        if look == STANDING and point_outline_distance((x, y), outline_of(model, state, w, q)) < sight:
             n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
             n_rounds = copy_discs(model, state, w, q, rounds, n_rounds)
         if look == ROUND:

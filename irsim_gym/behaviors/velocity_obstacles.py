@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Record, Records
+from irsim_gym.arraytypes import Floats, Ints, Record, Records, Vector
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
@@ -86,7 +86,7 @@ def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
             apex_x, apex_y = apex_x - shift * np.cos(right), apex_y - shift * np.sin(right)
         else:
             apex_x, apex_y = ux + shift * np.cos(right), uy + shift * np.sin(right)
-    write_cone(cone, apex_x, apex_y, left, right)
+    write_cone(cone, (apex_x, apex_y), left, right)
 
 
 @kernel
@@ -105,9 +105,9 @@ def side_cones(ego: Ego, sides: Floats, cones: Records, n_cones: int) -> int:
         before, after = widening(ax, ay, ego.radius), widening(bx, by, ego.radius)
         turn = np.arctan2(np.sin(second - first), np.cos(second - first))
         if turn >= 0.0:
-            write_cone(cones[n_cones], 0.0, 0.0, second + after, first - before)
+            write_cone(cones[n_cones], (0.0, 0.0), second + after, first - before)
         else:
-            write_cone(cones[n_cones], 0.0, 0.0, first + before, second - after)
+            write_cone(cones[n_cones], (0.0, 0.0), first + before, second - after)
         n_cones += 1
     return n_cones
 
@@ -120,10 +120,10 @@ def widening(dx: float, dy: float, r: float) -> float:
 
 
 @kernel
-def write_cone(cone: Record, apex_x: float, apex_y: float, left: float, right: float) -> None:
+def write_cone(cone: Record, apex: Vector, left: float, right: float) -> None:
     """Write a cone from its apex [m/s] and the angles [rad] of its edges."""
     left_x, left_y, right_x, right_y = np.cos(left), np.sin(left), np.cos(right), np.sin(right)
-    set_cone(cone, apex_x, apex_y, left_x, left_y, right_x, right_y)
+    set_cone(cone, apex[0], apex[1], left_x, left_y, right_x, right_y)
     cone.is_exact = 1
 
 

@@ -135,7 +135,7 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel
                     continue
                 other = outline_of(model, state, w, q)
                 if is_disc:
-                    meets = disc_meets_outline(discs[d, 0], discs[d, 1], discs[d, 2], other)
+                    meets = disc_meets_outline((discs[d, 0], discs[d, 1]), discs[d, 2], other)
                 else:
                     whole = outline_of(model, state, w, b)
                     meets = outlines_overlap(whole, other)
@@ -234,7 +234,7 @@ def measure_clearance(
                     continue
                 other = outline_of(model, state, w, q)
                 if is_disc:
-                    best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], other, best)
+                    best = disc_outline_distance((discs[d, 0], discs[d, 1]), discs[d, 2], other, best)
                 else:
                     whole = outline_of(model, state, w, b)
                     best = min(best, outline_distance(whole, other, best))

@@ -80,7 +80,7 @@ def measure_near_clearance(
                         continue
                     other = outline_of(model, state, w, q)
                     if is_disc:
-                        best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], other, best)
+                        best = disc_outline_distance((discs[d, 0], discs[d, 1]), discs[d, 2], other, best)
                     else:
                         whole = outline_of(model, state, w, b)
                         best = min(best, outline_distance(whole, other, best))

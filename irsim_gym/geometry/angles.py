@@ -1,4 +1,4 @@
-"""Angles: wrapping and bearings."""
+"""Angles: wrapping, and the cosine and sine of a heading."""
 
 from __future__ import annotations
 
@@ -61,12 +61,3 @@ def turned(heading: float, known: Floats) -> tuple[float, float]:
     if known[2] == heading and known[0] * known[0] + known[1] * known[1] > 0.0:
         return known[0], known[1]
     return np.cos(heading), np.sin(heading)
-
-
-@kernel
-def bearing(pose_x: float, pose_y: float, heading: float, x: float, y: float) -> float:
-    """Return the direction of the point (x, y) [m] relative to the heading [rad], in (-pi, pi].
-
-    A point at the pose's own place is taken to lie in the direction of the world's x axis.
-    """
-    return wrap(np.arctan2(y - pose_y, x - pose_x) - heading)

@@ -15,13 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Labels, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Labels, Pose, Rays
 from irsim_gym.jit import kernel
 
 STEEP = 1e30
 """Cells per metre of a beam that does not move along an axis, inverted."""
 
-Pose = tuple[float, float, float]
 
 LANES = 32
 """Beams of a block."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Floats
+from irsim_gym.arraytypes import CellMap, Floats, Point
 from irsim_gym.jit import kernel
 
 FARTHEST = 64
@@ -78,9 +78,9 @@ def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
 
 
 @kernel
-def disc_gap2(cells: CellMap, i: int, j: int, x: float, y: float) -> float:
+def disc_gap2(cells: CellMap, i: int, j: int, point: Point) -> float:
     """Return the squared distance [m2] of a point from the disc in a cell, 0 within it."""
-    dx, dy = cells.x + (i + 0.5) * cells.width - x, cells.y + (j + 0.5) * cells.height - y
+    dx, dy = cells.x + (i + 0.5) * cells.width - point[0], cells.y + (j + 0.5) * cells.height - point[1]
     gap = max(np.sqrt(dx * dx + dy * dy) - cells.radius, 0.0)
     return float(gap * gap)
 
@@ -114,7 +114,7 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
                 free, near = int(squares[0, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
                     if cells.radius > 0.0 and near <= bound:
-                        near = disc_gap2(cells, i, j, x, y)
+                        near = disc_gap2(cells, i, j, (x, y))
                     best = min(best, near) if near <= bound else best
                     break
                 j += free
@@ -125,7 +125,7 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
                 free, near = int(squares[2, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
                     if cells.radius > 0.0 and near <= bound:
-                        near = disc_gap2(cells, i, j, x, y)
+                        near = disc_gap2(cells, i, j, (x, y))
                     best = min(best, near) if near <= bound else best
                     break
                 j -= free

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Spans
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Point, Spans
 from irsim_gym.geometry.cell_room import nearest_to_point2, room_about
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
 
+Cell = tuple[int, int]
+"""Column and row."""
 LARGEST = 255
 SLACK = 1e-9
 """How much farther than needed cells are looked for [cells], so that rounding loses none; an exact test follows."""
@@ -94,8 +96,9 @@ def is_run(occupied: Flags, i: int, first: int, end: int) -> bool:
 
 
 @kernel
-def box_is_free(squares: Bytes, first_i: int, first_j: int, last_i: int, last_j: int) -> bool:
+def box_is_free(squares: Bytes, first: Cell, last: Cell) -> bool:
     """Return True if free squares of the quickest tiling show that a box of cells is free; False proves nothing."""
+    first_i, first_j, last_i, last_j = first[0], first[1], last[0], last[1]
     width, height = last_i - first_i + 1, last_j - first_j + 1
     if width <= height:
         j = first_j
@@ -185,7 +188,7 @@ def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, re
     columns, rows = squares.shape[1], squares.shape[2]
     first_i, last_i = cell_range(min(ax, bx) - reach, max(ax, bx) + reach, cells.x, cells.width, columns)
     first_j, last_j = cell_range(min(ay, by) - reach, max(ay, by) + reach, cells.y, cells.height, rows)
-    if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
+    if last_i < first_i or last_j < first_j or box_is_free(squares, (first_i, first_j), (last_i, last_j)):
         return best
     for i in range(first_i, last_i + 1):
         left, right = cells.x + i * cells.width, cells.x + (i + 1) * cells.width
@@ -259,8 +262,9 @@ def segment_cells_distance(cells: CellMap, ax: float, ay: float, bx: float, by: 
 
 
 @kernel
-def cells_are_closer(cells: CellMap, x: float, y: float, limit: float) -> bool:
+def cells_are_closer(cells: CellMap, point: Point, limit: float) -> bool:
     """Return whether an occupied cell comes closer than ``limit`` [m] to a point."""
+    x, y = point
     _, most = room_about(cells, x, y)
     return bool(most < limit or segment_cells_distance(cells, x, y, x, y, limit) < limit)
 
@@ -282,7 +286,7 @@ def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tupl
             px = min(max(x, cells.x + i * cells.width), cells.x + (i + 1) * cells.width)
             py = min(max(y, cells.y + j * cells.height), cells.y + (j + 1) * cells.height)
             if cells.radius > 0.0:
-                px, py = nearest_disc_point(cells, i, j, x, y)
+                px, py = nearest_disc_point(cells, i, j, (x, y))
             here = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
             if here < best:
                 best, best_x, best_y = here, px, py
@@ -290,8 +294,9 @@ def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tupl
 
 
 @kernel
-def nearest_disc_point(cells: CellMap, i: int, j: int, x: float, y: float) -> tuple[float, float]:
+def nearest_disc_point(cells: CellMap, i: int, j: int, point: Point) -> Point:
     """Return the point of the disc in a cell that is nearest to a point [m]: that point itself if it lies within."""
+    x, y = point
     cx, cy = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
     away = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
     share = cells.radius / away if away > cells.radius else 1.0
@@ -325,7 +330,7 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
         low, high = min(low, segments[s, 1]), max(high, segments[s, 1])
     first_i, last_i = cell_range(left, right, cells.x, cells.width, squares.shape[1])
     first_j, last_j = cell_range(low, high, cells.y, cells.height, squares.shape[2])
-    if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
+    if last_i < first_i or last_j < first_j or box_is_free(squares, (first_i, first_j), (last_i, last_j)):
         return False
     for i in range(first_i, last_i + 1):
         j = first_j
@@ -333,7 +338,7 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
             if squares[0, i, j] > 0:
                 j += int(squares[0, i, j])
                 continue
-            if holds_point(outline, cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height):
+            if holds_point(outline, (cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height)):
                 return True
             j += 1
             while cells.radius == 0.0 and j <= last_j and squares[0, i, j] == 0:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline
+from irsim_gym.arraytypes import BodyOutline, Point
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2, segments_intersect
 from irsim_gym.jit import kernel
@@ -53,10 +53,11 @@ def outline_distance(a: BodyOutline, b: BodyOutline, limit: float) -> float:
 
 
 @kernel
-def point_outline_distance(x: float, y: float, outline: BodyOutline) -> float:
+def point_outline_distance(point: Point, outline: BodyOutline) -> float:
     """Return the distance [m] of a point [m] from an outline: 0 inside an area, inf if the outline is empty."""
-    if outline.solid and holds_point(outline, x, y):
+    if outline.solid and holds_point(outline, point):
         return 0.0
+    x, y = point
     best2, segments, discs = np.inf, outline.segments, outline.discs
     for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
@@ -69,8 +70,9 @@ def point_outline_distance(x: float, y: float, outline: BodyOutline) -> float:
 
 
 @kernel(inlined=True)
-def disc_meets_outline(x: float, y: float, radius: float, outline: BodyOutline) -> bool:
+def disc_meets_outline(centre: Point, radius: float, outline: BodyOutline) -> bool:
     """Return what ``outlines_overlap`` returns for a disc [m] and an outline, in fewer steps."""
+    x, y = centre
     segments, discs = outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         dx, dy, both = x - discs[d, 0], y - discs[d, 1], radius + discs[d, 2]
@@ -82,7 +84,7 @@ def disc_meets_outline(x: float, y: float, radius: float, outline: BodyOutline) 
         is_out = line_is_out(x, y, ax, ay, bx, by, out2)
         if not is_out and point_segment_distance2(x, y, ax, ay, bx, by) <= radius2:
             return True
-    return outline.solid and holds_point(outline, x, y)
+    return outline.solid and holds_point(outline, centre)
 
 
 @kernel(inlined=True)
@@ -94,8 +96,9 @@ def line_is_out(x: float, y: float, ax: float, ay: float, bx: float, by: float, 
 
 
 @kernel(inlined=True)
-def disc_outline_distance(x: float, y: float, radius: float, outline: BodyOutline, limit: float) -> float:
+def disc_outline_distance(centre: Point, radius: float, outline: BodyOutline, limit: float) -> float:
     """Return what ``outline_distance`` returns for a disc [m] and an outline, in fewer steps."""
+    x, y = centre
     best, segments, discs = limit, outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         dx, dy, both = x - discs[d, 0], y - discs[d, 1], radius + discs[d, 2]
@@ -110,7 +113,7 @@ def disc_outline_distance(x: float, y: float, radius: float, outline: BodyOutlin
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         if not line_is_out(x, y, ax, ay, bx, by, out2):
             least2 = min(least2, point_segment_distance2(x, y, ax, ay, bx, by))
-    if least2 <= radius * radius or (outline.solid and holds_point(outline, x, y)):
+    if least2 <= radius * radius or (outline.solid and holds_point(outline, centre)):
         return 0.0
     return float(min(best, np.sqrt(least2) - radius))
 
@@ -148,11 +151,11 @@ def holds_part(area: BodyOutline, other: BodyOutline) -> bool:
     """
     segments, first = other.segments, other.first_segment
     for d in range(other.first_disc, other.first_disc + other.n_discs):
-        if holds_point(area, other.discs[d, 0], other.discs[d, 1]):
+        if holds_point(area, (other.discs[d, 0], other.discs[d, 1])):
             return True
     for s in range(first, first + other.n_segments):
         begins = s == first or segments[s, 0] != segments[s - 1, 2] or segments[s, 1] != segments[s - 1, 3]
-        if begins and holds_point(area, segments[s, 0], segments[s, 1]):
+        if begins and holds_point(area, (segments[s, 0], segments[s, 1])):
             return True
     return False
 

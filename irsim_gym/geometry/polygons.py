@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Floats
+from irsim_gym.arraytypes import BodyOutline, Floats, Point
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
 
 
 @kernel
-def contains_point(segments: Floats, start: int, count: int, x: float, y: float) -> bool:
+def contains_point(segments: Floats, start: int, count: int, point: Point) -> bool:
     """Return whether a point [m] lies within the area that segments enclose, by the even-odd rule.
 
     The segments may come in any order and direction. A point on the boundary may get either answer.
@@ -19,10 +19,9 @@ def contains_point(segments: Floats, start: int, count: int, x: float, y: float)
         segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
         start: First row of the boundary.
         count: Number of its rows.
-        x: Position [m].
-        y: Position [m].
+        point: The point [m].
     """
-    inside = False
+    x, y, inside = point[0], point[1], False
     for s in range(start, start + count):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         if (ay > y) != (by > y) and (side(ax, ay, bx, by, x, y) > 0.0) == (by > ay):
@@ -31,9 +30,9 @@ def contains_point(segments: Floats, start: int, count: int, x: float, y: float)
 
 
 @kernel
-def holds_point(outline: BodyOutline, x: float, y: float) -> bool:
+def holds_point(outline: BodyOutline, point: Point) -> bool:
     """Return whether a point [m] lies within the area that the segments of an outline enclose."""
-    return contains_point(outline.segments, outline.first_segment, outline.n_segments, x, y)
+    return contains_point(outline.segments, outline.first_segment, outline.n_segments, point)
 
 
 @kernel

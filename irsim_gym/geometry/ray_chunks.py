@@ -95,6 +95,20 @@ class Eye(NamedTuple):
     sine: float
 
 
+class Fan(NamedTuple):
+    """How the beams of a sensor are spread.
+
+    Attributes:
+        n_beams: Number of beams, a multiple of BLOCK.
+        first: Direction of the first beam [rad].
+        density: Beams per rad; 0 where the beams are not evenly spread, so that all are cast.
+    """
+
+    n_beams: int
+    first: np.float32
+    density: np.float32
+
+
 @kernel(inlined=True)
 def prepare_segments(count: int, eye: Eye, far: float, rows: Floats, limits: Floats, sides: Record) -> int:
     """Write what the beams need to know of segments, and which of them are kept: those in range that show their front.
@@ -193,14 +207,12 @@ def rough_angle(x: np.float32, y: np.float32) -> np.float32:
 
 
 @kernel(contract=True, inlined=True)
-def span_segments(count: int, n_beams: int, first: np.float32, density: np.float32, sides: Record) -> None:
+def span_segments(count: int, fan: Fan, sides: Record) -> None:
     """Write for each segment the first of the beams that may meet it, and in how many runs they lie.
 
     Args:
         count: Number of segments.
-        n_beams: Number of beams, a multiple of BLOCK.
-        first: Direction of the first beam [rad].
-        density: Beams per rad; 0 where the beams are not evenly spread, so that all are cast.
+        fan: How the beams are spread.
         sides: From ``prepare_segments``; lanes are filled up, so what follows the last segment means nothing.
     """
     for j in range((count + RUN - 1) // RUN * RUN):
@@ -208,27 +220,26 @@ def span_segments(count: int, n_beams: int, first: np.float32, density: np.float
         a, b = rough_angle(ax, ay), rough_angle(bx, by)
         turns_left = ax * by - ay * bx > np.float32(0.0)
         low, high = (a if turns_left else b), (b if turns_left else a)
-        sides.begin[j], sides.runs[j] = span(low, high, n_beams, first, density)
+        sides.begin[j], sides.runs[j] = span(low, high, fan)
 
 
 @kernel(contract=True, inlined=True)
-def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, rounds: Record) -> None:
+def span_discs(count: int, fan: Fan, rounds: Record) -> None:
     """Write for each disc the first of the beams that may meet it, and in how many runs they lie."""
     for j in range((count + RUN - 1) // RUN * RUN):
         middle, half = rough_angle(rounds.x[j], rounds.y[j]), rounds.half[j]
-        rounds.begin[j], rounds.runs[j] = span(middle - half, middle + half, n_beams, first, density)
+        rounds.begin[j], rounds.runs[j] = span(middle - half, middle + half, fan)
 
 
 @kernel(contract=True, inlined=True)
-def span(
-    low: np.float32, high: np.float32, n_beams: int, first: np.float32, density: np.float32
-) -> tuple[np.int32, np.int32]:
+def span(low: np.float32, high: np.float32, fan: Fan) -> tuple[np.int32, np.int32]:
     """Return the first beam between two directions and the number of runs; after the last run comes the first one.
 
     All runs where the beams are not evenly spread.
     """
     zero, one, turn, half_turn = np.float32(0.0), np.float32(1.0), np.float32(TURN), np.float32(HALF_TURN)
-    share, whole = np.float32(1.0 / RUN), np.float32(n_beams)
+    first, density = fan.first, fan.density
+    share, whole = np.float32(1.0 / RUN), np.float32(fan.n_beams)
     low, high = low - np.float32(MARGIN), high + np.float32(MARGIN)
     is_across = (low > high) | (low < -half_turn) | (high > half_turn)
     low, high = low + turn if low < -half_turn else low, high - turn if high > half_turn else high

@@ -16,7 +16,7 @@ world, and nothing else does. In a ``WorldModel`` they are ``map_squares``, ``ma
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import BodyOutline, CellMap, CellMaps, Flags, Floats
+from irsim_gym.arraytypes import BodyOutline, CellMap, CellMaps, Flags, Floats, Point
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import (
     capsule_meets_cells,
@@ -74,19 +74,19 @@ def capsule_meets_map(
 
 
 @kernel
-def map_distance(cells: CellMaps | None, w: int, x: float, y: float, limit: float) -> float:
+def map_distance(cells: CellMaps | None, w: int, point: Point, limit: float) -> float:
     """Return the distance [m] of a point from the occupied cells of world w, ``limit`` if it is not smaller."""
     if cells is None:
         return limit
-    return float(segment_cells_distance(map_of(cells, w), x, y, x, y, limit))
+    return float(segment_cells_distance(map_of(cells, w), point[0], point[1], point[0], point[1], limit))
 
 
 @kernel
-def map_is_closer(cells: CellMaps | None, w: int, x: float, y: float, limit: float) -> bool:
+def map_is_closer(cells: CellMaps | None, w: int, point: Point, limit: float) -> bool:
     """Return ``cells_are_closer`` for the map of world w; False without maps."""
     if cells is None:
         return False
-    return bool(cells_are_closer(map_of(cells, w), x, y, limit))
+    return bool(cells_are_closer(map_of(cells, w), point, limit))
 
 
 @kernel

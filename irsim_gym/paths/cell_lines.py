@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.arraytypes import Bytes, Point
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid
 
 NEAR = 15
@@ -31,16 +30,16 @@ def free_cell(grid: Grid, blocked: Bytes, place: Point) -> int:
 
 
 @kernel
-def is_clear(ax: float, ay: float, bx: float, by: float, grid: Grid, blocked: Bytes) -> bool:
+def is_clear(start: Point, end: Point, grid: Grid, blocked: Bytes) -> bool:
     """Return whether all points at every half cell between two points [m] lie in free cells or outside of the grid.
 
     Cells that are neither free nor blocked (see ``wavefront``) count as free up to the first one that is free.
     """
-    dx, dy, was_free = bx - ax, by - ay, False
+    dx, dy, was_free = end[0] - start[0], end[1] - start[1], False
     parts = int(np.ceil(2.0 * np.sqrt(dx * dx + dy * dy) / grid.cell))
     for i in range(1, parts):
-        column = int(np.floor((ax + dx * i / parts - grid.origin_x) / grid.cell))
-        row = int(np.floor((ay + dy * i / parts - grid.origin_y) / grid.cell))
+        column = int(np.floor((start[0] + dx * i / parts - grid.origin_x) / grid.cell))
+        row = int(np.floor((start[1] + dy * i / parts - grid.origin_y) / grid.cell))
         if 0 <= row < grid.rows and 0 <= column < grid.columns:
             if blocked[row, column] == FREE:
                 was_free = True

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMaps, Flags
+from irsim_gym.arraytypes import CellMaps, Flags, Point
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
@@ -17,8 +17,6 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
-
-Point = tuple[float, float]
 
 
 class Obstacles(NamedTuple):
@@ -81,7 +79,7 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
                 continue
             if segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy) <= radius2:
                 return False
-        if outline.solid and holds_point(outline, ax, ay):
+        if outline.solid and holds_point(outline, start):
             return False
     if capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius):
         return False
@@ -89,17 +87,18 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
 
 
 @kernel
-def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
+def room_at(obstacles: Obstacles, point: Point, limit: float) -> float:
     """Return the distance [m] of a point from what is in the way, 0 within it, ``limit`` if nothing is nearer.
 
     Reads: obstacles (blocks, cells, model, state, w).
     """
+    x, y = point
     model, pose, w, best = obstacles.model, obstacles.state.pose[obstacles.w], obstacles.w, limit
     for b in range(obstacles.blocks.shape[0]):
         if not obstacles.blocks[b]:
             continue
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
-            best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
-    best = points_distance(obstacles.points, x, y, map_distance(obstacles.cells, w, x, y, best))
+            best = min(best, point_outline_distance(point, outline_of(model, obstacles.state, w, b)))
+    best = points_distance(obstacles.points, point, map_distance(obstacles.cells, w, point, best))
     return float(np.maximum(best, 0.0))

@@ -263,6 +263,6 @@ def block_inside(outline: BodyOutline, grid: Grid, blocked: Bytes) -> None:
                 continue
             if not known:
                 x, y = centre(grid, row, column)
-                known, inside = True, holds_point(outline, x, y)
+                known, inside = True, holds_point(outline, (x, y))
             if inside:
                 blocked[row, column] = BLOCKED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, CellMaps, Flags
+from irsim_gym.arraytypes import BodyOutline, CellMaps, Flags, Point
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
@@ -39,12 +39,12 @@ def mark_touched(obstacles: Obstacles, x: float, y: float, width: float, height:
         outline = outline_of(obstacles.model, obstacles.state, obstacles.w, b)
         segments, discs = outline.segments, outline.discs
         for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
-            radius = discs[d, 2]
-            touch_disc((discs[d, 0] - x) / width, (discs[d, 1] - y) / height, radius / width, radius / height, touched)
+            centre, radius = ((discs[d, 0] - x) / width, (discs[d, 1] - y) / height), discs[d, 2]
+            touch_disc(centre, radius / width, radius / height, touched)
         for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
-            ax, ay = (segments[s, 0] - x) / width, (segments[s, 1] - y) / height
-            bx, by = (segments[s, 2] - x) / width, (segments[s, 3] - y) / height
-            touch_segment(ax, ay, bx, by, touched)
+            begin = (segments[s, 0] - x) / width, (segments[s, 1] - y) / height
+            end = (segments[s, 2] - x) / width, (segments[s, 3] - y) / height
+            touch_segment(begin, end, touched)
         touch_inside(outline, x, y, width, height, touched)
     touch_cells(obstacles.cells, obstacles.w, x, y, width, height, touched)
 
@@ -64,13 +64,13 @@ def touch_cells(
         low = (cells.y + boxes[k, 2] * cells.height - y) / height
         high = (cells.y + boxes[k, 3] * cells.height - y) / height
         if cells.radius == 0.0:
-            touch_box(left, right, low, high, touched)
+            touch_box((left, low), (right, high), touched)
             continue
         radius_x, radius_y = cells.radius / width, cells.radius / height
         for i in range(boxes[k, 0], boxes[k, 1]):
             for j in range(boxes[k, 2], boxes[k, 3]):
-                cx = (cells.x + (i + 0.5) * cells.width - x) / width
-                touch_disc(cx, (cells.y + (j + 0.5) * cells.height - y) / height, radius_x, radius_y, touched)
+                cx, cy = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+                touch_disc(((cx - x) / width, (cy - y) / height), radius_x, radius_y, touched)
 
 
 @kernel
@@ -86,8 +86,9 @@ def last_touched(high: float, count: int) -> int:
 
 
 @kernel
-def touch_disc(x: float, y: float, radius_x: float, radius_y: float, touched: Flags) -> None:
+def touch_disc(centre: Point, radius_x: float, radius_y: float, touched: Flags) -> None:
     """Mark the cells that a disc touches; its radius in widths and in heights of a cell."""
+    x, y = centre
     columns, rows = touched.shape
     for i in range(first_touched(x - radius_x, columns), last_touched(x + radius_x, columns) + 1):
         dx = max(i - x, x - i - 1.0, 0.0) / radius_x
@@ -98,8 +99,9 @@ def touch_disc(x: float, y: float, radius_x: float, radius_y: float, touched: Fl
 
 
 @kernel
-def touch_segment(ax: float, ay: float, bx: float, by: float, touched: Flags) -> None:
+def touch_segment(a: Point, b: Point, touched: Flags) -> None:
     """Mark the cells that a segment ab touches: neither an edge of the cell nor the segment's line parts them."""
+    ax, ay, bx, by = a[0], a[1], b[0], b[1]
     columns, rows = touched.shape
     across_x, across_y = ay - by, bx - ax
     length = np.sqrt(across_x * across_x + across_y * across_y)
@@ -128,12 +130,13 @@ def touch_inside(outline: BodyOutline, x: float, y: float, width: float, height:
     for i in range(first, last + 1):
         for j in range(low, high + 1):
             if not touched[i, j]:
-                touched[i, j] = holds_point(outline, x + (i + 0.5) * width, y + (j + 0.5) * height)
+                touched[i, j] = holds_point(outline, (x + (i + 0.5) * width, y + (j + 0.5) * height))
 
 
 @kernel
-def touch_box(left: float, right: float, low: float, high: float, touched: Flags) -> None:
+def touch_box(lower_left: Point, upper_right: Point, touched: Flags) -> None:
     """Mark the cells that an upright box overlaps."""
+    left, low, right, high = lower_left[0], lower_left[1], upper_right[0], upper_right[1]
     columns, rows = touched.shape
     for i in range(first_touched(left + 2.0 * EDGE, columns), last_touched(right - 2.0 * EDGE, columns) + 1):
         for j in range(first_touched(low + 2.0 * EDGE, rows), last_touched(high - 2.0 * EDGE, rows) + 1):

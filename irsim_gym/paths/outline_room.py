@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline
+from irsim_gym.arraytypes import BodyOutline, Pose
 from irsim_gym.geometry.overlap import outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2
@@ -16,8 +16,6 @@ from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of, own_outline
 from irsim_gym.world.rows import row_of
-
-Pose = tuple[float, float, float]
 
 
 class PoseShape(NamedTuple):
@@ -95,7 +93,7 @@ def largest_disc(model: WorldModel, w: int, b: int) -> float:
     best, least2, segments, discs = 0.0, np.inf, outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         best = max(best, discs[d, 2] - np.sqrt(discs[d, 0] * discs[d, 0] + discs[d, 1] * discs[d, 1]))
-    if not outline.solid or not holds_point(outline, 0.0, 0.0):
+    if not outline.solid or not holds_point(outline, (0.0, 0.0)):
         return best
     for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]

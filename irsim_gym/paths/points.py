@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Rays
+from irsim_gym.arraytypes import Floats, Point, Rays
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 
@@ -44,13 +44,14 @@ class PointMap(NamedTuple):
 
 
 @kernel
-def add_point(points: PointMap, x: float, y: float, near_x: float, near_y: float) -> None:
-    """Add a point [m], unless its cell has one that is nearer to (near_x, near_y) [m]; none outside of the map."""
+def add_point(points: PointMap, point: Point, eye: Point) -> None:
+    """Add a point [m] that is seen from another, unless its cell has a nearer one; none outside of the map."""
+    x, y = point
     i, j = np.floor((x - points.x) / points.side), np.floor((y - points.y) / points.side)
     if not (0.0 <= i < points.places.shape[0] and 0.0 <= j < points.places.shape[1]):
         return
     place = points.places[int(i), int(j)]
-    dx, dy, old_x, old_y = x - near_x, y - near_y, place[0] - near_x, place[1] - near_y
+    dx, dy, old_x, old_y = x - eye[0], y - eye[1], place[0] - eye[0], place[1] - eye[1]
     if not (old_x * old_x + old_y * old_y <= dx * dx + dy * dy):
         place[0], place[1] = x, y
 
@@ -106,8 +107,8 @@ def capsule_meets_points(points: PointMap | None, ax: float, ay: float, bx: floa
 
 
 @kernel
-def points_distance(points: PointMap | None, x: float, y: float, limit: float) -> float:
+def points_distance(points: PointMap | None, place: Point, limit: float) -> float:
     """Return the distance [m] of a place from the nearest of the points, ``limit`` if it is not smaller."""
     if points is None:
         return limit
-    return float(min(np.sqrt(nearest_point2(points, x, y, x, y, limit, 0.0)), limit))
+    return float(min(np.sqrt(nearest_point2(points, place[0], place[1], place[0], place[1], limit, 0.0)), limit))

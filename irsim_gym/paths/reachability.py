@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Ints
+from irsim_gym.arraytypes import Bytes, Ints, Point
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, way_is_free
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.grid import BLOCKED, Grid, centre, mark_blocked
 
 FIRST, LAST, PARENT, KEY = 0, 1, 2, 3

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, way_is_free
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.grid import BLOCKED, Grid, centre, mark_blocked
 from irsim_gym.paths.reachability import FIRST, KEY, LAST, gate, is_reachable, join_runs, root
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Point
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, way_is_free
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.grid import BLOCKED, Grid, Search, centre
 from irsim_gym.paths.reachability import gate
 

@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, CellMaps, Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, CellMaps, Flags, Floats, Ints, Point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import Grid
 from irsim_gym.placements.free_space import (
     WayGrids,

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMaps, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Floats, Ints, Point
 from irsim_gym.jit import kernel
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
@@ -187,8 +187,8 @@ def shift_start(
             first = state.pose[w, model.leader[b]]
             angle = np.arctan2(first[1] - circle.y, first[0] - circle.x)
         cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
-        place_x, place_y = circle.radius * cosine + aside * sine, circle.radius * sine - aside * cosine
-        x, y = shifted(w, place_x, place_y, circle.jitter, state)
+        place = circle.radius * cosine + aside * sine, circle.radius * sine - aside * cosine
+        x, y = shifted(w, place, circle.jitter, state)
         pose[0], pose[1], pose[2] = circle.x + x, circle.y + y, np.arctan2(-y, -x)
         place_outline(model, state, w, b)
         if circle.mirror and not faces_nobody(w, b, circle, model, state):
@@ -236,10 +236,10 @@ def shift_goal(
     clearance, goal = circle.clearance, model.waypoints[w, b, 0]
     for _ in range(TRIES):
         cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
-        place_x, place_y = aside * sine - circle.radius * cosine, -circle.radius * sine - aside * cosine
+        place = aside * sine - circle.radius * cosine, -circle.radius * sine - aside * cosine
         x, y = circle.x - state.pose[w, b, 0], circle.y - state.pose[w, b, 1]
         if not circle.mirror:
-            x, y = shifted(w, place_x, place_y, circle.jitter, state)
+            x, y = shifted(w, place, circle.jitter, state)
         goal[0], goal[1], goal[2] = circle.x + x, circle.y + y, np.arctan2(y, x)
         if are_goals_apart(w, b, members, clearance, model, state) and is_goal_free(
             w, b, 0, clearance, model, state, cells
@@ -249,7 +249,7 @@ def shift_goal(
 
 
 @kernel
-def shifted(w: int, x: float, y: float, jitter: float, state: WorldState) -> tuple[float, float]:
+def shifted(w: int, place: Point, jitter: float, state: WorldState) -> Point:
     """Draw a point evenly from a disc of radius ``jitter`` [m] around another one.
 
     Reads: state (random).
@@ -257,7 +257,7 @@ def shifted(w: int, x: float, y: float, jitter: float, state: WorldState) -> tup
     """
     along = jitter * np.sqrt(uniform(state.random, w, 0.0, 1.0))
     direction = uniform(state.random, w, 0.0, 2.0 * np.pi)
-    return x + along * np.cos(direction), y + along * np.sin(direction)
+    return place[0] + along * np.cos(direction), place[1] + along * np.sin(direction)
 
 
 @kernel

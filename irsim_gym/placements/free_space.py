@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Flags, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Flags, Floats, Ints, Point
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.geometry.world_maps import map_is_closer, outline_near_map
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.pulling import path_length
@@ -158,7 +158,7 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state
             continue
         for k in range(kept_goals(w, q, model)):
             x, y = model.waypoints[w, q, k, 0], model.waypoints[w, q, k, 1]
-            if point_outline_distance(x, y, outline) < reaches[q] + clearance:
+            if point_outline_distance((x, y), outline) < reaches[q] + clearance:
                 return False
     return True
 
@@ -191,7 +191,7 @@ def is_goal_free(
     """
     reaches, waypoints = model.reach[row_of(model.reach, w)], model.waypoints[w]
     x, y, room = waypoints[b, k, 0], waypoints[b, k, 1], reaches[b] + clearance
-    if map_is_closer(cells, w, x, y, room):
+    if map_is_closer(cells, w, (x, y), room):
         return False
     for q in range(reaches.shape[0]):
         if q == b or not state.placed[w, q] or not model.present[w, q]:
@@ -208,7 +208,7 @@ def is_goal_free(
         near = reaches[b] + reaches[q] + clearance
         if dx * dx + dy * dy > near * near:
             continue
-        if point_outline_distance(x, y, outline_of(model, state, w, q)) < room:
+        if point_outline_distance((x, y), outline_of(model, state, w, q)) < room:
             return False
     return True
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Point, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.records import RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
 
-Place = tuple[float, float]
 FARTHEST = 1e6
 FINENESS, DISC_FINENESS = 16.0, 13.0
 """Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.02 pixels.
@@ -170,7 +169,7 @@ def _add_end(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, i
 
 
 @kernel
-def _add_join(sheet: Rays, box: Ints, p: Place, a: Place, b: Place, half: float, size: float) -> None:
+def _add_join(sheet: Rays, box: Ints, p: Point, a: Point, b: Point, half: float, size: float) -> None:
     """Add what joins the sides of a line at a corner p between the directions a and b.
 
     Outside it is an arc. Inside it is a straight edge, which encloses the other way around what both parts of the line
@@ -210,10 +209,10 @@ def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, a
 
 
 @kernel
-def paint_disc(canvas: RasterCanvas, x: float, y: float, radius: float, colour: Floats) -> None:
-    """Paint a disc with its middle at x, y [pixel]."""
+def paint_disc(canvas: RasterCanvas, centre: Point, radius: float, colour: Floats) -> None:
+    """Paint a disc around a point [pixel]."""
     picture, sheet, box = canvas
-    add_disc(sheet, box, x, y, radius, 1.0)
+    add_disc(sheet, box, centre[0], centre[1], radius, 1.0)
     paint(picture, sheet, box, colour, False)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Pose, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc, add_line, add_polygon
 from irsim_gym.raster.masks import paint_mask
@@ -37,19 +37,18 @@ LEFT, RIGHT, LOW, HIGH = 0, 1, 2, 3
 
 
 @kernel
-def set_place(place: Floats, view: Floats, x: float, y: float, heading: float) -> None:
+def set_place(place: Floats, view: Floats, pose: Pose) -> None:
     """Write the way from a frame at a pose [m, m, rad] to pixels; see ``ways.paint_outline``."""
-    cosine, sine, scale = np.cos(heading), np.sin(heading), view[2]
+    x, y, cosine, sine, scale = pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]), view[2]
     place[0], place[1], place[2] = scale * cosine, -scale * sine, scale * x + view[0]
     place[3], place[4], place[5] = -scale * sine, -scale * cosine, view[1] - scale * y
     place[6] = scale
 
 
 @kernel
-def extent(
-    box: Floats, segments: Floats, segment_rows: tuple[int, int], discs: Floats, disc_rows: tuple[int, int]
-) -> bool:
+def extent(box: Floats, outline: RasterOutline) -> bool:
     """Write the bounding box x_min, x_max, y_min, y_max of an outline [m]; return False for an empty one."""
+    segments, segment_rows, discs, disc_rows = outline
     box[LEFT] = box[LOW] = np.inf
     box[RIGHT] = box[HIGH] = -np.inf
     for row in range(segment_rows[0], segment_rows[0] + segment_rows[1]):
@@ -81,15 +80,7 @@ def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: 
 
 
 @kernel
-def load_mark(
-    points: Floats,
-    item: Any,
-    segments: Floats,
-    segment_rows: tuple[int, int],
-    discs: Floats,
-    disc_rows: tuple[int, int],
-    box: Floats,
-) -> int:
+def load_mark(points: Floats, item: Any, outline: RasterOutline, box: Floats) -> int:
     """Write the corners of the mark that shows where a body heads, in its frame [m]; return their number."""
     if item.form == ARROW:
         neck, shaft, half = 0.55 * item.x, 0.14 * item.y, 0.5 * item.y
@@ -98,25 +89,24 @@ def load_mark(
         points[4, 0], points[4, 1], points[5, 0], points[5, 1] = neck, -half, neck, -shaft
         points[6, 0], points[6, 1] = 0.0, -shaft
         return 7
-    if not extent(box, segments, segment_rows, discs, disc_rows):
+    if not extent(box, outline):
         return 0
-    if item.form == WINDSCREEN and segment_rows[1] > 0:
+    if item.form == WINDSCREEN and outline.segment_rows[1] > 0:
         length, middle, half = box[RIGHT] - box[LEFT], 0.5 * (box[LOW] + box[HIGH]), 0.5 * (box[HIGH] - box[LOW])
         back, front = box[LEFT] + 0.56 * length, box[LEFT] + 0.74 * length
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = back, middle - 0.58 * half, front, middle - 0.76 * half
         points[2, 0], points[2, 1], points[3, 0], points[3, 1] = front, middle + 0.76 * half, back, middle + 0.58 * half
         return 4
-    x, y, half = _centre(segments, segment_rows, discs, disc_rows, box)
+    x, y, half = _centre(outline, box)
     points[0, 0], points[0, 1], points[1, 0], points[1, 1] = x + 0.70 * half, y, x - 0.46 * half, y + 0.50 * half
     points[2, 0], points[2, 1], points[3, 0], points[3, 1] = x - 0.20 * half, y, x - 0.46 * half, y - 0.50 * half
     return 4
 
 
 @kernel
-def _centre(
-    segments: Floats, segment_rows: tuple[int, int], discs: Floats, disc_rows: tuple[int, int], box: Floats
-) -> tuple[float, float, float]:
+def _centre(outline: RasterOutline, box: Floats) -> tuple[float, float, float]:
     """Return the middle of a footprint and how far it is to its boundary [m]: of its first disc, else of its sides."""
+    segments, segment_rows, discs, disc_rows = outline
     if disc_rows[1] > 0:
         return discs[disc_rows[0], 0], discs[disc_rows[0], 1], discs[disc_rows[0], 2]
     x, y, total, nearest2 = 0.0, 0.0, 0.0, np.inf
@@ -145,10 +135,10 @@ def place_points(points: Floats, count: int, place: Floats) -> None:
 
 
 @kernel
-def load_around(points: Floats, form: int, segments: Floats, segment_rows: tuple[int, int], discs: Floats,
-                disc_rows: tuple[int, int], box: Floats) -> bool:  # fmt: skip
+def load_around(points: Floats, form: int, outline: RasterOutline, box: Floats) -> bool:
     """Write a simpler shape around a footprint [m]: four corners of a rectangle, or middle and radius of a circle."""
-    if not extent(box, segments, segment_rows, discs, disc_rows):
+    segments, segment_rows, discs, disc_rows = outline
+    if not extent(box, outline):
         return False
     if form == RECTANGLE:
         for i in range(4):
@@ -174,9 +164,8 @@ def paint_ghost(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: Rast
         paint_footprint(canvas, scratch, item, outline, solid and item.form != CURVE)
         return
     picture, sheet, box = canvas
-    segments, segment_rows, discs, disc_rows = outline
     points, place = scratch.points, scratch.place
-    if not load_around(points, item.form, segments, segment_rows, discs, disc_rows, scratch.colour):
+    if not load_around(points, item.form, outline, scratch.colour):
         return
     if item.form == RECTANGLE:
         place_points(points, 4, place)

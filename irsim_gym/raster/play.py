@@ -154,14 +154,14 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         heading = state.pose[w, b, 2]
         if item.turns and (state.twist[w, b, 0] != 0.0 or state.twist[w, b, 1] != 0.0):
             heading = np.arctan2(state.twist[w, b, 1], state.twist[w, b, 0])
-        set_place(place, view, state.pose[w, b, 0], state.pose[w, b, 1], heading)
+        set_place(place, view, (state.pose[w, b, 0], state.pose[w, b, 1], heading))
     else:
-        set_place(place, view, 0.0, 0.0, 0.0)
+        set_place(place, view, (0.0, 0.0, 0.0))
     outline = RasterOutline(segments, segment_rows, discs, disc_rows)
     if kind == FOOTPRINT:
         paint_footprint(canvas, scratch, item, outline, model.solid[b])
     elif kind == HEADING:
-        count = load_mark(scratch.points, item, segments, segment_rows, discs, disc_rows, scratch.colour)
+        count = load_mark(scratch.points, item, outline, scratch.colour)
         place_points(scratch.points, count, place)
         add_polygon(scratch.sheet, box, scratch.points, 0, count)
         paint(picture, scratch.sheet, box, item.colours[AREA], False)
@@ -174,7 +174,7 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         for width, colour in ((item.other_width, item.colours[OTHER]), (item.width, item.colours[EDGE])):
             line = width, item.style, item.snapped
             paint_outline(canvas, scratch.points, outline, place, (scratch.colour, colour), line)
-    elif kind == IMAGE and extent(scratch.colour, segments, segment_rows, discs, disc_rows):
+    elif kind == IMAGE and extent(scratch.colour, outline):
         points, low = scratch.points, scratch.colour
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = low[LEFT], low[LOW], low[RIGHT], low[LOW]
         points[2, 0], points[2, 1] = low[LEFT], low[HIGH]
@@ -199,7 +199,7 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         else:
             segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
             disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
-            set_place(scratch.place, view, pose[0], pose[1], pose[2])
+            set_place(scratch.place, view, (pose[0], pose[1], pose[2]))
             segments = model.local_segments[row_of(model.local_segments, w)]
             discs = model.local_discs[row_of(model.local_discs, w)]
             paint_ghost(canvas, scratch, item, RasterOutline(segments, segment_rows, discs, disc_rows), model.solid[b])
@@ -292,7 +292,7 @@ def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, v
             return
     if item.turns or item.form == AT_BODY:
         heading = pose[2]
-    set_place(scratch.place, view, pose[0], pose[1], heading)
+    set_place(scratch.place, view, (pose[0], pose[1], heading))
     load_shape(points, item, prints.corners, model.goal_threshold[row_of(model.goal_threshold, w), b], scratch.place)
     if item.filled:
         add_polygon(sheet, box, points, 0, item.length)
@@ -310,12 +310,13 @@ def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int,
     x, y, height = state.pose[w, b, 0], state.pose[w, b, 1], 1.3 * item.width / view[2]
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
+    outline = RasterOutline(state.segments[w], segment_rows, state.discs[w], disc_rows)
     if item.kind == GOAL_LABEL:  # its own flag stands there
         below = model.goal_threshold[row_of(model.goal_threshold, w), b] + height
         x, y = state.goal[w, b, 0], state.goal[w, b, 1] - below
     elif item.in_metres:
         x, y = x + item.x, y + item.y
-    elif extent(box, state.segments[w], segment_rows, state.discs[w], disc_rows):
+    elif extent(box, outline):
         x, y = 0.5 * (box[LEFT] + box[RIGHT]), box[HIGH] + LABEL_GAP
         if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, source, look, view):
             y = box[LOW] - height

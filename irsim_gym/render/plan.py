@@ -368,7 +368,7 @@ def _dot(masks: Masks, radius: float) -> int:
     return masks.drawn(
         radius + 0.5,
         lambda picture, sheet, box, corner: paint_disc(
-            records.RasterCanvas(picture, sheet, box), corner + 0.5, corner + 0.5, radius, WHITE
+            records.RasterCanvas(picture, sheet, box), (corner + 0.5, corner + 0.5), radius, WHITE
         ),
     )
 

@@ -11,6 +11,7 @@ from irsim_gym.geometry.ray_chunks import (
     BLOCK,
     CHUNK,
     Eye,
+    Fan,
     clear_depths,
     lay_beams,
     list_kept,
@@ -93,7 +94,7 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, 
                     n_rounds += 1
                 start, end, limit = model.segment_start[b], model.segment_start[b] + n_segments[b], 0.0
                 if not model.solid[b] or (
-                    distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, eye.x, eye.y)
+                    distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, (eye.x, eye.y))
                 ):
                     limit = np.inf
                 for s in range(start, end):
@@ -127,16 +128,16 @@ def cast_chunk(
         row: Its beams.
         slot: Whose scratch memory.
     """
-    first, density = np.float32(tables.first), np.float32(tables.density)
     discs, sides, rounds = tables.discs[slot], tables.sides[slot], tables.rounds[slot]
     rays, inverse = tables.rays[slot], tables.inverse[slot]
-    n_beams, whole_lanes = inverse.shape[0], (n_rounds + 7) // 8 * 8
+    whole_lanes = (n_rounds + 7) // 8 * 8
+    fan = Fan(inverse.shape[0], np.float32(tables.first), np.float32(tables.density))
     for j in range(n_rounds, whole_lanes):
         discs.x[j], discs.radius[j] = 1.0, 0.0
     n_edges = prepare_segments(n_sides, eye, far, ends, tables.limits[slot], sides)
     n_around = prepare_discs(whole_lanes, eye, discs, rounds)
-    span_segments(n_sides, n_beams, first, density, sides)
-    span_discs(n_rounds, n_beams, first, density, rounds)
+    span_segments(n_sides, fan, sides)
+    span_discs(n_rounds, fan, rounds)
     raise_by_segments(list_kept(n_sides, sides), sides, rays)
     raise_by_discs(list_kept(n_rounds, rounds), rounds, rays)
     if n_edges + n_around > 0:

@@ -58,7 +58,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, st
                 b = areas[m]
                 dx, dy, start, count = here[b, 0] - eye.x, here[b, 1] - eye.y, model.segment_start[b], n_segments[b]
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
-                if is_near and contains_point(rows, start, count, eye.x, eye.y):
+                if is_near and contains_point(rows, start, count, (eye.x, eye.y)):
                     limits[start : start + count], is_noted = np.inf, False
             n_rounds: Any = np.int64(0)  # a literal would be a type of its own: cast_chunk would be compiled twice
             for m in range(n_rings):

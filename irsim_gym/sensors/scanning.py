@@ -125,7 +125,7 @@ def inside(outline: Outline, x: float, y: float) -> bool:
     offsets = outline.discs[:, :2] - [x, y]
     if bool(np.any(np.sum(offsets * offsets, axis=1) <= outline.discs[:, 2] * outline.discs[:, 2])):
         return True
-    return outline.solid and bool(contains_point(outline.segments, 0, len(outline.segments), x, y))
+    return outline.solid and bool(contains_point(outline.segments, 0, len(outline.segments), (x, y)))
 
 
 def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -93,14 +93,14 @@ def test_speed_is_regulated(curvature: float, room: float, remaining: float, spe
 def test_places_on_a_way() -> None:
     """A way 4 m to the right, then 3 m up; the body is 0.3 m above its first side, 1 m before the corner."""
     way = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
-    side, x, y = place_on_way(way, 4, 0, 3.0, 0.3)
-    assert (side, x, y) == (0, 3.0, 0.0)
-    assert remaining_length(way, 4, side, x, y) == pytest.approx(1.0 + 3.0 + 4.0)
-    assert point_at_distance(way, 4, side, 3.0, 0.3, 0.5) == pytest.approx((3.4, 0.0))  # 0.3, 0.4, 0.5
-    assert point_at_distance(way, 4, side, 3.0, 0.3, 1.25) == pytest.approx((4.0, 1.05))  # 0.75, 1, 1.25
-    assert point_at_distance(way, 4, side, 3.0, 0.3, 0.2) == pytest.approx((3.0, 0.0))  # all of the way is farther
-    assert point_at_distance(way, 4, side, 3.0, 0.3, 99.0) == pytest.approx((0.0, 3.0))
-    assert place_on_way(way, 4, 0, 3.0, 2.9)[0] == 1  # the last side is nearer, but more than 2 m ahead
+    side, near = place_on_way(way, 4, 0, (3.0, 0.3))
+    assert (side, near) == (0, (3.0, 0.0))
+    assert remaining_length(way, 4, side, near) == pytest.approx(1.0 + 3.0 + 4.0)
+    assert point_at_distance(way, 4, side, (3.0, 0.3), 0.5) == pytest.approx((3.4, 0.0))  # 0.3, 0.4, 0.5
+    assert point_at_distance(way, 4, side, (3.0, 0.3), 1.25) == pytest.approx((4.0, 1.05))  # 0.75, 1, 1.25
+    assert point_at_distance(way, 4, side, (3.0, 0.3), 0.2) == pytest.approx((3.0, 0.0))  # all of the way is farther
+    assert point_at_distance(way, 4, side, (3.0, 0.3), 99.0) == pytest.approx((0.0, 3.0))
+    assert place_on_way(way, 4, 0, (3.0, 2.9))[0] == 1  # the last side is nearer, but more than 2 m ahead
 
 
 def test_the_way_around_an_l_is_the_shortest() -> None:

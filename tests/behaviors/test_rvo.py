@@ -172,8 +172,8 @@ def test_when_a_disc_meets_a_wall(place: list[float], velocity: list[float], exp
     """A disc of 0.5 m, and a wall from (2, -2) to (2, 2)."""
     for wall in ([2.0, -2.0, 2.0, 2.0], [2.0, 2.0, 2.0, -2.0]):
         x, y, vx, vy = (float(value) for value in [*place, *velocity])
-        assert time_to_side(Ego(x, y, 0.0, 0.0, 0.5), vx, vy, np.array(wall)) == pytest.approx(expected)
-    assert time_to_side(Ego(0.0, 0.0, 0.0, 0.0, 0.5), 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
+        assert time_to_side(Ego(x, y, 0.0, 0.0, 0.5), (vx, vy), np.array(wall)) == pytest.approx(expected)
+    assert time_to_side(Ego(0.0, 0.0, 0.0, 0.0, 0.5), (1.0, 0.0), np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
 
 
 def test_samples_are_visited_outwards() -> None:

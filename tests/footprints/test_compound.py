@@ -45,7 +45,7 @@ def test_it_occupies_the_union_of_its_parts(parts: list[dict[str, Any]]) -> None
         point = shapely.Point(x, y)
         if area.boundary.distance(point) < 0.002:  # their circles have 64 corners
             continue
-        inside = contains_point(rows, 0, len(rows), x, y) if len(rows) else False
+        inside = contains_point(rows, 0, len(rows), (x, y)) if len(rows) else False
         inside = inside or any(np.hypot(x - cx, y - cy) <= r for cx, cy, r in outline.discs)
         assert inside == area.contains(point)
     assert outline.centroid == pytest.approx((area.centroid.x, area.centroid.y), abs=1e-3)
@@ -60,8 +60,8 @@ def test_the_boundary_is_closed_and_has_the_area_to_its_left() -> None:
         assert area == pytest.approx(theirs(parts).area)
         middles, along = (rows[:, :2] + rows[:, 2:]) / 2, rows[:, 2:] - rows[:, :2]
         left = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
-        assert all(contains_point(rows, 0, len(rows), *point) for point in middles + 1e-6 * left)
-        assert not any(contains_point(rows, 0, len(rows), *point) for point in middles - 1e-6 * left)
+        assert all(contains_point(rows, 0, len(rows), tuple(point)) for point in middles + 1e-6 * left)
+        assert not any(contains_point(rows, 0, len(rows), tuple(point)) for point in middles - 1e-6 * left)
 
 
 def test_a_body_fits_into_a_hole_and_hits_the_frame() -> None:

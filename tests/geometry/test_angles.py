@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from irsim_gym.geometry.angles import bearing, wrap, wrap_from
+from irsim_gym.geometry.angles import wrap, wrap_from
 
 finite = st.floats(-1e6, 1e6)
 
@@ -60,9 +60,3 @@ def test_wrap_from_stays_in_the_interval(angle: float, low: float) -> None:
 def test_what_is_not_a_number_stays_so() -> None:
     assert np.isnan(wrap(np.nan))
     assert np.isnan(wrap_from(np.nan, 0.0))
-
-
-def test_bearing_by_hand() -> None:
-    assert bearing(1.0, 1.0, 0.0, 1.0, 3.0) == pytest.approx(0.5 * np.pi)
-    assert bearing(1.0, 1.0, 0.5 * np.pi, 1.0, 3.0) == pytest.approx(0.0)
-    assert bearing(0.0, 0.0, 0.75 * np.pi, -1.0, -1.0) == pytest.approx(0.5 * np.pi)

@@ -40,7 +40,7 @@ def test_bounds_hold_and_decide_as_shapely_does(seed: int) -> None:
         assert least <= true <= most
         assert most == np.inf or most - least <= np.hypot(0.3, 0.2) + 4 * DOUBT
         for limit in (0.1, 0.3, 0.7):
-            assert cells_are_closer(cells, x, y, limit) == (true < limit)
+            assert cells_are_closer(cells, (x, y), limit) == (true < limit)
             assert outline_near_cells(cells, disc(x, y, 0.2).outline, limit) == (true < 0.2 + limit)
 
 

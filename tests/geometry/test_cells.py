@@ -157,7 +157,7 @@ def test_an_area_around_cells_meets_them_and_a_line_does_not() -> None:
 
 def test_without_a_map_nothing_is_met() -> None:
     assert not capsule_meets_map(None, 0, 0.0, 0.0, 1.0, 1.0, 0.5)
-    assert not map_is_closer(None, 0, 0.0, 0.0, 9.0)
+    assert not map_is_closer(None, 0, (0.0, 0.0), 9.0)
     assert not outline_near_map(None, 0, disc(2.0, 0.5, 9.0).outline, 1.0)
 
 
@@ -167,7 +167,7 @@ def test_each_world_has_its_own_map() -> None:
     occupied[0, 0, 0] = occupied[1, 2, 1] = True
     cells = cell_maps(occupied)
     assert [capsule_meets_map(cells, w, 0.5, 0.5, 0.5, 0.5, 0.1) for w in range(2)] == [True, False]
-    assert [map_is_closer(cells, w, 2.5, 0.4, 0.7) for w in range(2)] == [False, True]
+    assert [map_is_closer(cells, w, (2.5, 0.4), 0.7) for w in range(2)] == [False, True]
     assert [outline_near_map(cells, w, disc(1.5, 0.5, 0.4).outline, 0.2) for w in range(2)] == [True, False]
     assert capsule_meets_map(cell_maps(occupied[:1]), 7, 0.5, 0.5, 0.5, 0.5, 0.1)
 

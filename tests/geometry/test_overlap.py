@@ -73,7 +73,7 @@ def test_points_against_shapely() -> None:
     for _ in range(1500):
         shape, point = random_shape(rng), rng.uniform(-3.0, 3.0, 2)
         expected = max(shapely.distance(shape.geometry, shapely.Point(point)) - radius_of(shape), 0.0)
-        assert point_outline_distance(*point, shape.outline) == pytest.approx(expected, abs=TOLERANCE)
+        assert point_outline_distance(tuple(point), shape.outline) == pytest.approx(expected, abs=TOLERANCE)
 
 
 def test_a_single_disc_gets_the_same_answers_bit_for_bit() -> None:
@@ -83,8 +83,8 @@ def test_a_single_disc_gets_the_same_answers_bit_for_bit() -> None:
         shape, (x, y), radius = random_shape(rng), rng.uniform(-3.0, 3.0, 2), rng.uniform(0.05, 1.0)
         limit = rng.choice([0.1, 0.7, np.inf])
         ring = disc(x, y, radius)
-        assert disc_meets_outline(x, y, radius, shape.outline) is overlap(ring, shape)
-        assert disc_outline_distance(x, y, radius, shape.outline, limit) == distance(ring, shape, limit)
+        assert disc_meets_outline((x, y), radius, shape.outline) is overlap(ring, shape)
+        assert disc_outline_distance((x, y), radius, shape.outline, limit) == distance(ring, shape, limit)
         touching += overlap(ring, shape)
     assert 200 < touching < 1800
 

@@ -20,25 +20,25 @@ def test_contains_point_against_shapely() -> None:
         rows = rng.permutation(closed(vertices))
         flipped = rng.random(len(rows)) < 0.5
         rows[flipped] = rows[flipped][:, [2, 3, 0, 1]]
-        found = [contains_point(rows, 0, len(rows), x, y) for x, y in points]
+        found = [contains_point(rows, 0, len(rows), (x, y)) for x, y in points]
         assert found == shapely.contains_xy(shape, points).tolist()
-        assert found[:9] == [contains_point.py_func(rows, 0, len(rows), x, y) for x, y in points[:9]]  # type: ignore[attr-defined]
+        assert found[:9] == [contains_point.py_func(rows, 0, len(rows), (x, y)) for x, y in points[:9]]  # type: ignore[attr-defined]
 
 
 def test_contains_point_at_the_height_of_vertices() -> None:
     diamond = closed([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-    assert contains_point(diamond, 0, 4, 0.0, 0.0)
-    assert not contains_point(diamond, 0, 4, -2.0, 0.0)
-    assert not contains_point(diamond, 0, 4, -2.0, 1.0)
-    assert not contains_point(diamond, 0, 4, 2.0, 0.0)
+    assert contains_point(diamond, 0, 4, (0.0, 0.0))
+    assert not contains_point(diamond, 0, 4, (-2.0, 0.0))
+    assert not contains_point(diamond, 0, 4, (-2.0, 1.0))
+    assert not contains_point(diamond, 0, 4, (2.0, 0.0))
 
 
 def test_contains_point_reads_only_its_rows_and_knows_holes() -> None:
     hole = 0.25 + 0.5 * SQUARE
     rows = np.vstack([closed(SQUARE + 5.0), closed(SQUARE), closed(hole)])
-    assert not contains_point(rows, 4, 4, 5.5, 5.5)
-    assert contains_point(rows, 4, 8, 0.1, 0.5)
-    assert not contains_point(rows, 4, 8, 0.5, 0.5)
+    assert not contains_point(rows, 4, 4, (5.5, 5.5))
+    assert contains_point(rows, 4, 8, (0.1, 0.5))
+    assert not contains_point(rows, 4, 8, (0.5, 0.5))
 
 
 def test_signed_area() -> None:

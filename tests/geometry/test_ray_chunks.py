@@ -15,6 +15,7 @@ from irsim_gym.geometry.ray_chunks import (
     CHUNK,
     SIDES,
     Eye,
+    Fan,
     clear_depths,
     lay_beams,
     prepare_segments,
@@ -189,7 +190,7 @@ def test_a_span_holds_the_beams_between_two_directions_and_few_more(sweep: float
     for _ in range(300):
         low, width = rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 3.0)
         high = low + width if low + width < np.pi else low + width - 2.0 * np.pi
-        begin, runs = span(np.float32(low), np.float32(high), *fan)
+        begin, runs = span(np.float32(low), np.float32(high), Fan(*fan))
         cast_to = (begin + np.arange(16 * runs)) % n
         between = np.flatnonzero((angles - low) % (2.0 * np.pi) <= width)
         assert begin % 16 == 0

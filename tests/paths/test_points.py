@@ -13,14 +13,14 @@ def drawn(seed: int) -> tuple[PointMap, np.ndarray]:
     """Return a map of 4 x 4 m and its points."""
     points = PointMap.over([0.0, 0.0, 4.0, 4.0], 0.1, ())
     for x, y in np.random.default_rng(seed).uniform(0.0, 4.0, (40, 2)).tolist():
-        add_point(points, x, y, 2.0, 2.0)
+        add_point(points, (x, y), (2.0, 2.0))
     return points, points.places[np.isfinite(points.places[..., 0])].astype(np.float64)
 
 
 def test_a_cell_keeps_the_point_nearest_to_who_saw_it() -> None:
     points = PointMap.over([0.0, 0.0, 4.0, 4.0], 0.5, ())
     for x, y in ((1.05, 1.1), (1.0, 1.2), (1.2, 1.2), (9.0, 1.0)):  # the last one is outside
-        add_point(points, x, y, 2.0, 1.0)
+        add_point(points, (x, y), (2.0, 1.0))
     kept = points.places[np.isfinite(points.places[..., 0])]
     assert kept == pytest.approx(np.array([[1.2, 1.2]]))  # 0.8 m away
 
@@ -36,4 +36,4 @@ def test_distances_are_those_of_all_points(seed: int) -> None:
         for radius in (0.05, 0.3, least - 1e-6, least + 1e-6):
             assert capsule_meets_points(points, ax, ay, bx, by, max(radius, 0.0)) == (least <= max(radius, 0.0))
         alone = np.sqrt(((places - [ax, ay]) ** 2).sum(axis=1).min())
-        assert points_distance(points, ax, ay, 0.4) == pytest.approx(min(alone, 0.4))
+        assert points_distance(points, (ax, ay), 0.4) == pytest.approx(min(alone, 0.4))

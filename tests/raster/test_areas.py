@@ -52,7 +52,7 @@ def test_discs_and_rings_cover_what_shapely_says() -> None:
     for radius in (0.3, 0.8, 1.7, 4.0, 11.3, 40.0):
         x, y = rng.uniform(0.0, SIDE, 2)
         disc = shapely.Point(x, y).buffer(radius, quad_segs=128)
-        assert difference(drawing.draws(paint_disc, x, y, radius, WHITE), disc).max() < 3.0
+        assert difference(drawing.draws(paint_disc, (x, y), radius, WHITE), disc).max() < 3.0
         hole = shapely.Point(x, y).buffer(max(radius - 1.5, 0.0), quad_segs=128)
         ring = shapely.Point(x, y).buffer(radius + 1.5, quad_segs=128).difference(hole)
         assert difference(drawing.draws(paint_ring, x, y, radius, 3.0, WHITE), ring).max() < 4.0
@@ -139,7 +139,7 @@ def test_colours_are_blended_in_each_channel(channels: int) -> None:
 def test_nothing_is_painted_outside_the_box() -> None:
     drawing, box = Drawing(), np.array([6, 3, 19, 14])
     for paint_one in (
-        lambda: paint_disc(RasterCanvas(drawing.picture, drawing.sheet, box), 12.0, 9.0, 30.0, WHITE),
+        lambda: paint_disc(RasterCanvas(drawing.picture, drawing.sheet, box), (12.0, 9.0), 30.0, WHITE),
         lambda: paint_polygon(
             RasterCanvas(drawing.picture, drawing.sheet, box), 2.0 * SQUARE - 15.0, 0, 4, False, WHITE
         ),
@@ -172,11 +172,11 @@ def test_whatever_comes_the_sheet_is_left_empty() -> None:
 def test_what_is_no_number_or_far_away_is_not_drawn() -> None:
     drawing = Drawing()
     for place in (np.nan, np.inf, 1e12):
-        assert not drawing.draws(paint_disc, place, 5.0, 20.0, WHITE).any()
+        assert not drawing.draws(paint_disc, (place, 5.0), 20.0, WHITE).any()
         corners = np.vstack([SQUARE, [[place, 5.0]]])
         assert not drawing.draws(paint_polygon, corners, 0, 5, False, WHITE).any()
         assert not drawing.draws(paint_line, corners, 0, 5, 3.0, False, True, WHITE).any()
-    assert not drawing.draws(paint_disc, 5.0, 5.0, -1.0, WHITE).any()
+    assert not drawing.draws(paint_disc, (5.0, 5.0), -1.0, WHITE).any()
     assert not drawing.draws(paint_line, SQUARE, 0, 1, 3.0, False, False, WHITE).any()
     dot = difference(drawing.draws(paint_line, SQUARE, 0, 1, 3.0, False, True, WHITE), shapely.Point(4, 5).buffer(1.5))
     assert dot.max() < 3.0

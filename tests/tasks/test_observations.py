@@ -11,6 +11,7 @@ from shapely import affinity, geometry
 from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.observations.ranges import RangeCode
 from irsim_gym.tasks.observations.scan import Scan, Sectors, encode, pool, sector_beams
 from irsim_gym.tasks.term import Bound
 from irsim_gym.world.group import records
@@ -120,7 +121,7 @@ def test_sectors_of_one_beam(code: int) -> None:
 def test_codes_fall_with_the_depth(code: int) -> None:
     depths = np.sort(np.random.default_rng(0).uniform(0, 6, 5000)).astype(np.float32)
     codes = depths.copy()
-    encode(codes, code, np.float32(0.5), np.float32(0.3), np.float32(6.0))
+    encode(codes, RangeCode(code, np.float32(0.5), np.float32(0.3), np.float32(6.0)))
     assert (np.diff(codes) <= 0).all()
     assert codes == pytest.approx(inverse(depths) if code == 0 else 1 - depths / 6, abs=1e-6)
 

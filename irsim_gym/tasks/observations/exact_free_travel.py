@@ -18,7 +18,7 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.free_travel import directions, shorten, way_columns
 from irsim_gym.tasks.observations.nearest_bodies import span
-from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode
+from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encode, range_code
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
@@ -88,7 +88,7 @@ class ExactFreeTravel:
         """Return the codes of the longest way and of contact."""
         low, high = np.full(self.directions, self.horizon, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
-            encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), low[0])
+            encode(values, RangeCode.of(self, self.horizon))
         return low, high
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
@@ -118,7 +118,7 @@ def write_ways(
     Writes: episode (observation).
     """
     options, column, far = term.options[0], term.column, term.options[0].horizon
-    near, zero = np.float32(options.near), np.float32(options.zero)
+    code = range_code(options, far)
     for w in worlds:
         for a in range(term.agents.shape[0]):
             own, radius = term.agents[a], ways.radius[a]
@@ -140,7 +140,7 @@ def write_ways(
                 for s in range(first, last):
                     stop_at_segment(state.segments[w, s], place, far, ways, row)
             stop_at_cells(cells, w, place, ways, row)
-            encode(row, options.code, near, zero, np.float32(far))
+            encode(row, code)
 
 
 @kernel

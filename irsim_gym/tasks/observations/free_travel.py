@@ -14,7 +14,15 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR, Code, code_number, code_problems, encode, shared_sensors
+from irsim_gym.tasks.observations.ranges import (
+    WITHOUT_SENSOR,
+    Code,
+    RangeCode,
+    code_problems,
+    encode,
+    range_code,
+    shared_sensors,
+)
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
@@ -100,7 +108,7 @@ class FreeTravel:
         far = float(term.arrays.far.max())
         low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
-            encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far))
+            encode(values, RangeCode.of(self, far))
         return low, high
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
@@ -144,7 +152,7 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
     Writes: episode (observation).
     """
     options, mount, beams_x, beams_y = term.options[0], ways.mount, ways.beams_x, ways.beams_y
-    column, near, zero = term.column, np.float32(options.near), np.float32(options.zero)
+    column = term.column
     for w in worlds:
         for a in range(ways.members.shape[0]):
             row, far, radius = (
@@ -161,7 +169,7 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
                     x = mount[a, 0] + scan[k] * beams_x[a, k]
                     y = mount[a, 1] + scan[k] * beams_y[a, k]
                     shorten(x, y, radius * radius, far, ways.ahead_x, ways.ahead_y, row)
-            encode(row, options.code, near, zero, far)
+            encode(row, range_code(options, far))
 
 
 @kernel(contract=True)

@@ -16,7 +16,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encoded
+from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
@@ -82,7 +82,7 @@ class NearestBodies:
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds, five for each body."""
         far: Any = np.float32(_sight(self.range, model))
-        least = encoded(far, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
+        least = encoded(far, RangeCode.of(self, far))
         low = np.array([-1.0, -1.0, least, -1.0, -1.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
@@ -256,7 +256,8 @@ def write_gaps(
         segment_start), state (discs, pose, segments).
     Writes: row.
     """
-    options, far = term.options[0], nearest.sight
+    far = nearest.sight
+    code = range_code(term.options[0], far)
     first, last = span(model.segment_start, model.segment_count, w, own)
     segments = state.segments[w, first:last]
     first, last = span(model.disc_start, model.disc_count, w, own)
@@ -265,8 +266,7 @@ def write_gaps(
     for k in range(nearest.distance.shape[1]):
         extent = extent_towards(segments, discs, x, y, nearest.way_x[slot, k], nearest.way_y[slot, k])
         gap: Any = np.float32(min(max(nearest.distance[slot, k] - extent, 0.0), far))
-        code, near, zero = options.code, np.float32(options.near), np.float32(options.zero)
-        row[WIDTH * k + 2] = encoded(gap, code, near, zero, np.float32(far))
+        row[WIDTH * k + 2] = encoded(gap, code)
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Point, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
@@ -104,28 +104,28 @@ def image_row(view: View, x: float, y: float) -> float:
 
 
 @kernel
-def add_side(canvas: Canvas, ax: float, ay: float, bx: float, by: float) -> None:
+def add_side(canvas: Canvas, a: Point, b: Point) -> None:
     """Add a side of an area from a to b [m] to a sheet, the area to the left of it."""
     sheet, box, view = canvas
     add_edge(
         sheet,
         box,
-        image_column(view, bx, by),
-        image_row(view, bx, by),
-        image_column(view, ax, ay),
-        image_row(view, ax, ay),
+        image_column(view, b[0], b[1]),
+        image_row(view, b[0], b[1]),
+        image_column(view, a[0], a[1]),
+        image_row(view, a[0], a[1]),
     )
 
 
 @kernel
-def add_wall(canvas: Canvas, ax: float, ay: float, bx: float, by: float) -> None:
+def add_wall(canvas: Canvas, a: Point, b: Point) -> None:
     """Add a line from a to b [m] of the least thickness that can be seen well, a little longer at both ends."""
     sheet, box, view = canvas
     px, py, qx, qy = (
-        image_column(view, ax, ay),
-        image_row(view, ax, ay),
-        image_column(view, bx, by),
-        image_row(view, bx, by),
+        image_column(view, a[0], a[1]),
+        image_row(view, a[0], a[1]),
+        image_column(view, b[0], b[1]),
+        image_row(view, b[0], b[1]),
     )
     dx, dy = qx - px, qy - py
     length = np.sqrt(dx * dx + dy * dy)
@@ -160,11 +160,11 @@ def add_body(canvas: Canvas, model: WorldModel, state: WorldState, w: int, b: in
     first = model.segment_start[b]
     is_solid, segments, discs = model.solid[b], state.segments[w], state.discs[w]
     for s in range(first, first + model.segment_count[row_of(model.segment_count, w), b]):
-        ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
+        begin, end = (segments[s, 0], segments[s, 1]), (segments[s, 2], segments[s, 3])
         if is_solid:
-            add_side(canvas, ax, ay, bx, by)
+            add_side(canvas, begin, end)
         else:
-            add_wall(canvas, ax, ay, bx, by)
+            add_wall(canvas, begin, end)
     first = model.disc_start[b]
     for d in range(first, first + model.disc_count[row_of(model.disc_count, w), b]):
         x, y = discs[d, 0], discs[d, 1]
@@ -172,9 +172,10 @@ def add_body(canvas: Canvas, model: WorldModel, state: WorldState, w: int, b: in
 
 
 @kernel
-def add_rectangle(canvas: Canvas, left: float, low: float, right: float, high: float) -> None:
-    """Add an upright rectangle [m] to a sheet."""
+def add_rectangle(canvas: Canvas, lower_left: Point, upper_right: Point) -> None:
+    """Add an upright rectangle with two of its corners [m] to a sheet."""
     sheet, box, view = canvas
+    left, low, right, high = lower_left[0], lower_left[1], upper_right[0], upper_right[1]
     half_x, half_y = 0.5 * (right - left), 0.5 * (high - low)
     if not is_near(canvas, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
         return
@@ -217,7 +218,7 @@ def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
                 if here.radius > 0.0:
                     add_cell_discs(canvas, here, k)
                 else:
-                    add_rectangle(canvas, left, low, right, high)
+                    add_rectangle(canvas, (left, low), (right, high))
 
 
 @kernel
@@ -239,7 +240,7 @@ def add_outside(canvas: Canvas, bounds: Floats) -> None:
     left, low, right, high = bounds[0], bounds[1], bounds[2], bounds[3]
     from_x, from_y = min(left, view.x) - size, min(low, view.y) - size
     to_x, to_y = max(right, view.x) + size, max(high, view.y) + size
-    add_rectangle(canvas, from_x, from_y, left, to_y)
-    add_rectangle(canvas, right, from_y, to_x, to_y)
-    add_rectangle(canvas, left, from_y, right, low)
-    add_rectangle(canvas, left, high, right, to_y)
+    add_rectangle(canvas, (from_x, from_y), (left, to_y))
+    add_rectangle(canvas, (right, from_y), (to_x, to_y))
+    add_rectangle(canvas, (left, from_y), (right, low))
+    add_rectangle(canvas, (left, high), (right, to_y))

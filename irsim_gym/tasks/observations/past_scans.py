@@ -14,7 +14,15 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR, Code, code_number, code_problems, encode, shared_sensors
+from irsim_gym.tasks.observations.ranges import (
+    WITHOUT_SENSOR,
+    Code,
+    RangeCode,
+    code_problems,
+    encode,
+    range_code,
+    shared_sensors,
+)
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded, evenly
 from irsim_gym.world.model import WorldModel
@@ -104,7 +112,7 @@ class PastScans:
         far = term.arrays.far.max()
         low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
         for values in (low, high):
-            encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
+            encode(values, RangeCode.of(self, far))
         return low, high
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
@@ -149,7 +157,7 @@ def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, epi
     Writes: episode (observation).
     """
     options, ago = term.options[0], memory.ago
-    sectors, near, zero = options.sectors, np.float32(options.near), np.float32(options.zero)
+    sectors = options.sectors
     for w in worlds:
         for a in range(term.agents.shape[0]):
             newest, far, now = episode.steps[w, a], memory.far[a], state.pose[w, term.agents[a]]
@@ -160,7 +168,7 @@ def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, epi
                 row[:] = far
                 scan, then = memory.scans[w, a, slot], memory.poses[w, a, slot]
                 project(scan, then, now, memory.mount[a], memory.beams[a], far, memory.reach[a], row)
-                encode(row, options.code, near, zero, far)
+                encode(row, range_code(options, far))
 
 
 @kernel

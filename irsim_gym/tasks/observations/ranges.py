@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
@@ -18,6 +18,33 @@ INVERSE, LINEAR = 0, 1
 WITHOUT_SENSOR = option(
     "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
 )
+
+
+class RangeCode(NamedTuple):
+    """How depths become numbers.
+
+    Attributes:
+        number: ``INVERSE`` or ``LINEAR``.
+        near: Inverse: the depth [m] at which the slope is half its maximum.
+        zero: Inverse: the value of 1 / (depth + near) that becomes 0 [1/m].
+        far: Linear: the depth [m] that becomes 0.
+    """
+
+    number: int
+    near: np.float32
+    zero: np.float32
+    far: np.float32
+
+    @classmethod
+    def of(cls, options: Any, far: float) -> Self:
+        """Return the code that an observation's options name, for depths up to ``far`` [m]."""
+        return cls(code_number(options.code), np.float32(options.near), np.float32(options.zero), np.float32(far))
+
+
+@kernel(inlined=True)
+def range_code(options: Any, far: float) -> RangeCode:
+    """Return what ``RangeCode.of`` returns, for options as kernels read them."""
+    return RangeCode(options.code, np.float32(options.near), np.float32(options.zero), np.float32(far))
 
 
 def code_number(code: str) -> int:
@@ -48,16 +75,16 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
 
 
 @kernel(inlined=True)
-def encode(row: Rays, code: int, near: np.float32, zero: np.float32, far: np.float32) -> None:
+def encode(row: Rays, code: RangeCode) -> None:
     """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
     for s in range(row.shape[0]):
-        row[s] = encoded(row[s], code, near, zero, far)
+        row[s] = encoded(row[s], code)
 
 
 @kernel(inlined=True)
-def encoded(depth: np.float32, code: int, near: np.float32, zero: np.float32, far: np.float32) -> np.float32:
+def encoded(depth: np.float32, code: RangeCode) -> np.float32:
     """Return the code of a depth [m]."""
     one = np.float32(1.0)
-    if code == INVERSE:
-        return (one / (depth + near) - zero) / (one / near - zero)
-    return one - depth / far
+    if code.number == INVERSE:
+        return (one / (depth + code.near) - code.zero) / (one / code.near - code.zero)
+    return one - depth / code.far

@@ -17,10 +17,11 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
     Code,
-    code_number,
+    RangeCode,
     code_problems,
     encode,
     encoded,
+    range_code,
     shared_sensors,
 )
 from irsim_gym.tasks.term import Bound, Term
@@ -103,7 +104,7 @@ class Scan:
         low, high = np.maximum(low, np.float32(0.0)), np.zeros_like(low)
         for a in range(len(far)):
             for values in (low[a], high[a]):
-                encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far[a])
+                encode(values, RangeCode.of(self, far[a]))
         return low.min(axis=0), high.max(axis=0)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
@@ -168,13 +169,12 @@ def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> 
     """
     options, first, last = term.options[0], sectors.first, sectors.last
     n_sectors, column = first.shape[0], term.column
-    code, near, zero = options.code, np.float32(options.near), np.float32(options.zero)
     for w in worlds:
         for a in range(sectors.members.shape[0]):
             scan, own, far = sectors.ranges[w, sectors.members[a]], sectors.extent[a], sectors.far[a]
-            row = episode.observation[w, a, column : column + n_sectors]
+            row, code = episode.observation[w, a, column : column + n_sectors], range_code(options, far)
             if n_sectors == own.shape[0]:
-                write_depths(code, near, zero, far, own, scan, row)
+                write_depths(code, own, scan, row)
                 continue
             for s in range(n_sectors):
                 least = far
@@ -182,15 +182,13 @@ def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> 
                     depth = scan[k] - own[k]
                     least = depth if depth < least else least
                 row[s] = least if least > np.float32(0.0) else np.float32(0.0)
-            encode(row, code, near, zero, far)
+            encode(row, code)
 
 
 @kernel(inlined=True)
-def write_depths(
-    code: int, near: np.float32, zero: np.float32, far: np.float32, own: Rays, scan: Rays, row: Rays
-) -> None:
+def write_depths(code: RangeCode, own: Rays, scan: Rays, row: Rays) -> None:
     """Write the code of each beam's depth beyond the own outline: what sectors of one beam show."""
     for k in range(row.shape[0]):
         depth = scan[k] - own[k]
-        depth = depth if depth < far else far
-        row[k] = encoded(depth if depth > np.float32(0.0) else np.float32(0.0), code, near, zero, far)
+        depth = depth if depth < code.far else code.far
+        row[k] = encoded(depth if depth > np.float32(0.0) else np.float32(0.0), code)

@@ -117,20 +117,19 @@ def add_fan(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays
     Reads: beams (directions, do_touch, spread).
     """
     x, y, cosine, sine = sensor
-    directions = beams.directions[a]
-    at_x, at_y = x, y
+    directions, eye, at = beams.directions[a], (x, y), (x, y)
     for k in range(scan.shape[0]):
         ahead_x = cosine * directions[k, 0] - sine * directions[k, 1]
         ahead_y = sine * directions[k, 0] + cosine * directions[k, 1]
         end_x, end_y, half = x + scan[k] * ahead_x, y + scan[k] * ahead_y, scan[k] * beams.spread
         if k > 0 and not beams.do_touch:
-            add_side(canvas, at_x, at_y, x, y)
-            at_x, at_y = x, y
-        right_x, right_y = end_x + half * ahead_y, end_y - half * ahead_x
-        add_side(canvas, at_x, at_y, right_x, right_y)
-        at_x, at_y = end_x - half * ahead_y, end_y + half * ahead_x
-        add_side(canvas, right_x, right_y, at_x, at_y)
-    add_side(canvas, at_x, at_y, x, y)
+            add_side(canvas, at, eye)
+            at = eye
+        right = end_x + half * ahead_y, end_y - half * ahead_x
+        add_side(canvas, at, right)
+        at = end_x - half * ahead_y, end_y + half * ahead_x
+        add_side(canvas, right, at)
+    add_side(canvas, at, eye)
 
 
 @kernel
@@ -149,7 +148,9 @@ def add_hits(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Ray
         near, distant, half = scan[k], scan[k] + LINE / scale, max(scan[k] * beams.spread, 0.5 / scale)
         ax, ay, bx, by = x + near * ahead_x, y + near * ahead_y, x + distant * ahead_x, y + distant * ahead_y
         aside_x, aside_y = half * ahead_y, -half * ahead_x
-        add_side(canvas, ax + aside_x, ay + aside_y, bx + aside_x, by + aside_y)
-        add_side(canvas, bx + aside_x, by + aside_y, bx - aside_x, by - aside_y)
-        add_side(canvas, bx - aside_x, by - aside_y, ax - aside_x, ay - aside_y)
-        add_side(canvas, ax - aside_x, ay - aside_y, ax + aside_x, ay + aside_y)
+        near_right, far_right = (ax + aside_x, ay + aside_y), (bx + aside_x, by + aside_y)
+        far_left, near_left = (bx - aside_x, by - aside_y), (ax - aside_x, ay - aside_y)
+        add_side(canvas, near_right, far_right)
+        add_side(canvas, far_right, far_left)
+        add_side(canvas, far_left, near_left)
+        add_side(canvas, near_left, near_right)

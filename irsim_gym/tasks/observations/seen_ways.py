@@ -7,10 +7,9 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
 from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell, is_clear
-from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.paths.scan_marks import OCCUPIED, quarter
 from irsim_gym.paths.wavefront import NEVER, begin_costs, block_border, follow_costs, narrow, new_queues, spread_costs
@@ -141,7 +140,7 @@ def inner_cell(grid: Grid, place: Point) -> int:
 
 
 @kernel
-def last_in_sight(x: float, y: float, grid: Grid, levels: Bytes, way: Labels, count: int) -> int:
+def last_in_sight(place: Point, grid: Grid, levels: Bytes, way: Labels, count: int) -> int:
     """Return the number of a cell of a way, as far along it as can be reached straight from a place [m].
 
     Cells are looked at twice as far along each time, then between the last one that can be reached and the first one
@@ -149,13 +148,13 @@ def last_in_sight(x: float, y: float, grid: Grid, levels: Bytes, way: Labels, co
     """
     near, far, step = min(2, count - 1), count, 2
     while near + step < count:
-        if not sees(x, y, grid, levels, int(way[near + step])):
+        if not sees(place, grid, levels, int(way[near + step])):
             far = near + step
             break
         near, step = near + step, 2 * step
     while far - near > 1:
         middle = (near + far) // 2
-        if sees(x, y, grid, levels, int(way[middle])):
+        if sees(place, grid, levels, int(way[middle])):
             near = middle
         else:
             far = middle
@@ -163,7 +162,7 @@ def last_in_sight(x: float, y: float, grid: Grid, levels: Bytes, way: Labels, co
 
 
 @kernel
-def sees(x: float, y: float, grid: Grid, levels: Bytes, number: int) -> bool:
+def sees(place: Point, grid: Grid, levels: Bytes, number: int) -> bool:
     """Return whether a cell's centre can be reached straight over free cells from a place [m]."""
-    to_x, to_y = centre(grid, number // grid.columns, number % grid.columns)
-    return bool(is_clear(x, y, to_x, to_y, grid, levels))
+    cell = centre(grid, number // grid.columns, number % grid.columns)
+    return bool(is_clear(place, cell, grid, levels))

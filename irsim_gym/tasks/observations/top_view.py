@@ -202,7 +202,9 @@ def add_headings(canvas: Canvas, model: WorldModel, state: WorldState, w: int) -
         size = model.reach[row_of(model.reach, w), b]
         x, y, heading = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w, b, 2]
         ahead_x, ahead_y = size * np.cos(heading), size * np.sin(heading)
-        tip_x, tip_y, aside_x, aside_y = x + 0.9 * ahead_x, y + 0.9 * ahead_y, -0.5 * ahead_y, 0.5 * ahead_x
-        add_side(canvas, tip_x, tip_y, x + aside_x, y + aside_y)
-        add_side(canvas, x + aside_x, y + aside_y, x - aside_x, y - aside_y)
-        add_side(canvas, x - aside_x, y - aside_y, tip_x, tip_y)
+        aside_x, aside_y = -0.5 * ahead_y, 0.5 * ahead_x
+        tip = x + 0.9 * ahead_x, y + 0.9 * ahead_y
+        left, right = (x + aside_x, y + aside_y), (x - aside_x, y - aside_y)
+        add_side(canvas, tip, left)
+        add_side(canvas, left, right)
+        add_side(canvas, right, tip)

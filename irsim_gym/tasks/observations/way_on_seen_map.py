@@ -116,19 +116,18 @@ def write_ways_seen(
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b, levels = term.agents[a], ways.levels[w, a]
-            x, y = state.pose[w, b, 0], state.pose[w, b, 1]
-            to_x, to_y = state.goal[w, b, 0], state.goal[w, b, 1]
+            here, there = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
             rest = 0.0
-            if not is_clear(x, y, to_x, to_y, grid, levels):
-                count = find_way(ways, slot, w, a, (x, y), (to_x, to_y))
+            if not is_clear(here, there, grid, levels):
+                count = find_way(ways, slot, w, a, here, there)
                 if count == 0:
                     rest = np.inf
                 else:
-                    place = last_in_sight(x, y, grid, levels, way, count)
+                    place = last_in_sight(here, grid, levels, way, count)
                     rest = ways.least[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
                     if rest > 0.0:
-                        to_x, to_y = centre(grid, place // grid.columns, place % grid.columns)
-            dx, dy = to_x - x, to_y - y
+                        there = centre(grid, place // grid.columns, place % grid.columns)
+            dx, dy = there[0] - here[0], there[1] - here[1]
             far = np.sqrt(dx * dx + dy * dy)
             cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
             row = episode.observation[w, a, term.column : term.column + 3]
