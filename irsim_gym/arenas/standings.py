@@ -9,7 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from irsim_gym.arenas.board import Board
-from irsim_gym.arenas.crossplay import Meeting
+from irsim_gym.arenas.crossplay import Meeting, meetings_table
 from irsim_gym.arenas.strata import PEERS, Stratum, strata_of_peers, strata_of_quarters
 from irsim_gym.evaluation.metrics import Summary, summarize
 from irsim_gym.evaluation.paired import PairedComparison, compare_pairs
@@ -51,7 +51,8 @@ class Standings:
         if isinstance(first, Summary):
             return [summary_table(self.summaries, title)]  # type: ignore[arg-type]
         compared = compared_table(self.summaries)  # type: ignore[arg-type]
-        return [team_table(self.summaries, title), *([] if compared is None else [compared])]  # type: ignore[arg-type]
+        found = [team_table(self.summaries, title), *([] if compared is None else [compared])]  # type: ignore[arg-type]
+        return [*found, meetings_table(self.meetings)] if self.meetings else found
 
 
 def stand(

@@ -48,8 +48,8 @@ def markdown(record: SuiteRecord) -> str:
 
 
 def latex(record: SuiteRecord) -> str:
-    """Return all tables as LaTeX, for the package booktabs."""
-    return "\n".join(_latex(table) for table in text_tables(record))
+    """Return all tables that have rows as LaTeX, for the package booktabs."""
+    return "\n".join(_latex(table) for table in text_tables(record) if table.rows)
 
 
 def overview(record: SuiteRecord) -> str:
@@ -86,9 +86,9 @@ def conditions_line(member: Mapping[str, Any]) -> str:
 
 
 def _overview(record: SuiteRecord) -> list[TextTable]:
-    if len(record.figures) < 2:
-        return []
     methods = [name for name in record.methods if any(name in scores for scores in record.figures.values())]
+    if len(record.figures) < 2 or not methods:
+        return []
     rows = [
         [name, *(_with_interval(scores[method]["success"]) if method in scores else DASH for method in methods)]
         for name, scores in record.figures.items()
@@ -127,7 +127,7 @@ def _member(record: SuiteRecord, name: str) -> TextTable:
 
 def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
     """Return how the cell of each column is read from the figures of a method."""
-    hits = [hit for hit in scores[0]["hits"] if any(score["hits"][hit] for score in scores)]
+    hits = [hit for hit in (scores[0]["hits"] if scores else ()) if any(score["hits"][hit] for score in scores)]
     ends = [end for end in ENDS if any(score["outcomes"][end] for score in scores)]
     columns: dict[str, Reader] = {"success [%]": _percents("success", "value")}
     columns["95 % interval"] = lambda score: _interval(score["success"])
@@ -203,13 +203,9 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
 
 
 def _markdown(table: TextTable) -> str:
-    lines = [
-        f"### {table.title}",
-        "",
-        *(line for note in table.notes for line in (note, "")),
-        "| " + " | ".join(table.heads) + " |",
-        "|---" + "|---:" * (len(table.heads) - 1) + "|",
-    ]
+    lines = [f"### {table.title}", "", *(line for note in table.notes for line in (note, ""))]
+    if table.rows:
+        lines += ["| " + " | ".join(table.heads) + " |", "|---" + "|---:" * (len(table.heads) - 1) + "|"]
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in table.rows), ""])
 
 

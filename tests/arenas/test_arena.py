@@ -241,6 +241,10 @@ def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pyt
     assert len(summary["arena"]["scenario_sha256"]) == 64
     assert (summary["arena"]["source"], summary["arena"]["task"]) == ("pair.yaml", None)
     page = read_page(folder / "arena.html")
+    shares = [f"{100 * met[key]['value']:.1f}" for key in ("individual_success", "cooperative_success")]
+    table = (folder / "table.txt").read_text(encoding="utf-8").partition("who meets whom")[2]
+    assert re.search(rf"^ dash .* {shares[0]} \(all {shares[1]}\)$", table, re.MULTILINE)
+    assert table.strip() in said.out
     assert page["policies"] == ["dash", "random", "dash + random", "random + dash"]
     assert page["meetings"] == summary["meetings"]
 

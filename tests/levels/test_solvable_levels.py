@@ -91,6 +91,8 @@ def test_who_solves_a_level_does_it_again(file: Path) -> None:
     """On levels from first to last, the fastest policy that solves a level arrives as the certificate says."""
     certificate, scenario = read_certificate(file), scenario_of(file)
     solved = np.flatnonzero(certificate.solved)
+    if not solved.size:
+        pytest.skip("no reference policy solves a level")
     chosen = solved[np.linspace(0, len(solved) - 1, min(REPLAYED, len(solved)), dtype=np.int64)]
     all_arrived = (certificate.outcome == SUCCESS).all(axis=2)
     times = np.where(all_arrived, certificate.time.max(axis=2), np.inf)

@@ -27,6 +27,18 @@ def test_the_tables_of_the_page_are_those_of_the_reference_rows() -> None:
     assert text.partition(script["MARK"])[2] == script["tables"]()
 
 
+def test_the_rows_of_barn_are_those_of_their_file() -> None:
+    record = json.loads((DOCS.parent / "agents" / "results" / "barn_dwa.json").read_text(encoding="utf-8"))
+    table = PAGE.read_text(encoding="utf-8").partition("## BARN")[2].partition("\n## ")[0]
+    shown = [line.split("|")[2:-1] for line in table.split("\n") if line.startswith("|")][2:]
+    rows = [record["published"], *record["rows"].values()]
+    assert len(shown) == len(rows)
+    for cells, row in zip(shown, rows, strict=True):
+        figures = [*(100 * row[key] for key in ("success", "collision", "timeout")), row["time"]]
+        assert list(map(float, cells[:4])) == pytest.approx(figures, abs=0.051)
+        assert float(cells[4]) == pytest.approx(row["score"], abs=0.00051)
+
+
 def test_every_benchmark_has_a_picture_and_reference_rows_are_of_benchmarks() -> None:
     shown = re.findall(r"!\[[^\]]*\]\(benchmarks/(.+)\.png\)", PAGE.read_text(encoding="utf-8"))
     assert shown == list(shipped_suite().members)

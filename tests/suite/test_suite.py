@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -112,6 +113,16 @@ def test_a_policy_that_does_not_fit_is_left_out_and_named(tmp_path: Path) -> Non
     )
     assert list(record.figures["car"]) == ["dash"]
     assert "Without rvo: 'rvo' cannot drive kinematics 'acker'" in suite_tables.markdown(record)
+
+
+def test_a_benchmark_that_nobody_can_drive_has_a_reason_in_the_place_of_a_table(tmp_path: Path) -> None:
+    crowd, dwa = Member("crowd", "To cross.", "crowd_nav"), ComparedMethod("dwa", ("dwa",))
+    record = play_suite([GOAL, crowd], [dwa], tmp_path, levels=1)
+    assert (list(record.figures["goal"]), list(record.figures["crowd"])) == ([], [])
+    shown = suite_tables.markdown(record)
+    assert re.search(r"Without dwa: 'dwa' reads a scan, but 'robot_0' \(benchmarks.crowd_nav\.yaml:\d+\) has no", shown)
+    assert "|" not in shown
+    assert suite_tables.latex(record) == ""
 
 
 def test_rows_survive_their_file(tmp_path: Path) -> None:
