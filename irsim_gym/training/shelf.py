@@ -17,13 +17,16 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.byte_planes import from_planes, layout_of, to_planes
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.training.array_network import Options, apply_steps, check_steps, remember
 from irsim_gym.training.cards import PolicyCard, read_card
 
 PACKAGE = Path(__file__).parent.parent
 SUFFIX = ".npz"
-FORMAT, FORMAT_WITH_MEMORY = 1, 2
+FORMAT = 3
+READ = (1, 2, FORMAT)
+"""Formats 1 and 2 (with memory) have each array under its own name, format 3 all of them as ``layout`` and planes."""
 LONE = ""
 """Name of an observation that is no dict."""
 OUTPUTS = ("clip", "squash", "argmax")
@@ -182,13 +185,20 @@ def read_policy(file: Path) -> ShelfPolicy:
     try:
         with np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
-        form = json.loads(str(arrays.pop("form")))
-        if form["format"] not in (FORMAT, FORMAT_WITH_MEMORY):
-            known = f"{FORMAT} and {FORMAT_WITH_MEMORY}"
-            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads {known}")
+        form = json.loads(arrays.pop("form").item())
+        if form["format"] not in READ:
+            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads 1 to {FORMAT}")
+        if "layout" in form:
+            arrays = from_planes(form["layout"], arrays["planes"])
         return ShelfPolicy(form, arrays, read_card(file))
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, IrsimGymError) as error:
         raise IrsimGymError(f"{file} is no policy of the shelf: {error}") from error
+
+
+def policy_arrays(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return what the file of a policy holds, by name; see ``ShelfPolicy`` for the arguments."""
+    described = {**form, "format": FORMAT, "layout": layout_of(arrays)}
+    return {"planes": to_planes(arrays), "form": np.array(json.dumps(described).encode())}
 
 
 def _arrays_of(place: str, steps: Sequence[Options], arrays: Mapping[str, NDArray[Any]]) -> list[dict[str, Floats]]:
