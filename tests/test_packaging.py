@@ -139,7 +139,6 @@ def test_an_index_leads_to_the_repository(tmp_path: Path) -> None:
 
 
 def test_an_index_accepts_both(built: Path) -> None:
-    pytest.importorskip("twine", reason="the extra `release` has it")
     _run(sys.executable, "-m", "twine", "check", "--strict", *map(str, built.iterdir()))
 
 
