@@ -222,6 +222,8 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
     ) -> Bytes:
         """Return one fresh picture of several worlds side by side, drawn small enough to fit into the room.
 
+        It has the shape ``(height, width, 3)``.
+
         Args:
             columns: Worlds in a row; None for as many as show them large and leave few places empty.
             worlds: Which; None for all.
@@ -257,6 +259,11 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
     def call(self, name: str, *args: object, **kwargs: object) -> tuple[Any, ...]:
         """Call a method of each world, or read an attribute, as ``SyncVectorEnv`` does; see ``WorldView``.
 
+        Args:
+            name: Name of the method or attribute.
+            *args: What the method is called with.
+            **kwargs: Likewise, by name.
+
         Raises:
             AttributeError: A world of a batch has none of that name.
         """
@@ -272,6 +279,10 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
 
     def set_attr(self, name: str, values: object) -> None:
         """Set an attribute of each world: a list or a tuple holds one value for each, anything else is for all.
+
+        Args:
+            name: Name of the attribute.
+            values: Its values.
 
         Raises:
             ValueError: There are more or fewer values than worlds, or time limits (``max_steps``) that differ.

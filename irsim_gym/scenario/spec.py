@@ -395,6 +395,11 @@ class Scenario:
         return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem with a value of the file, e.g. at ``("task", "rewards", 0, "weight")``, with its line."""
+        """Return a problem with a value of the file, with its line.
+
+        Args:
+            place: Keys and numbers that lead to the value, e.g. ``("task", "rewards", 0, "weight")``.
+            message: What is wrong with it.
+        """
         prefix = self.root.get(str(place[0]), ()) if place else ()
         return self.source.problem((*prefix, *place), message)

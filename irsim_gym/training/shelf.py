@@ -40,7 +40,7 @@ class ShelfPolicy:
 
     Args:
         form: The description of its network.
-        arrays: The arrays of it.
+        arrays: Its arrays by name: weights, of the shapes of PyTorch, and bounds of spaces.
         card: What is known of it; None without a card.
 
     Attributes:
@@ -49,6 +49,9 @@ class ShelfPolicy:
         perception: The observations with their options, and the action, in the words of a task; None where the file
             does not say.
         card: What is known of it; None without a card.
+
+    Raises:
+        IrsimGymError: The network has a step, or makes actions in a way, that is not known here.
     """
 
     def __init__(
@@ -78,10 +81,13 @@ class ShelfPolicy:
     ) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
         """Return the action for one observation, or those for several, and ``state``, as Stable-Baselines3 does.
 
+        Actions are of the shape of ``action_space``, or ``(n, ...)`` for several observations.
+
         Args:
             observation: As the environment gives it, or several, with an axis in front.
-            state: What the last call returned, a policy with memory needs it; None at the beginning.
-            episode_start: Where an episode begins, so that nothing is remembered; None for nowhere.
+            state: What the last call returned, a policy with memory needs it, shape ``(1, n, size)``; None at the
+                beginning.
+            episode_start: Where an episode begins, so that nothing is remembered, shape ``(n,)``; None for nowhere.
             deterministic: Only True: nothing is drawn.
 
         Raises:
