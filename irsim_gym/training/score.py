@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -100,6 +99,12 @@ def reached(points: Sequence[Point], mark: float) -> Point | None:
     return held
 
 
+def seconds_to(points: Sequence[Point]) -> dict[str, float | None]:
+    """Return the training time [s] until the success stays above each mark, by mark; None where it never does."""
+    marks = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
+    return {name: point and point["training_seconds"] for name, point in marks.items()}
+
+
 def called(settings: Settings) -> str:
     """Return what a run trains in, in words."""
     if settings.mixture:
@@ -192,7 +197,5 @@ def _limit(episodes: Episodes) -> float:
 
 
 def _write(run: Run, points: list[Point]) -> None:
-    marks: dict[str, Any] = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
-    seconds = {name: point and point["training_seconds"] for name, point in marks.items()}
-    write_json(run.curve, {"seconds_to": plain(seconds), "points": points})
+    write_json(run.curve, {"seconds_to": plain(seconds_to(points)), "points": points})
     write_csv(run.folder / "curve.csv", list(points[0]), points)

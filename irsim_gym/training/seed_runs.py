@@ -20,7 +20,7 @@ from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.interruption import ctrl_c_told
 from irsim_gym.training.remembered import tell_changes
-from irsim_gym.training.run import Run
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.seed_summary import (
     Figures,
     markdown_table,
@@ -48,7 +48,7 @@ def run_seeds(
     """Train several seeds, evaluate them as one method, print one table and return the folder above the runs.
 
     ``results.json``, ``results.png`` and ``results.md`` have the figures, the learning curves and the table; the folder
-    ``test`` has the evaluation.
+    ``test`` has the evaluation. Of a mixture, each scenario has a folder with these.
 
     Args:
         asked: What is trained; its seed is the first one.
@@ -85,18 +85,42 @@ def group_folder(asked: Asked) -> Path:
 
 
 def sum_up(folder: Path, runs: Sequence[Run], levels: int) -> None:
-    """Evaluate finished runs of one training, write the sum beside them and print it."""
-    settings, screen = runs[0].settings(), Console(stderr=True)
+    """Evaluate finished runs of one training, write the sum beside them and print it.
+
+    Runs in a mixture are evaluated in each scenario, with a sum in a folder of its name.
+    """
+    settings = runs[0].settings()
+    tell_changes(settings.scenario, [runs[0].folder], settings.task, strict=settings.strict)
+    if not settings.mixture:
+        _sum_up(folder, settings, runs, levels)
+    for name, part in zip(settings.names, settings.parts(), strict=True) if settings.mixture else ():
+        _sum_up(folder / name, part, runs, levels, name)
+
+
+def _sum_up(folder: Path, settings: Settings, runs: Sequence[Run], levels: int, part: str | None = None) -> None:
+    """Evaluate runs in one scenario, write the sum and print it.
+
+    Args:
+        folder: Where the sum goes.
+        settings: What the runs trained, in this scenario.
+        runs: The runs.
+        levels: Levels of ``test``.
+        part: Name of the scenario in a mixture; None where it is the only one.
+    """
     is_team, places = settings.hyperparameters.team is not None, [run.folder for run in runs]
-    tell_changes(settings.scenario, places[:1], settings.task, strict=settings.strict)
     chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
     evaluated = evaluate_team_policies if is_team else evaluate_policies
     method = settings.algorithm
     found = evaluated(
-        settings.scenario, {method: list(places)}, levels=levels, folder=folder / TEST, console=screen, **chosen
+        settings.scenario,
+        {method: list(places)},
+        levels=levels,
+        folder=folder / TEST,
+        console=Console(stderr=True),
+        **chosen,
     )
     test = _by_run(folder / TEST / "summary.json", runs)
-    summary = summarize_seeds(test["conditions"]["scenario"], places, [test])
+    summary = summarize_seeds(test["conditions"]["scenario"], places, [test], part)
     said = _said(summary, found, method)
     head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
     write_seeds(folder, RESULTS, summary, called=found.scenario)

@@ -28,13 +28,14 @@ TEAM_HEAD = (
 TEAM_SHARES = ("individual_success", "collision", "timeout", "deadlocked")
 
 
-def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures]) -> Figures:
+def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures], part: str | None = None) -> Figures:
     """Return what several seeds came to.
 
     Args:
         scenario: The scenario.
         runs: Their folders, with scored checkpoints.
         tests: Evaluations that hold all runs, by the names of their folders; several for teams alone.
+        part: Of runs in several scenarios, the name of this one in their curves.
 
     Raises:
         IrsimGymError: An evaluation lacks a run, or several are given of one robot.
@@ -44,7 +45,7 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
         raise IrsimGymError(f"the seeds of one robot are summed up over one evaluation, got {len(tests)}")
     conditions = [test["conditions"] for test in tests]
     labelled = {label(test["conditions"], conditions): test for test in tests}
-    seeds = [read_seed(run, labelled) for run in runs]
+    seeds = [read_seed(run, labelled, part) for run in runs]
     names = {run.name for run in runs}
     others = {name: [row for row in test["policies"] if row["policy"] not in names] for name, test in labelled.items()}
     if is_team:
@@ -73,9 +74,20 @@ def label(conditions: Figures, every: Sequence[Figures]) -> str:
     return ", ".join(f"{name}={own[name]}" for name in differing or own) or str(conditions["scenario"])
 
 
-def read_seed(run: Path, tests: Mapping[str, Figures]) -> Figures:
-    """Return what one run came to: its curve, the seconds to each mark, and its row in each test."""
+def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) -> Figures:
+    """Return what one run came to: its curve, the seconds to each mark, and its row in each test.
+
+    Args:
+        run: Its folder.
+        tests: The tests by their labels.
+        part: Of a run in several scenarios, the name of the one whose curve is wanted; None for all of it.
+    """
     config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
+    if part is not None:
+        from irsim_gym.training.score import point_in, seconds_to
+
+        points = [point_in(point, part) for point in curve["points"]]
+        curve = {"points": points, "seconds_to": seconds_to(points)}
     last = curve["points"][-1]
     return {
         "run": run.name,
