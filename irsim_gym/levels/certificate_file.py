@@ -82,7 +82,7 @@ def rounded(values: Any, name: str) -> Numbers:
 
 def _last_digits(name: str, arrays: Arrays) -> Floats:
     """Return the numbers of an array, counted in their last digit."""
-    return np.rint(arrays[name].astype(np.float64) * 10 ** NUMBERS[name])
+    return np.asarray(np.rint(arrays[name].astype(np.float64) * 10 ** NUMBERS[name]), np.float64)
 
 
 def _base(name: str, arrays: Arrays) -> Ints:

@@ -102,7 +102,7 @@ def reached(points: Sequence[Point], mark: float) -> Point | None:
 def seconds_to(points: Sequence[Point]) -> dict[str, float | None]:
     """Return the training time [s] until the success stays above each mark, by mark; None where it never does."""
     marks = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
-    return {name: point and point["training_seconds"] for name, point in marks.items()}
+    return {name: None if point is None else point["training_seconds"] for name, point in marks.items()}
 
 
 def called(settings: Settings) -> str:
