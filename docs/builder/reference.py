@@ -43,7 +43,7 @@ SECTIONS = {
             "irsim_gym.envs.vector.WorldVectorEnv",
             "irsim_gym.envs.parallel.WorldParallelEnv",
             "irsim_gym.envs.batch.Batch",
-            "irsim_gym.envs.batch.BatchStep",
+            "irsim_gym.envs.batch_step.BatchStep",
             "irsim_gym.envs.description.Description",
         ),
     ),

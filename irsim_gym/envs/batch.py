@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.envs.batch_step import BatchStep
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.level_options import fresh_level
 from irsim_gym.envs.moment import WorldMoment
@@ -69,54 +69,6 @@ def make_batch(
     return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps, team_state=team_state)
 
 
-@dataclass(frozen=True)
-class BatchStep:
-    """What a step, or a reset, gave; all arrays are fresh.
-
-    Observations are ``(n_worlds, n_agents, ...)``, or a dict of such arrays; all others begin with
-    ``(n_worlds, n_agents)``.
-
-    Attributes:
-        observation: What the agents perceive now, those that begin an episode included: the next actions answer to it.
-            An agent that has ended and waits for its world keeps its last observation.
-        reward: Reward of the step, shape ``(n_worlds, n_agents)``; 0 where ``acted`` is False.
-        terminated: The agent's task has ended in this very step, likewise.
-        truncated: The agent's episode was cut in this very step, likewise, by its time limit or because its world
-            restarts.
-        acted: The agent was under way when the step began: its row is experience, likewise. The others must not be
-            learnt from.
-        live: The agent is under way now, likewise.
-        began: ``observation`` is the first of an episode, likewise.
-        final_observation: The observation after the step, before any restart. Where an episode was truncated, its value
-            stands for what would have followed.
-        reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
-        infos: Arrays as in ``Transition.infos``, of shape ``(n_worlds, n_agents)``, before any restart, and
-            ``episode_return``: the sum of the agent's rewards so far. The outcome of an agent that was cut with its
-            world is RUNNING.
-        state: What a centralised critic sees, ``(n_worlds, n_state)``, in [-1, 1], see ``Episodes.team_state``; without
-            columns where the batch was made with ``team_state=False``.
-        final_state: The same, of the same shape, before any restart.
-    """
-
-    observation: Observation
-    reward: Floats
-    terminated: Flags
-    truncated: Flags
-    acted: Flags
-    live: Flags
-    began: Flags
-    final_observation: Observation
-    reward_terms: Floats
-    infos: dict[str, NDArray[Any]]
-    state: Rays
-    final_state: Rays
-
-    @property
-    def ended(self) -> Flags:
-        """The agent's episode has ended in this very step, ``(n_worlds, n_agents)``."""
-        return self.terminated | self.truncated
-
-
 class Batch:
     """Worlds of one scenario whose agents have episodes of their own; see ``make_batch``.
 
@@ -127,7 +79,7 @@ class Batch:
         worlds: The worlds.
         autoreset: Restart worlds by themselves once all their agents have ended.
         respawn: An agent that has ended begins anew while its world goes on.
-        world_steps: With ``respawn``, steps after which a world restarts; None for ten times the time limit.
+        world_steps: With ``respawn``, steps after which a world restarts; None for four time limits.
         team_state: Add the state of the team, for a centralised critic.
 
     Attributes:
@@ -206,20 +158,12 @@ class Batch:
         return self.begin(seeds, [options or {}] * self.n_worlds)
 
     def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, object]]) -> BatchStep:
-        """Begin an episode in every world, with a seed, or None, and options for each.
-
-        Args:
-            seeds: The seed of each world, or None for its next level.
-            options: The options of each world, see ``reset``.
-        """
+        """Begin an episode in every world, with ``seeds`` and ``options`` for each, see ``reset``."""
         self.worlds.begin(range(self.n_worlds), seeds, options, fresh_level)
         return self._beginning(np.arange(self.n_worlds))
 
     def restart(self, chosen: Ints) -> BatchStep:
-        """Begin the next level of some worlds: what to do with ``autoreset=False``.
-
-        Args:
-            chosen: Indices of these worlds, shape ``(n,)``.
+        """Begin the next level of the worlds ``chosen``, indices ``(n,)``: what to do with ``autoreset=False``.
 
         Raises:
             ResetNeeded: One of them has not begun an episode.
@@ -291,11 +235,7 @@ class Batch:
         return reward, terminated, truncated, acted
 
     def choose_levels(self, levels: Sequence[int] | Ints) -> None:
-        """Choose the level that each world begins next, see ``WorldVectorEnv.choose_levels``.
-
-        Args:
-            levels: Their numbers, shape ``(n_worlds,)``.
-        """
+        """Choose the ``levels``, ``(n_worlds,)``, that the worlds begin next, see ``WorldVectorEnv.choose_levels``."""
         self.worlds.choose_levels(levels)
 
     def observation(self) -> Observation:
@@ -359,11 +299,7 @@ class Batch:
         return began
 
     def note_beginnings(self, chosen: Ints) -> Flags:
-        """Note that worlds have begun a level, and return the agents that begin in them, ``(n_worlds, n_agents)``.
-
-        Args:
-            chosen: Indices of these worlds, shape ``(n,)``.
-        """
+        """Note that worlds ``chosen``, ``(n,)``, begin a level; return who begins in them, ``(n_worlds, n_agents)``."""
         began = np.zeros((self.n_worlds, self.n_agents), np.bool_)
         began[chosen] = True
         self._age[chosen] = 0
@@ -400,13 +336,7 @@ class Batch:
     def tiled(
         self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
     ) -> Bytes:
-        """Return one fresh picture of several worlds side by side, shape ``(height, width, 3)``.
-
-        Args:
-            columns: Worlds in a row; None for as many as show them large.
-            worlds: Which; None for all.
-            room: Most columns and rows of pixels.
-        """
+        """Return a picture; ``columns``, ``worlds``, ``room`` and shape are those of ``WorldVectorEnv.tiled``."""
         return self.worlds.pictures.tiled(columns, worlds, room)
 
     def _open(self, began: Flags) -> None:

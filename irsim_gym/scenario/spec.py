@@ -395,11 +395,6 @@ class Scenario:
         return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem with a value of the file, with its line.
-
-        Args:
-            place: Keys and numbers that lead to the value, e.g. ``("task", "rewards", 0, "weight")``.
-            message: What is wrong with it.
-        """
+        """Return a problem with its line: ``message`` about the value at ``place``, e.g. ``("task", "rewards", 0)``."""
         prefix = self.root.get(str(place[0]), ()) if place else ()
         return self.source.problem((*prefix, *place), message)
