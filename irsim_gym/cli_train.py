@@ -76,7 +76,7 @@ def train(
     from irsim_gym.training.training_request import TrainingRequest
 
     request = TrainingRequest(
-        _first_scenario(scenario, mixture, seeds),
+        _first_scenario(scenario, mixture),
         algorithm,
         seed,
         steps,
@@ -101,7 +101,7 @@ def train(
     run_seeds(request, seeds, out, test_levels=test_levels, **how)
 
 
-def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) -> str:
+def _first_scenario(scenarios: Sequence[str], mixture: bool) -> str:
     """Return the name of the first scenario, after checking that the options fit the number of scenarios."""
     from irsim_gym.training.mixture import read_part
 
@@ -110,8 +110,6 @@ def _first_scenario(scenarios: Sequence[str], mixture: bool, seeds: int | None) 
             given = ", ".join(scenarios)
             raise IrsimGymError(f"train takes one scenario, got {given}: --mixture trains one policy in all")
         return scenarios[0]
-    if seeds is not None:
-        raise IrsimGymError("--seeds is for one scenario: train each seed of a mixture separately, with --seed")
     return read_part(scenarios[0]).scenario
 
 

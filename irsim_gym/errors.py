@@ -30,7 +30,12 @@ class Problem:
 
 
 class ScenarioError(IrsimGymError, ValueError):
-    """A scenario, task or hyper-parameter file that cannot be used; it lists all its problems at once."""
+    """A scenario, task or hyper-parameter file that cannot be used; it lists all its problems at once.
+
+    Args:
+        file: The file.
+        problems: Its problems, in the order of their lines.
+    """
 
     def __init__(self, file: str, problems: Sequence[Problem]) -> None:
         self.file = file
@@ -46,7 +51,12 @@ class ScenarioError(IrsimGymError, ValueError):
 
 
 class ScenarioWarning(UserWarning):
-    """Values of a scenario file that are allowed but seldom meant; it lists all of them at once."""
+    """Values of a scenario file that are allowed but seldom meant; it lists all of them at once.
+
+    Args:
+        file: The file.
+        problems: Its problems, in the order of their lines.
+    """
 
     HEAD: ClassVar[str] = "seldom meant in"
 
@@ -82,7 +92,13 @@ class UntrustedCodeWarning(UserWarning):
 
 
 def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
-    """Return problems as text below a headline, each with file and line."""
+    """Return problems as text below a headline, each with file and line.
+
+    Args:
+        head: What stands above them.
+        file: The file.
+        problems: Its problems, in the order of their lines.
+    """
     places = [f"{file}:{problem.line}" if problem.line else file for problem in problems]
     width = max((len(place) for place in places), default=0)
     rows = [
@@ -106,6 +122,10 @@ class UnknownNameError(IrsimGymError, KeyError):
 class UnknownParameterError(UnknownNameError):
     """Values are given for parameters that a scenario does not have; the message lists those that it has.
 
+    Args:
+        name: The first of them.
+        message: What is wrong, and what would be right.
+
     Attributes:
         name: The first of them.
     """
@@ -127,7 +147,12 @@ class UnknownKeywordError(UnknownNameError, TypeError):
 
     @classmethod
     def of(cls, name: str, message: str) -> UnknownKeywordError:
-        """Return the error for a name, with what there is in its place."""
+        """Return the error for a name, with what there is in its place.
+
+        Args:
+            name: The keyword.
+            message: What is wrong, and what there is in its place.
+        """
         return cls(f"got an unexpected keyword argument '{name}': {message}")
 
 
@@ -136,7 +161,12 @@ class MissingScenarioError(IrsimGymError, TypeError):
 
 
 class OptionError(IrsimGymError, ValueError):
-    """An option of a kind that cannot be used; whoever reads the file tells it with its line."""
+    """An option of a kind that cannot be used; whoever reads the file tells it with its line.
+
+    Args:
+        key: The option's key.
+        message: What is wrong with its value.
+    """
 
     def __init__(self, key: str, message: str) -> None:
         self.key = key
@@ -179,12 +209,22 @@ class NoEffectWarning(UserWarning):
 
 
 def several(count: int, noun: str) -> str:
-    """Return a number of things: ``1 world``, ``2 worlds``."""
+    """Return a number of things: ``1 world``, ``2 worlds``.
+
+    Args:
+        count: How many.
+        noun: What they are, for one of them.
+    """
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string."""
+    """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string.
+
+    Args:
+        name: What was written.
+        known: What there is.
+    """
     near = nearest(name, known)
     return f" (did you mean '{near}'?)" if near is not None else ""
 
@@ -197,7 +237,7 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     Args:
         name: What was written.
         known: What there is.
-        cutoff: How alike they have to be, from 0 to 1.
+        cutoff: How alike they have to be, a share from 0 to 1.
     """
     known = list(known)
     words = sorted(name.lower().split("_"))
@@ -207,7 +247,12 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
 
 
 def warn_caller(message: str | Warning, category: type[Warning] = UserWarning) -> None:
-    """Warn at the line that called this package."""
+    """Warn at the line that called this package.
+
+    Args:
+        message: What it says.
+        category: Which warning it is.
+    """
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] in ("irsim_gym", "gymnasium"):
         frame, level = frame.f_back, level + 1

@@ -78,7 +78,11 @@ def WrapToPi(rad: float, positive: bool = False) -> float:  # noqa: N802
 
 
 def WrapTo2Pi(rad: float) -> float:  # noqa: N802
-    """Return an angle in [0, 2 pi) [rad]; 0 for one that is not finite."""
+    """Return an angle in [0, 2 pi) [rad]; 0 for one that is not finite.
+
+    Args:
+        rad: The angle [rad].
+    """
     return rad % (2.0 * math.pi) if math.isfinite(rad) else 0.0
 
 

@@ -71,18 +71,39 @@ def next_bits(random: Words, w: int) -> np.uint64:
 
 @kernel
 def uniform(random: Words, w: int, low: float, high: float) -> float:
-    """Draw from [low, high)."""
+    """Draw from [low, high), in the unit of these.
+
+    Args:
+        random: State of each world's stream, shape ``(n_worlds,)``: ``state.random``.
+        w: The world.
+        low: Lower end, in the [unit] of the number.
+        high: Upper end, likewise; it is not drawn.
+    """
     return low + (high - low) * (np.float64(next_bits(random, w) >> S11) * UNIT)
 
 
 @kernel
 def integer(random: Words, w: int, low: int, high: int) -> int:
-    """Draw an integer from low to high, the upper end excluded."""
+    """Draw an integer.
+
+    Args:
+        random: State of each world's stream, shape ``(n_worlds,)``: ``state.random``.
+        w: The world.
+        low: The least.
+        high: One more than the greatest.
+    """
     return low + int(np.floor(uniform(random, w, 0.0, 1.0) * (high - low)))
 
 
 @kernel
 def normal(random: Words, w: int, mean: float, deviation: float) -> float:
-    """Draw from a normal distribution (Box and Muller 1958; one of the pair is used)."""
+    """Draw from a normal distribution (Box and Muller 1958; one of the pair is used), in the unit of the arguments.
+
+    Args:
+        random: State of each world's stream, shape ``(n_worlds,)``: ``state.random``.
+        w: The world.
+        mean: Mean, in the [unit] of the number.
+        deviation: Standard deviation, likewise.
+    """
     radius = np.sqrt(-2.0 * np.log(1.0 - uniform(random, w, 0.0, 1.0)))
     return mean + deviation * float(radius * np.cos(2.0 * np.pi * uniform(random, w, 0.0, 1.0)))

@@ -21,7 +21,7 @@ PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
 
 # Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
-COMMON = {"errors", "extras", "registry", "families", "arraytypes", "contract"}
+COMMON = {"errors", "extras", "registry", "families", "arraytypes", "byte_planes", "contract"}
 KIND = {"jit", "rng", "structs", "geometry", "world", "scenario.options"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
@@ -29,6 +29,7 @@ ALLOWED: dict[str, set[str]] = {
     "registry": set(),
     "families": set(),
     "arraytypes": set(),
+    "byte_planes": set(),
     "contract": {"scenario.options", "pydantic"},
     "jit": {"numba", "llvmlite", "rich"},
     "atomics": {"numba", "llvmlite"},

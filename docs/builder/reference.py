@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import importlib
 import inspect
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
+
+import numpy as np
+
+from irsim_gym.world.arrays import Arrays
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ SECTIONS = {
             "irsim_gym.envs.vector.WorldVectorEnv",
             "irsim_gym.envs.parallel.WorldParallelEnv",
             "irsim_gym.envs.batch.Batch",
-            "irsim_gym.envs.batch.BatchStep",
+            "irsim_gym.envs.batch_step.BatchStep",
             "irsim_gym.envs.description.Description",
         ),
     ),
@@ -124,10 +129,27 @@ def _entry(dotted: str, value: Any) -> list[str]:
         assert page is not None, f"{dotted} has no page: add it to SECTIONS"
         return [f".. py:module:: {value.__name__}", "   :no-index:", "", f"``{dotted}``: see :doc:`{page}`.", ""]
     if inspect.isclass(value):
-        return [f".. autoclass:: {dotted}", "   :members:", "   :show-inheritance:", ""]
+        return [f".. autoclass:: {dotted}", "   :members:", "   :show-inheritance:", "", *_columns(value)]
     if callable(value) and not _is_instance(value):
         return [f".. autofunction:: {dotted}", ""]
     return [f".. autodata:: {dotted}", "   :no-value:", ""]
+
+
+def _columns(value: type) -> list[str]:
+    """Return the table of the arrays that a class declares by shape, unit and meaning; nothing for other classes."""
+    if not issubclass(value, Arrays):
+        return []
+    rows = [("array", "shape", "type", "unit", "meaning")]
+    for name, column in value.columns().items():
+        shape, kind = f"({', '.join(column.axes)})", np.dtype(column.dtype)
+        rows.append((name, shape, "record" if kind.names else kind.name, column.unit, column.meaning))
+    lines = [f"   {'* -' if first else '  -'} {cell}".rstrip() for row in rows for first, cell in _firsts(row)]
+    return ["   .. list-table::", "      :header-rows: 1", "", *(f"   {line}" for line in lines), ""]
+
+
+def _firsts(row: Sequence[str]) -> Iterator[tuple[bool, str]]:
+    """Yield cells, with whether each is the first one, as reStructuredText that shows them as they are."""
+    yield from ((place == 0, re.sub(r"([*_`|\\])", r"\\\1", cell)) for place, cell in enumerate(row))
 
 
 def _is_instance(value: object) -> bool:

@@ -53,6 +53,16 @@ class BodyView(IrSimReadings):
 
     The names of ``world.robot`` that have a meaning here work as well, IR-SIM's among them. Arrays are flat; a function
     of ``irsim_gym.register_behavior`` gets columns of shape ``(n, 1)`` under the names that IR-SIM has too.
+
+    Args:
+        group: The behaviour's group.
+        model: The constants of the worlds.
+        state: The present of the worlds.
+        world: Number of the world.
+        body: Number of the body.
+
+    Attributes:
+        name: Name of the body.
     """
 
     __slots__ = ("_b", "_columns", "_group", "_model", "_state", "_w", "name")
@@ -125,7 +135,16 @@ class BodyView(IrSimReadings):
 
 
 class EgoView(BodyView):
-    """The body that decides: its readings, its memory, and its world's random numbers."""
+    """The body that decides: its readings, its memory, and its world's random numbers.
+
+    Args:
+        group: The behaviour's group.
+        model: The constants of the worlds.
+        state: The present of the worlds.
+        world: Number of the world.
+        body: Number of the body.
+        memory: What the function keeps for this body until its episode ends.
+    """
 
     __slots__ = ("memory",)
 
@@ -152,11 +171,21 @@ class EgoView(BodyView):
         return group.arrays[name][self._w, member].copy()
 
     def uniform(self, low: float, high: float) -> float:
-        """Draw a number from low to high from the world's own stream, so that a seed gives the same episode again."""
+        """Draw a number, in the unit of its bounds, from the world's own stream; a seed gives the same episode again.
+
+        Args:
+            low: Lower end, in the [unit] of the number.
+            high: Upper end, likewise; it is never drawn.
+        """
         return float(rng.uniform(self._state.random, self._w, low, high))
 
     def normal(self, mean: float, deviation: float) -> float:
-        """Draw a number from a normal distribution, likewise."""
+        """Draw a number from a normal distribution, likewise in the unit of the arguments.
+
+        Args:
+            mean: Mean, in the [unit] of the number.
+            deviation: Standard deviation, likewise.
+        """
         return float(rng.normal(self._state.random, self._w, mean, deviation))
 
 

@@ -119,7 +119,12 @@ class Simulation:
         return find_sensor(self.scenario.bodies, self.parts.sensors, body, reading, index)
 
     def scan(self, body: int, index: int = 0) -> tuple[Group, int] | None:
-        """Return the group and the member number of one of a body's range sensors, None without it."""
+        """Return the group and the member number of one of a body's range sensors, None without it.
+
+        Args:
+            body: Number of the body.
+            index: Which of its range sensors, in the order of the file.
+        """
         return self.sensor(body, "ranges", index)
 
     def scan_report(self, world: int, body: int, index: int = 0) -> dict[str, Any]:
@@ -159,7 +164,7 @@ class Simulation:
 
         Args:
             body: The one that looks.
-            worlds: The worlds to look at, all by default; the rows of the others are False.
+            worlds: The worlds to look at, indices of shape ``(n,)``, all by default; the rows of the others are False.
 
         Raises:
             UnknownNameError: The body has no field of view.
@@ -179,11 +184,19 @@ class Simulation:
         return found
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
-        """Call ``function`` with shares of the given worlds (all by default), on threads if there are several."""
+        """Call ``function`` with shares of the given worlds (all by default), on threads if there are several.
+
+        Args:
+            worlds: Indices of the worlds, shape ``(n,)``.
+        """
         self.shards.run(function, worlds)
 
     def run_beginning(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
         """Call a function that begins levels, see ``run``.
+
+        Args:
+            function: What is called with shares of the worlds.
+            worlds: Indices of the worlds, shape ``(n,)``; None for all.
 
         Raises:
             PlacementError: A level could not be drawn.
@@ -199,7 +212,11 @@ class Simulation:
             raise
 
     def begin(self, shard: Shard, keys: Words) -> None:
-        """Begin new levels in the shard's worlds, by their keys ``(n_worlds,)``; for ``run_beginning``."""
+        """Begin new levels in the shard's worlds, for ``run_beginning``.
+
+        Args:
+            keys: Keys of the levels, see ``level_keys``, shape ``(n_worlds,)``.
+        """
         restart.note_streams(shard.worlds, keys, self.state.random, self.model)
         restart.begin(self.state, shard, self._draw, self._start)
 
@@ -214,11 +231,18 @@ class Simulation:
         advance(self.parts, self.model, self.state, shard)
 
     def vanish(self, shard: Shard, bodies: Ints, gone: Flags) -> None:
-        """Take bodies away until another level or a respawn; ``gone`` says which, shape ``(n_worlds, n_bodies)``."""
+        """Take bodies away until another level or a respawn; ``gone`` says which, shape ``(n_worlds, n_bodies)``.
+
+        Args:
+            bodies: Numbers of the bodies, shape ``(n,)``.
+        """
         respawn.vanish(bodies, gone, self.model, self.state, shard)
 
     def respawn(self, shard: Shard, bodies: Ints, chosen: Flags) -> None:
         """Let bodies begin anew at drawn places while their worlds go on; ``chosen`` is as in ``vanish``.
+
+        Args:
+            bodies: Numbers of the bodies, shape ``(n,)``.
 
         Raises:
             PlacementError: There is no room for one of them.
@@ -230,6 +254,9 @@ class Simulation:
 
         Distances above ``limit``, a number or an array like ``distance`` (or that array itself), may be reported as
         the limit: the nearer it is, the fewer bodies have to be looked at.
+
+        Args:
+            bodies: Numbers of the bodies, shape ``(n,)``.
         """
         if not isinstance(limit, np.ndarray):
             contact.fill(shard.worlds, float(limit), distance)
@@ -265,14 +292,20 @@ class Simulation:
         return np.uint64(first), count
 
     def level_keys(self, seed: int, split: str = "train", episode: int = 0) -> Words:
-        """Return what ``begin`` takes each world's level from: a random stream, or a row of a file; see ``reset``."""
+        """Return what each world's level is taken from, ``(n_worlds,)``: a random stream, or a row of a file.
+
+        Args:
+            seed: World ``w`` begins level ``seed + w``.
+            split: ``train``, ``dev`` or ``test``.
+            episode: Number of the episode in each world since then, from 0.
+        """
         base, count = self.level_base(split)
         first = check_level(seed, self.n_worlds)
         levels = [int(rng.later_level(first + w, episode)) for w in range(self.n_worlds)]
         return np.array([rng.level_key(base, count, level) for level in levels], np.uint64)
 
     def streams(self, seed: int) -> Words:
-        """Return a random stream for each world: those that the drawn levels of a seed begin with."""
+        """Return a random stream for each world, ``(n_worlds,)``: those that the drawn levels of a seed begin with."""
         base = rng.stream_base(self.scenario.name, "train")
         return np.array([rng.level_stream(base, int(seed) + w) for w in range(self.n_worlds)], np.uint64)
 
@@ -327,6 +360,9 @@ class Simulation:
 
         Outlines, twists and the contacts of bodies that never move follow at once; flags and readings follow with
         the next step, or with ``refresh``.
+
+        Args:
+            bodies: Numbers of the bodies, shape ``(n,)``.
         """
         self.run(lambda shard: self._place(bodies, shard))
 
@@ -346,6 +382,12 @@ class Simulation:
         self.run(lambda shard: refresh(self.parts, self.model, self.state, shard))
 
     def uniform(self, low: Sequence[float], high: Sequence[float], world: int = 0) -> Floats:
-        """Draw numbers from a world's random stream, each from its interval ``[low, high)``."""
+        """Draw numbers from a world's random stream, each from its interval ``[low, high)``, shape ``(n,)``.
+
+        Args:
+            low: Lower ends, without unit, ``n`` of them.
+            high: Upper ends, likewise.
+            world: The world.
+        """
         drawn = [rng.uniform(self.state.random, world, a, b) for a, b in zip(low, high, strict=True)]
         return np.array(drawn, np.float64)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.envs.batch_step import BatchStep
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.level_options import fresh_level
 from irsim_gym.envs.moment import WorldMoment
@@ -69,59 +69,20 @@ def make_batch(
     return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps, team_state=team_state)
 
 
-@dataclass(frozen=True)
-class BatchStep:
-    """What a step, or a reset, gave; all arrays are fresh.
-
-    Observations are ``(n_worlds, n_agents, ...)``, or a dict of such arrays; all others begin with
-    ``(n_worlds, n_agents)``.
-
-    Attributes:
-        observation: What the agents perceive now, those that begin an episode included: the next actions answer to
-            it. An agent that has ended and waits for its world keeps its last observation.
-        reward: Reward of the step; 0 where ``acted`` is False.
-        terminated: The agent's task has ended in this very step.
-        truncated: The agent's episode was cut in this very step, by its time limit or because its world restarts.
-        acted: The agent was under way when the step began: its row is experience. The others must not be learnt from.
-        live: The agent is under way now.
-        began: ``observation`` is the first of an episode.
-        final_observation: The observation after the step, before any restart. Where an episode was truncated, its value
-            stands for what would have followed.
-        reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
-        infos: Arrays as in ``Transition.infos``, before any restart, and ``episode_return``: the sum of the
-            agent's rewards so far. The outcome of an agent that was cut with its world is RUNNING.
-        state: What a centralised critic sees, ``(n_worlds, n_state)``, in [-1, 1], see ``Episodes.team_state``; without
-            columns where the batch was made with ``team_state=False``.
-        final_state: The same, before any restart.
-    """
-
-    observation: Observation
-    reward: Floats
-    terminated: Flags
-    truncated: Flags
-    acted: Flags
-    live: Flags
-    began: Flags
-    final_observation: Observation
-    reward_terms: Floats
-    infos: dict[str, NDArray[Any]]
-    state: Rays
-    final_state: Rays
-
-    @property
-    def ended(self) -> Flags:
-        """The agent's episode has ended in this very step, ``(n_worlds, n_agents)``."""
-        return self.terminated | self.truncated
-
-
 class Batch:
     """Worlds of one scenario whose agents have episodes of their own; see ``make_batch``.
 
     World ``w`` that is reset with seed ``s`` begins level ``s + w``. When agents end, wait and begin again is written
     down here alone; the environments for Stable-Baselines3 stand on it.
 
-    Attributes:
+    Args:
         worlds: The worlds.
+        autoreset: Restart worlds by themselves once all their agents have ended.
+        respawn: An agent that has ended begins anew while its world goes on.
+        world_steps: With ``respawn``, steps after which a world restarts; None for four time limits.
+        team_state: Add the state of the team, for a centralised critic.
+
+    Attributes:
         n_worlds: Their number.
         n_agents: Learners in each world.
         agent_names: Names of the learners, in the order of the agent axis.
@@ -131,6 +92,9 @@ class Batch:
         state_size: Length of the state of the team; 0 where it was left out.
         returns: Sum of the rewards of each agent's episode so far, ``(n_worlds, n_agents)``.
         last_seen: What each agent perceived last in the latest of its episodes that has ended, zeros before.
+
+    Raises:
+        ValueError: ``respawn`` without ``autoreset``, or ``world_steps`` without ``respawn`` or below 1.
     """
 
     def __init__(
@@ -181,6 +145,9 @@ class Batch:
             seed: World ``w`` begins level ``seed + w``; a sequence holds one seed, or None, for each world; None goes
                 on with the next levels.
             options: ``{"split": "test", "level": 17}`` begins this level in all worlds.
+
+        Raises:
+            ValueError: There are more or fewer seeds than worlds.
         """
         if seed is None or isinstance(seed, int | np.integer):
             seeds = [None if seed is None else int(seed) + w for w in range(self.n_worlds)]
@@ -191,12 +158,12 @@ class Batch:
         return self.begin(seeds, [options or {}] * self.n_worlds)
 
     def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, object]]) -> BatchStep:
-        """Begin an episode in every world, with a seed, or None, and options for each."""
+        """Begin an episode in every world, with ``seeds`` and ``options`` for each, see ``reset``."""
         self.worlds.begin(range(self.n_worlds), seeds, options, fresh_level)
         return self._beginning(np.arange(self.n_worlds))
 
     def restart(self, chosen: Ints) -> BatchStep:
-        """Begin the next level of the chosen worlds, indices of shape ``(n,)``: what to do with ``autoreset=False``.
+        """Begin the next level of the worlds ``chosen``, indices ``(n,)``: what to do with ``autoreset=False``.
 
         Raises:
             ResetNeeded: One of them has not begun an episode.
@@ -244,9 +211,16 @@ class Batch:
     def advance(self, actions: NDArray[Any]) -> tuple[Floats, Flags, Flags, Flags]:
         """Do the first half of ``step``: advance all worlds, and restart nothing.
 
+        Args:
+            actions: As for ``step``, shape ``(n_worlds, n_agents, n_components)``, or ``(n_worlds, n_agents)`` if they
+                are discrete.
+
         Returns:
-            ``reward``, ``terminated``, ``truncated`` and ``acted`` of ``BatchStep``, all fresh. ``begin_again`` has to
-            follow.
+            ``reward``, ``terminated``, ``truncated`` and ``acted`` of ``BatchStep``, of shape ``(n_worlds, n_agents)``,
+            all fresh. ``begin_again`` has to follow.
+
+        Raises:
+            ResetNeeded: The worlds have not begun an episode.
         """
         if not self.worlds.begun.all():
             raise ResetNeeded("call reset() before step()")
@@ -261,7 +235,7 @@ class Batch:
         return reward, terminated, truncated, acted
 
     def choose_levels(self, levels: Sequence[int] | Ints) -> None:
-        """Choose the level that each world begins next, ``(n_worlds,)``, see ``WorldVectorEnv.choose_levels``."""
+        """Choose the ``levels``, ``(n_worlds,)``, that the worlds begin next, see ``WorldVectorEnv.choose_levels``."""
         self.worlds.choose_levels(levels)
 
     def observation(self) -> Observation:
@@ -325,7 +299,7 @@ class Batch:
         return began
 
     def note_beginnings(self, chosen: Ints) -> Flags:
-        """Note that the chosen worlds ``(n,)`` have begun a level, and return the agents that begin in them."""
+        """Note that worlds ``chosen``, ``(n,)``, begin a level; return who begins in them, ``(n_worlds, n_agents)``."""
         began = np.zeros((self.n_worlds, self.n_agents), np.bool_)
         began[chosen] = True
         self._age[chosen] = 0
@@ -352,14 +326,17 @@ class Batch:
         )
 
     def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:
-        """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns; None in a window."""
+        """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns; None in a window.
+
+        Pictures have the shape ``(height, width, 3)``.
+        """
         render_warning(self.render_mode)
         return self.worlds.pictures.each()
 
     def tiled(
         self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
     ) -> Bytes:
-        """Return one fresh picture of several worlds side by side, see ``WorldVectorEnv.tiled``."""
+        """Return a picture; ``columns``, ``worlds``, ``room`` and shape are those of ``WorldVectorEnv.tiled``."""
         return self.worlds.pictures.tiled(columns, worlds, room)
 
     def _open(self, began: Flags) -> None:

@@ -20,6 +20,16 @@ class AsymmetricPolicy(MultiInputActorCriticPolicy):
     Networks of the actor read all parts of the observation but ``critic`` and ``critic_NAME``; those of the critic read
     all of it. Actions therefore need no observations of the critic: ``predict`` takes what an environment without them
     gives. It takes the arguments of ``MultiInputPolicy``; actor and critic never share an extractor.
+
+    Args:
+        observation_space: What is observed.
+        action_space: What is done.
+        lr_schedule: Learning rate, without unit, over the share of the run that is left.
+        share_features_extractor: Only False.
+        **kwargs: More arguments of ``MultiInputPolicy``.
+
+    Raises:
+        ValueError: ``share_features_extractor`` is True.
     """
 
     def __init__(

@@ -99,6 +99,18 @@ class MaskedReplayBuffer(ReplayBuffer):
     """A replay buffer for SAC, TD3 and DQN that stores the transitions of agents that acted, and no others.
 
     It holds up to ``buffer_size`` transitions of all slots together.
+
+    Args:
+        buffer_size: Most transitions, of all slots together.
+        observation_space: What is observed.
+        action_space: What is done.
+        device: Where PyTorch puts what is sampled.
+        n_envs: Slots; their rows are stored one below the other.
+        optimize_memory_usage: Only False.
+        handle_timeout_termination: An episode that was cut by its time limit counts as one that goes on.
+
+    Raises:
+        ValueError: ``optimize_memory_usage`` is True.
     """
 
     def __init__(
@@ -126,7 +138,12 @@ class MaskedReplayBuffer(ReplayBuffer):
 
 
 class MaskedDictReplayBuffer(DictReplayBuffer):
-    """``MaskedReplayBuffer`` for dict observations."""
+    """``MaskedReplayBuffer`` for dict observations, with the same arguments: ``buffer_size``, ``observation_space``,
+    ``action_space``, ``device``, ``n_envs``, ``optimize_memory_usage`` and ``handle_timeout_termination``.
+
+    Raises:
+        ValueError: ``optimize_memory_usage`` is True.
+    """
 
     def __init__(
         self,

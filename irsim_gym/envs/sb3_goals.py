@@ -16,6 +16,10 @@ class EndingHerReplayBuffer(HerReplayBuffer):
 
     That of Stable-Baselines3 pays it and goes on, as if standing at the goal were worth
     something. Infos are always kept (``copy_info_dict``).
+
+    Args:
+        *args: Arguments of ``HerReplayBuffer``.
+        **options: Likewise, by name.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:

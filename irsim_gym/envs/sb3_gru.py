@@ -32,6 +32,10 @@ class GruPPO(PPO):
     which gradients reach back, and ``policy_kwargs={"memory_size": 64}`` the length of the memory. It learns from teams
     too, and from the rows of robots that acted alone. ``batch_size`` counts rows; minibatches hold whole sequences, and
     so a few rows more or less.
+
+    Attributes:
+        policy: The networks.
+        last_memory: What is remembered of each row's episode so far, shape ``(1, n_envs, memory_size)``.
     """
 
     policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = dict.fromkeys(

@@ -55,6 +55,9 @@ class GruPolicy(ActorCriticPolicy):
         lr_schedule: Learning rate over the run.
         memory_size: Length of the memory of an episode.
         **kwargs: More arguments of ``ActorCriticPolicy``.
+
+    Raises:
+        ValueError: ``use_sde`` is True.
     """
 
     def __init__(
@@ -99,7 +102,7 @@ class GruPolicy(ActorCriticPolicy):
         self.mlp_extractor.value_net, self.mlp_extractor.latent_dim_vf = critic.value_net, critic.latent_dim_vf
 
     def first_memory(self, n: int) -> torch.Tensor:
-        """Return the memory of episodes that begin."""
+        """Return the memory of ``n`` episodes that begin, shape ``(1, n, memory_size)``."""
         return torch.zeros(1, n, self.memory_size, device=self.device)
 
     def forward(  # type: ignore[override]

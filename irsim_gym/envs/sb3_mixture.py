@@ -66,12 +66,12 @@ class MixtureVecEnv(VecEnv):
 
     @property
     def acted(self) -> Flags:
-        """Slots whose row of the latest step is experience, see ``TeamVecEnv``."""
+        """Slots whose row of the latest step is experience, shape ``(num_envs,)``, see ``TeamVecEnv``."""
         return np.concatenate([batch.acted for batch in self._batches])  # type: ignore[attr-defined]
 
     @property
     def acting(self) -> Flags:
-        """Slots that will act in the next step, see ``TeamVecEnv``."""
+        """Slots that will act in the next step, shape ``(num_envs,)``, see ``TeamVecEnv``."""
         return np.concatenate([batch.acting for batch in self._batches])  # type: ignore[attr-defined]
 
     @property

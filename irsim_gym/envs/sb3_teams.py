@@ -16,7 +16,8 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.envs.batch import Batch, BatchStep
+from irsim_gym.envs.batch import Batch
+from irsim_gym.envs.batch_step import BatchStep
 from irsim_gym.envs.infos import reward_keys
 from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode

@@ -220,7 +220,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
     def tiled(
         self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
     ) -> Bytes:
-        """Return one fresh picture of several worlds side by side, drawn small enough to fit into the room.
+        """Return one fresh picture of several worlds side by side that fits into the room, ``(height, width, 3)``.
 
         Args:
             columns: Worlds in a row; None for as many as show them large and leave few places empty.
@@ -255,7 +255,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         self._spec, self._views = None if spec is None else batch_spec(plain_spec(spec)), []
 
     def call(self, name: str, *args: object, **kwargs: object) -> tuple[Any, ...]:
-        """Call a method of each world, or read an attribute, as ``SyncVectorEnv`` does; see ``WorldView``.
+        """Call the method ``name`` of each world with ``args`` and ``kwargs``, or read an attribute; see ``WorldView``.
 
         Raises:
             AttributeError: A world of a batch has none of that name.
@@ -271,7 +271,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         return self.call(name)
 
     def set_attr(self, name: str, values: object) -> None:
-        """Set an attribute of each world: a list or a tuple holds one value for each, anything else is for all.
+        """Set the attribute ``name`` of each world: a list or tuple of ``values`` has one for each.
 
         Raises:
             ValueError: There are more or fewer values than worlds, or time limits (``max_steps``) that differ.

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import io
-import json
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +12,7 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import OUTCOMES
+from irsim_gym.levels.certificate_file import NUMBERS, WHOLE, Numbers, certificate_bytes, read_certificate_file
 from irsim_gym.scenario import library
 from irsim_gym.scenario.level_set import set_hash
 from irsim_gym.scenario.spec import Scenario
@@ -24,11 +20,6 @@ from irsim_gym.scenario.spec import Scenario
 SUFFIX = ".certificate.npz"
 FOLDER = "certificates"
 QUARTERS = 4
-DIGITS = 3
-"""Lengths and times are kept to the millimetre and millisecond, which keeps files small."""
-MEASURES = ("reachable", "length", "straight", "clearance", "least_time", "density", "outcome", "time")
-
-Numbers = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -49,7 +40,8 @@ class Certificate:
         least_time: No robot with these limits of speed and acceleration takes less [s], likewise.
         density: Share of the world that bodies which stand, and the map, cover, shape ``(n_levels,)``.
         outcome: Outcome of each policy, an index of ``OUTCOMES``, shape ``(n_policies, n_levels, n_agents)``.
-        time: Duration of its episode [s], likewise.
+        time: Duration of its episode [s], likewise; NaN where it fails.
+            Files of format 1 have it there, too.
         versions: Versions of the packages that it was made with.
     """
 
@@ -120,15 +112,7 @@ class Certificate:
         """Return the content of its file; equal certificates give equal bytes."""
         said = {name: getattr(self, name) for name in ("name", "scenario_hash", "split", "agents", "policies")}
         said |= {"versions": dict(self.versions), "set_hash": self.set_hash, "levels": self.count}
-        room = io.BytesIO()
-        arrays = {name: getattr(self, name) for name in ("hash", *MEASURES)}
-        np.savez_compressed(room, about=np.array(json.dumps(said, sort_keys=True)), allow_pickle=False, **arrays)
-        return room.getvalue()
-
-
-def rounded(values: Sequence[object] | Floats) -> Numbers:
-    """Return numbers as a certificate keeps them."""
-    return np.round(np.asarray(values, np.float64), DIGITS).astype(np.float32)
+        return certificate_bytes(said, {name: getattr(self, name) for name in (*WHOLE, *NUMBERS)})
 
 
 def read_certificate(file: Path) -> Certificate:
@@ -137,14 +121,12 @@ def read_certificate(file: Path) -> Certificate:
     Raises:
         IrsimGymError: The file is none.
     """
+    said, arrays = read_certificate_file(file)
     try:
-        with np.load(file, allow_pickle=False) as stored:
-            said = json.loads(str(stored["about"]))
-            arrays: Any = {name: stored[name] for name in ("hash", *MEASURES)}
         said |= {name: tuple(said[name]) for name in ("agents", "policies")}
-        known = {key: value for key, value in said.items() if key not in ("set_hash", "levels")}
+        known = {key: value for key, value in said.items() if key not in ("format", "set_hash", "levels")}
         return Certificate(**known, **arrays)
-    except (OSError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, TypeError, EOFError) as error:
+    except (KeyError, TypeError) as error:
         raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
 
 

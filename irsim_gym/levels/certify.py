@@ -13,7 +13,8 @@ from irsim_gym.engine import Simulation
 from irsim_gym.evaluation.certificate_measures import LevelMeasures, is_disc, measure_level
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.team_metrics import TeamRow
-from irsim_gym.levels.certificate import Certificate, rounded
+from irsim_gym.levels.certificate import Certificate
+from irsim_gym.levels.certificate_file import rounded
 from irsim_gym.levels.density import covered_share
 from irsim_gym.levels.draw import draw_levels, scenario_hash
 from irsim_gym.paths.outline_room import largest_disc
@@ -58,7 +59,7 @@ def certify(
     outcomes = [OUTCOMES.index(row.outcome) for levels in episodes_of for team in levels for row in team]
     outcome = np.array(outcomes, np.uint8).reshape(n_rows)
     times = [row.time for levels in episodes_of for team in levels for row in team]
-    time, arrived = rounded(times).reshape(n_rows), outcome == OUTCOMES.index("success")
+    time, arrived = rounded(times, "time").reshape(n_rows), outcome == OUTCOMES.index("success")
     proved = np.array([[is_sure for _, is_sure in level] for level in measured], np.bool_)
     reachable = np.array([[one.reachable for one, _ in level] for level in measured], np.bool_)
     fastest = np.where(arrived, time, np.float32(np.inf)).min(axis=0, initial=np.inf)
@@ -74,9 +75,9 @@ def certify(
         straight=_column(measured, "straight"),
         clearance=_column(measured, "clearance"),
         least_time=np.minimum(_column(measured, "least_time"), fastest),
-        density=rounded(density),
+        density=rounded(density, "density"),
         outcome=outcome,
-        time=time,
+        time=np.where(arrived, time, np.float32(np.nan)),
         versions={"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     )
 
@@ -91,4 +92,4 @@ def _measured(simulation: Simulation, world: int, body: int) -> tuple[LevelMeasu
 
 
 def _column(measured: Sequence[Sequence[tuple[LevelMeasures, bool]]], name: str) -> Any:
-    return rounded([[getattr(one, name) for one, _ in level] for level in measured])
+    return rounded([[getattr(one, name) for one, _ in level] for level in measured], name)

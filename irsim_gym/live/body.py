@@ -35,6 +35,10 @@ class Body(IrSimReadings):
     Arrays are read-only copies in metres, radians and seconds, flat unless the world has ``columns``. ``set_state``,
     ``set_velocity`` and ``set_goal`` change the body. A view stays valid after resets; after the body was removed, it
     raises an UnknownNameError. If one of IR-SIM's names is missing, the error says what to use instead.
+
+    Args:
+        session: What the parts of a world share; ``World.body`` makes views.
+        name: Name of the body.
     """
 
     __slots__ = ("_name", "_session")
@@ -163,7 +167,7 @@ class Body(IrSimReadings):
 
     @property
     def init_state(self) -> Floats:
-        """The state after ``World.reset``, in the form of ``state``."""
+        """The state after ``World.reset``, in the form and shape of ``state``."""
         model, size = self._model, getattr(self.spec.kinematics, "state_size", 3)
         return self._vector(np.array([*model.start[0, self._b], model.initial_steering[self._b]])[:size])
 
@@ -187,7 +191,8 @@ class Body(IrSimReadings):
         The outline moves at once. The next step, or ``World.refresh``, updates flags and readings.
 
         Args:
-            state: x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0.
+            state: x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0. Shape
+                ``(3,)`` or ``(4,)``; a column is accepted too.
             init: Start there after a reset, too.
 
         Raises:
@@ -206,7 +211,7 @@ class Body(IrSimReadings):
         """Set its present velocity. Acceleration limits apply to it, and the behaviours of others see it.
 
         Args:
-            velocity: Velocity in the drive's coordinates [m/s or rad/s].
+            velocity: Velocity in the drive's coordinates [m/s or rad/s], shape ``(n_components,)`` or a column.
             init: Start with it after a reset, too.
 
         Raises:

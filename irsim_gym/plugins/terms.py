@@ -24,7 +24,15 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class AgentView(EgoView):
-    """A learner's body, with what its episode has come to: an ``EgoView`` and more."""
+    """A learner's body, with what its episode has come to: an ``EgoView`` and more.
+
+    Args:
+        term: The term that asks.
+        model: The constants of the worlds.
+        state: The present of the worlds.
+        episode: The episodes of the agents.
+        place: Number of the world, and of the agent in it.
+    """
 
     __slots__ = ("_agent", "_episode", "_term")
 
@@ -56,7 +64,7 @@ class AgentView(EgoView):
 
     @property
     def previous_action(self) -> Floats:
-        """The action before the latest."""
+        """The action before the latest, in [-1, 1], shape ``(n_components,)``."""
         return self._numbers(self._episode.previous_action)
 
     @property

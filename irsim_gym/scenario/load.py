@@ -52,10 +52,11 @@ def load_scenario(
         may_pend: Behaviours may be registered later: one with an unknown name raises an error when it has to decide.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
-            raises a ScenarioError that is a FileNotFoundError as well.
+        ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist raises
+            a ScenarioError that is a FileNotFoundError as well.
         UnknownNameError: Nothing is shipped under the name, or registered under the id, or the scenario has no such
             parameter.
+        TypeError: ``scenario`` is neither a name, nor a path, nor a mapping.
     """
     families.load()
     if not isinstance(scenario, str | Path | Mapping):

@@ -395,6 +395,6 @@ class Scenario:
         return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem with a value of the file, e.g. at ``("task", "rewards", 0, "weight")``, with its line."""
+        """Return a problem with its line: ``message`` about the value at ``place``, e.g. ``("task", "rewards", 0)``."""
         prefix = self.root.get(str(place[0]), ()) if place else ()
         return self.source.problem((*prefix, *place), message)

@@ -88,7 +88,12 @@ class HasArrays(Protocol):
     """A kind with arrays of its own."""
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]] | Struct:
-        """Return what ``Term.arrays`` will hold."""
+        """Return what ``Term.arrays`` will hold, of any shapes.
+
+        Args:
+            simulation: The worlds.
+            agents: Body of each agent, shape ``(n_agents,)``.
+        """
 
 
 @runtime_checkable
@@ -178,6 +183,9 @@ class RewardKind(Protocol):
     ``role``: ``potential`` (a difference of potentials), ``bonus`` (positive, once), ``penalty`` (negative, on an
     event) or ``running`` (never positive, and over a whole episode never below ``-weight``).
     ``least(bodies)``: optional, what a penalty that depends on the body is at least, for the audit of rewards.
+
+    Attributes:
+        weight: Factor on what the term pays.
     """
 
     role: ClassVar[Role]

@@ -44,7 +44,11 @@ class TellsColumns(Protocol):
     """An observation that says what its columns, or the channels of its picture, hold."""
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the columns say to an agent, in order; their counts add up to the observation's width."""
+        """Return what the columns say to an agent, in order; their counts add up to the observation's width.
+
+        Args:
+            agent: Number of the agent.
+        """
 
 
 @runtime_checkable

@@ -19,7 +19,7 @@ from irsim_gym.envs.sb3_critic_parts import actor_observation_space, has_critic_
 from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.array_network import Options
-from irsim_gym.training.shelf import FORMAT, FORMAT_WITH_MEMORY, LONE
+from irsim_gym.training.shelf import LONE
 
 Step = tuple[Options, dict[str, NDArray[Any]]]
 
@@ -79,13 +79,13 @@ def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> 
     extractor, trunk, output = _actor(model)
     parts = dict(_parts(model, extractor, normalization))
     action = model.action_space
-    writer = _Writer({"format": FORMAT, "observation": {}, "parts": {}, "output": output})
+    writer = _Writer({"observation": {}, "parts": {}, "output": output})
     for name, steps in parts.items():
         space = _spaces(model)[name]
         writer.form["observation"][name] = writer.box(f"observation/{name}", space)
         writer.form["parts"][name] = writer.steps(f"part/{name}", steps)
     if isinstance(model.policy, GruPolicy):
-        writer.form |= {"format": FORMAT_WITH_MEMORY, "memory": {"kind": "gru", "size": model.policy.memory_size}}
+        writer.form |= {"memory": {"kind": "gru", "size": model.policy.memory_size}}
         writer.steps("memory", [_gru(model.policy)])
     writer.form["trunk"] = writer.steps("trunk", trunk)
     if isinstance(action, Discrete):

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from stable_baselines3.common.base_class import BaseAlgorithm
 
@@ -39,7 +38,7 @@ from irsim_gym.training.exported_network import ExportedNetwork, export_network
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.shelf import SUFFIX, ShelfPolicy
+from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
 from irsim_gym.training.trained_perception import perception_in
 
 MEASURED = "played by the exported policy"
@@ -117,10 +116,9 @@ def _check_name(name: str, target: Path, overwrite: bool) -> None:
 
 def _content(network: ExportedNetwork) -> bytes:
     """Return the bytes of the file, which holds arrays and text but no objects. Equal networks give equal bytes."""
-    stored: dict[str, NDArray[Any]] = {**network.arrays, "form": np.array(json.dumps(network.form))}
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, array in stored.items():
+        for name, array in policy_arrays(network.form, network.arrays).items():
             part = io.BytesIO()
             np.lib.format.write_array(part, np.asarray(array, order="C"), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(f"{name}.npy"), part.getvalue(), zipfile.ZIP_DEFLATED)

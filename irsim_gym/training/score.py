@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -102,6 +101,12 @@ def reached(points: Sequence[Point], mark: float) -> Point | None:
     return held
 
 
+def seconds_to(points: Sequence[Point]) -> dict[str, float | None]:
+    """Return the training time [s] until the success stays above each mark, by mark; None where it never does."""
+    marks = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
+    return {name: None if point is None else point["training_seconds"] for name, point in marks.items()}
+
+
 def scenario_title(settings: Settings) -> str:
     """Return the name of a run's scenario with its parameters, or the names of the scenarios of a mixture."""
     if settings.mixture:
@@ -194,7 +199,5 @@ def _limit(episodes: Episodes) -> float:
 
 
 def _write(run: Run, points: list[Point]) -> None:
-    marks: dict[str, Any] = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
-    seconds = {name: point and point["training_seconds"] for name, point in marks.items()}
-    write_json(run.curve, {"seconds_to": plain(seconds), "points": points})
+    write_json(run.curve, {"seconds_to": plain(seconds_to(points)), "points": points})
     write_csv(run.folder / "curve.csv", list(points[0]), points)

@@ -19,7 +19,7 @@ from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.interruption import ctrl_c_as_error
 from irsim_gym.training.remembered import report_changes
-from irsim_gym.training.run import Run
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.seed_summary import (
     Figures,
     markdown_table,
@@ -48,7 +48,7 @@ def run_seeds(
     """Train several seeds, evaluate them as one method, print a table, and return the folder that holds the runs.
 
     ``results.json``, ``results.png`` and ``results.md`` contain the results, the learning curves and the table. The
-    folder ``test`` contains the evaluation.
+    folder ``test`` contains the evaluation. A mixture has a folder with these files for each scenario.
 
     Args:
         request: Arguments of the training, with the first seed.
@@ -86,18 +86,42 @@ def group_folder(request: TrainingRequest) -> Path:
 
 
 def summarize_runs(folder: Path, runs: Sequence[Run], levels: int) -> None:
-    """Evaluate the finished runs of several seeds, write a summary into their folder, and print it."""
-    settings, screen = runs[0].settings(), Console(stderr=True)
+    """Evaluate the finished runs of several seeds, write a summary into their folder, and print it.
+
+    Runs in a mixture are evaluated in each scenario, with a summary in a folder of its name.
+    """
+    settings = runs[0].settings()
+    report_changes(settings.scenario, [runs[0].folder], settings.task, strict=settings.strict)
+    if not settings.mixture:
+        _summarize(folder, settings, runs, levels)
+    for name, part in zip(settings.names, settings.parts(), strict=True) if settings.mixture else ():
+        _summarize(folder / name, part, runs, levels, name)
+
+
+def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: int, part: str | None = None) -> None:
+    """Evaluate runs in one scenario, write the summary and print it.
+
+    Args:
+        folder: Folder of the summary.
+        settings: Settings of the runs in this scenario.
+        runs: The runs.
+        levels: Number of levels of ``test``.
+        part: Name of the scenario in a mixture; None if there is only one scenario.
+    """
     is_team, places = settings.hyperparameters.team is not None, [run.folder for run in runs]
-    report_changes(settings.scenario, places[:1], settings.task, strict=settings.strict)
     chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
     evaluated = evaluate_team_policies if is_team else evaluate_policies
     method = settings.algorithm
     found = evaluated(
-        settings.scenario, {method: list(places)}, levels=levels, folder=folder / TEST, console=screen, **chosen
+        settings.scenario,
+        {method: list(places)},
+        levels=levels,
+        folder=folder / TEST,
+        console=Console(stderr=True),
+        **chosen,
     )
     test = _by_run(folder / TEST / "summary.json", runs)
-    summary = summarize_seeds(test["conditions"]["scenario"], places, [test])
+    summary = summarize_seeds(test["conditions"]["scenario"], places, [test], part)
     line = _summary_line(summary, found, method)
     head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
     write_seeds(folder, RESULTS, summary, called=found.scenario)

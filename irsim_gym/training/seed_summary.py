@@ -28,13 +28,14 @@ TEAM_HEAD = (
 TEAM_SHARES = ("individual_success", "collision", "timeout", "deadlocked")
 
 
-def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures]) -> Figures:
+def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures], part: str | None = None) -> Figures:
     """Return a summary of several seeds.
 
     Args:
         scenario: Name of the scenario.
         runs: Folders of the runs, with scored checkpoints.
         tests: Evaluations of all runs, whose policies are named after the runs' folders. Only teams may have several.
+        part: Name of the scenario in the curves of runs in a mixture; None if there is only one scenario.
 
     Raises:
         IrsimGymError: If an evaluation lacks a run, or there are several evaluations of a single robot.
@@ -44,7 +45,7 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
         raise IrsimGymError(f"the seeds of a single robot need one evaluation, got {len(tests)}")
     conditions = [test["conditions"] for test in tests]
     labelled = {label(test["conditions"], conditions): test for test in tests}
-    seeds = [read_seed(run, labelled) for run in runs]
+    seeds = [read_seed(run, labelled, part) for run in runs]
     names = {run.name for run in runs}
     others = {name: [row for row in test["policies"] if row["policy"] not in names] for name, test in labelled.items()}
     if is_team:
@@ -73,9 +74,20 @@ def label(conditions: Figures, every: Sequence[Figures]) -> str:
     return ", ".join(f"{name}={own[name]}" for name in differing or own) or str(conditions["scenario"])
 
 
-def read_seed(run: Path, tests: Mapping[str, Figures]) -> Figures:
-    """Return the results of a run: settings, cost, learning curve, the time to each mark, and its row in each test."""
+def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) -> Figures:
+    """Return the results of a run: settings, cost, learning curve, the time to each mark, and its row in each test.
+
+    Args:
+        run: Folder of the run.
+        tests: Evaluations by their labels.
+        part: Name of the scenario of a mixture whose curve is wanted; None for the whole curve.
+    """
     config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
+    if part is not None:
+        from irsim_gym.training.score import scenario_point, seconds_to
+
+        points = [scenario_point(point, part) for point in curve["points"]]
+        curve = {"points": points, "seconds_to": seconds_to(points)}
     last = curve["points"][-1]
     return {
         "run": run.name,

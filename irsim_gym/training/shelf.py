@@ -17,13 +17,16 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.byte_planes import from_planes, layout_of, to_planes
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.training.array_network import Options, apply_steps, check_steps, gru_cell
 from irsim_gym.training.cards import PolicyCard, read_card
 
 PACKAGE = Path(__file__).parent.parent
 SUFFIX = ".npz"
-FORMAT, FORMAT_WITH_MEMORY = 1, 2
+FORMAT = 3
+READ = (1, 2, FORMAT)
+"""Formats 1 and 2 (with memory) have each array under its own name, format 3 all of them as ``layout`` and planes."""
 LONE = ""
 """Name of an observation that is no dict."""
 OUTPUTS = ("clip", "squash", "argmax")
@@ -37,7 +40,7 @@ class ShelfPolicy:
 
     Args:
         form: The description of its network.
-        arrays: The arrays of it.
+        arrays: Its arrays by name: weights, of the shapes of PyTorch, and bounds of spaces.
         card: What is known of it; None without a card.
 
     Attributes:
@@ -46,6 +49,9 @@ class ShelfPolicy:
         perception: The observations with their options, and the action, in the words of a task; None where the file
             does not say.
         card: What is known of it; None without a card.
+
+    Raises:
+        IrsimGymError: The network has a step, or makes actions in a way, that is not known here.
     """
 
     def __init__(
@@ -75,10 +81,13 @@ class ShelfPolicy:
     ) -> tuple[NDArray[Any], tuple[NDArray[Any], ...] | None]:
         """Return the action for one observation, or those for several, and ``state``, as Stable-Baselines3 does.
 
+        Actions are of the shape of ``action_space``, or ``(n, ...)`` for several observations.
+
         Args:
             observation: As the environment gives it, or several, with an axis in front.
-            state: What the last call returned, a policy with memory needs it; None at the beginning.
-            episode_start: Where an episode begins, so that nothing is remembered; None for nowhere.
+            state: What the last call returned, a policy with memory needs it, shape ``(1, n, size)``; None at the
+                beginning.
+            episode_start: Where an episode begins, so that nothing is remembered, shape ``(n,)``; None for nowhere.
             deterministic: Only True: nothing is drawn.
 
         Raises:
@@ -182,13 +191,20 @@ def read_policy(file: Path) -> ShelfPolicy:
     try:
         with np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
-        form = json.loads(str(arrays.pop("form")))
-        if form["format"] not in (FORMAT, FORMAT_WITH_MEMORY):
-            known = f"{FORMAT} and {FORMAT_WITH_MEMORY}"
-            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads {known}")
+        form = json.loads(arrays.pop("form").item())
+        if form["format"] not in READ:
+            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads 1 to {FORMAT}")
+        if "layout" in form:
+            arrays = from_planes(form["layout"], arrays["planes"])
         return ShelfPolicy(form, arrays, read_card(file))
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, IrsimGymError) as error:
         raise IrsimGymError(f"{file} is no policy of the shelf: {error}") from error
+
+
+def policy_arrays(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return what the file of a policy holds, by name; see ``ShelfPolicy`` for the arguments."""
+    described = {**form, "format": FORMAT, "layout": layout_of(arrays)}
+    return {"planes": to_planes(arrays), "form": np.array(json.dumps(described).encode())}
 
 
 def _arrays_of(place: str, steps: Sequence[Options], arrays: Mapping[str, NDArray[Any]]) -> list[dict[str, Floats]]:

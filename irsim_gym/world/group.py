@@ -35,7 +35,7 @@ class Group:
         options: One instance of it for each member.
         members: Body of each member, shape ``(n_members,)``.
         params: Records of the members' numeric options, shape ``(n_members,)``.
-        arrays: The kind's own arrays: readings, tables, scratch.
+        arrays: The kind's own arrays, of any shape: readings, tables, scratch.
         tables: What the kind's kernels take as structs, as ``prepare`` makes it.
         names: Names of all bodies, for kinds that tell them; may be empty.
         context: Specifications and sensors of all bodies, for kinds that show them; may be None.
@@ -62,7 +62,11 @@ class Group:
         return f"<Group of {len(self.members)} {getattr(self.kind, '__name__', self.kind)}>"
 
     def select(self, chosen: Ints) -> Group:
-        """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
+        """Return a group of some of the members, by their numbers in this one; it shares the arrays.
+
+        Args:
+            chosen: Numbers of the members, shape ``(n,)``.
+        """
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
         members = self.members[chosen]

@@ -27,7 +27,11 @@ class DriveKind(Protocol):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room in ``group.arrays``."""
+        """Make room in ``group.arrays``.
+
+        Args:
+            n_slots: Threads that may work at once, each with a number, ``shard.slot``: scratch needs a row for each.
+        """
 
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -57,7 +61,11 @@ class BehaviorKind(Protocol):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room in ``group.arrays``."""
+        """Make room in ``group.arrays``.
+
+        Args:
+            n_slots: Threads that may work at once, each with a number, ``shard.slot``: scratch needs a row for each.
+        """
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -125,13 +133,19 @@ class PlacementKind(Protocol):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
-        """Make room in ``group.arrays``; return what does not fit the world, or None."""
+        """Make room in ``group.arrays``; return what does not fit the world, or None.
+
+        Args:
+            n_slots: Threads that may work at once, each with a number, ``shard.slot``: scratch needs a row for each.
+        """
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Write ``state.pose`` and ``state.placed`` of the members that are present and not placed yet.
 
-        Where a member b finds no place, ``failed[w]`` becomes b + 1, and the level is drawn anew.
+        Args:
+            failed: 0, shape ``(n_worlds,)``; where a member b finds no place, ``failed[w]`` becomes b + 1, and the
+                level is drawn anew.
         """
 
 
@@ -147,6 +161,11 @@ class MapKind(Protocol):
         """Return which cells are occupied, shape ``(columns, rows)``; ``find`` returns the place of a named file.
 
         Where each level draws a map of its own, these are the cells that are occupied in every level, if any.
+
+        Args:
+            width: Width of the world [m].
+            height: Height of the world [m].
+            name: Name of the body, for messages.
         """
 
 
@@ -156,7 +175,11 @@ class DrawsMaps(Protocol):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room in ``group.arrays`` or ``group.tables``."""
+        """Make room in ``group.arrays`` or ``group.tables``.
+
+        Args:
+            n_slots: Threads that may work at once, each with a number, ``shard.slot``: scratch needs a row for each.
+        """
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -173,7 +196,12 @@ class SensorKind(Protocol):
 
     @staticmethod
     def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
-        """Make room in ``group.arrays``, for the reading at least."""
+        """Make room in ``group.arrays``, for the reading at least.
+
+        Args:
+            outlines: Outline of each body.
+            n_slots: Threads that may work at once, each with a number, ``shard.slot``: scratch needs a row for each.
+        """
 
     @staticmethod
     def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -189,11 +217,21 @@ class Reports(Protocol):
 
     @staticmethod
     def report(group: Group, member: int, world: int) -> dict[str, Any]:
-        """Return a copy of a member's scan: ``angle_min``, ``angle_max``, ``ranges`` and so on."""
+        """Return a copy of a member's scan: ``angle_min``, ``angle_max``, ``ranges`` and so on.
+
+        Args:
+            member: Number of the member in the group.
+            world: Number of the world.
+        """
 
     @staticmethod
     def points(group: Group, member: int, world: int) -> Floats | None:
-        """Return the points that the beams hit, in the sensor frame [m], shape ``(2, n)``; None without any."""
+        """Return the points that the beams hit, in the sensor frame [m], shape ``(2, n)``; None without any.
+
+        Args:
+            member: Number of the member in the group.
+            world: Number of the world.
+        """
 
 
 DRIVE = Contract(DriveKind, (Steers,))

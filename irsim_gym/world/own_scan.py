@@ -25,8 +25,8 @@ class OwnScan(Struct):
             ``(n_members,)``.
         ranges: The readings [m], shape ``(n_worlds, n_sensors, n_beams)``; ``range_max`` where a beam hits nothing.
         angles: Nominal directions of the beams in the body frame [rad], shape ``(n_sensors, n_beams)``.
-        beams_x: Cosines of ``angles``.
-        beams_y: Sines of ``angles``.
+        beams_x: Cosines of ``angles``, likewise.
+        beams_y: Sines of ``angles``, likewise.
         offset: Mount poses in the body frame [m, m, rad], shape ``(n_sensors, 3)``.
         range_min: Readings up to this are not valid [m], shape ``(n_sensors,)``.
         range_max: Range of a beam that hits nothing [m], shape ``(n_sensors,)``.
@@ -42,7 +42,11 @@ class OwnScan(Struct):
     range_max: Floats
 
     def select(self, chosen: Ints) -> Self:
-        """Return the scans of some of the members, by their numbers."""
+        """Return the scans of some of the members, by their numbers.
+
+        Args:
+            chosen: Numbers of the members, shape ``(n,)``.
+        """
         return dataclasses.replace(self, sensors=self.sensors[chosen])
 
 

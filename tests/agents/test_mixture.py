@@ -29,6 +29,7 @@ from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import combined, scenario_point
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
+from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 QUIET = Console(file=io.StringIO())
 PPO: dict[str, Any] = {
@@ -198,6 +199,26 @@ def test_the_command_line_trains_a_mixture(
     for scenario in ("cluttered_room", "dense_room"):
         told = command(monkeypatch, "evaluate", scenario, str(folder), "--levels", "4", "--out", f"test-{scenario}")
         assert told == 0
+
+
+def test_seeds_of_a_mixture_are_summed_up_in_each_scenario(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(TrajectoryFigure, "draw", lambda *args: None)
+    Path("hp.yaml").write_text(yaml.safe_dump({"default": {**PPO, "n_timesteps": 96}}))
+    asked = ["train", "--mixture", "cluttered_room", "dense_room", "--seeds", "2", "--out", "all"]
+    assert command(monkeypatch, *asked, "--hyperparameters", "hp.yaml", "--dev-levels", "4", "--test-levels", "4") == 0
+    said = capsys.readouterr().out
+    for name in ("cluttered_room", "dense_room"):
+        found = json.loads(Path("all", name, "results.json").read_text())
+        assert (found["scenario"], [seed["run"] for seed in found["seeds"]]) == (name, ["seed_0", "seed_1"])
+        for seed in found["seeds"]:
+            curve = json.loads(Path("all", seed["run"], "curve.json").read_text())["points"]
+            assert seed["dev_success"] == curve[-1][f"{name}/success"]
+            assert seed["test"]["success"]["count"] in range(5)
+        assert (Path("all") / name / "test" / "summary.json").is_file()
+        assert f"{name}: PPO, 4 test levels" in said
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from command_line import run
 
 import irsim_gym
 from irsim_gym.arenas.entrants import load_entrants
+from irsim_gym.byte_planes import from_planes
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 from irsim_gym.evaluation.perception import perception_of
@@ -180,16 +181,29 @@ def with_form(name: str, **changed: Any) -> io.BytesIO:
     """Return a shipped policy's file with another description."""
     with np.load(shelf_file(name)) as archive:
         arrays = dict(archive)
-    form = {**json.loads(str(arrays.pop("form"))), **changed}
+    form = {**json.loads(arrays.pop("form").item()), **changed}
     content = io.BytesIO()
     np.savez(content, form=np.array(json.dumps(form)), **arrays)
     return content
 
 
+@pytest.mark.parametrize(("name", "number"), [("cluttered_room_images", 1), ("dense_room_memory", 2)])
+def test_files_of_earlier_formats_are_read(name: str, number: int, tmp_path: Path) -> None:
+    """They have each array under its own name."""
+    with np.load(shelf_file(name)) as archive:
+        form = json.loads(archive["form"].item())
+        arrays = from_planes(form.pop("layout"), archive["planes"])
+    file = tmp_path / "earlier.npz"
+    np.savez_compressed(file, form=np.array(json.dumps({**form, "format": number})), **arrays)
+    earlier, now = irsim_gym.load_policy(file), irsim_gym.load_policy(name)
+    seen = now.observation_space.sample()
+    np.testing.assert_array_equal(earlier.predict(seen)[0], now.predict(seen)[0])
+
+
 def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "later.npz"
     for changed, said in (
-        ({"format": 3}, "its format is 3, and this version of irsim_gym reads 1 and 2"),
+        ({"format": 4}, "its format is 4, and this version of irsim_gym reads 1 to 3"),
         ({"trunk": [{"kind": "lineer"}]}, "no step of a network is named 'lineer' \\(did you mean 'linear'"),
         ({"output": "soft"}, "output must be one of clip, squash, argmax, got 'soft'"),
     ):

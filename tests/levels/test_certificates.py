@@ -20,9 +20,9 @@ from irsim_gym.levels.certificate import (
     Certificate,
     find_certificate,
     read_certificate,
-    rounded,
     shipped_certificate,
 )
+from irsim_gym.levels.certificate_file import NUMBERS, WHOLE, rounded
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import set_hash
@@ -137,6 +137,52 @@ def test_difficulty_is_the_share_of_failures_and_time_breaks_ties(tmp_path: Path
         read_certificate(tmp_path / "c.npz")
 
 
+def test_lengths_count_to_a_centimetre_and_times_of_failures_are_not_kept(tmp_path: Path) -> None:
+    """Numbers with NaN, infinity and signs of both kinds, which are stored as differences and in multiples of units."""
+    nan, inf = np.nan, np.inf
+    given = {
+        "straight": [[1.234], [2.0], [0.0], [40000.019], [7.0], [7.0], [7.0], [7.0]],
+        "length": [[1.5], [inf], [0.004], [40000.02], [6.99], [7.0], [7.0], [7.006]],
+        "clearance": [[nan], [inf], [0.014], [0.016], [0.2], [0.2], [0.2], [-0.02]],
+        "least_time": [[1.1], [inf], [0.0], [3.0], [3.1], [3.2], [3.3], [3.4]],
+        "density": [0.1, 0.123456, 0.0, 0.0, 0.0, 0.0, 0.0, 0.999],
+    }
+    arrays: dict[str, Any] = {name: np.array(values, np.float32) for name, values in given.items()}
+    arrays["time"] = np.stack([arrays["least_time"] + np.float32(0.1), np.full((8, 1), nan, np.float32)])
+    (tmp_path / "c.npz").write_bytes(made_up(**arrays).content())
+    found = read_certificate(tmp_path / "c.npz")
+    assert found.straight.dtype == found.time.dtype == np.float32
+    assert found.straight[:4, 0].tolist() == np.array([1.23, 2.0, 0.0, 40000.02], np.float32).tolist()
+    assert found.length[:, 0].tolist() == np.array([1.5, inf, 0, 40000.02, 6.99, 7, 7, 7.01], np.float32).tolist()
+    np.testing.assert_array_equal(
+        found.clearance[:, 0], np.array([nan, inf, 0.01, 0.02, 0.2, 0.2, 0.2, -0.02], np.float32)
+    )
+    np.testing.assert_array_equal(found.least_time, arrays["least_time"])
+    assert found.density[:2].tolist() == np.array([0.1, 0.123], np.float32).tolist()
+    np.testing.assert_array_equal(found.time[0, :, 0], np.array([1.2, inf, 0.1, 3.1, 3.2, 3.3, 3.4, 3.5], np.float32))
+    assert np.isnan(found.time[1]).all()
+
+
+def test_certificates_of_format_1_are_read(tmp_path: Path) -> None:
+    """A file as earlier versions wrote it: each array under its name, lengths to the millimetre, times of failures."""
+    made = made_up(straight=np.full((8, 1), 2.345, np.float32))
+    arrays = {name: getattr(made, name) for name in (*WHOLE, *NUMBERS)}
+    about = {"name": made.name, "scenario_hash": "0", "split": "test", "agents": ["robot_0"], "levels": 8}
+    about |= {"policies": ["dash", "orca"], "versions": {"numpy": "2.4.6"}, "set_hash": made.set_hash}
+    np.savez_compressed(tmp_path / "c.npz", about=np.array(json.dumps(about)), **arrays)
+    found = read_certificate(tmp_path / "c.npz")
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(getattr(found, name), array)
+    assert (found.agents, found.policies, found.versions) == (made.agents, made.policies, {"numpy": "2.4.6"})
+    assert found.quarters().tolist() == made.quarters().tolist()
+
+
+def test_certificates_of_newer_formats_are_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "c.npz", about=np.array(json.dumps({"format": 3})))
+    with pytest.raises(IrsimGymError, match="its format is 3, and this version of irsim_gym reads 1 and 2"):
+        read_certificate(tmp_path / "c.npz")
+
+
 def test_evaluate_names_its_levels_and_reports_by_difficulty(tmp_path: Path) -> None:
     file = tmp_path / "room.yaml"
     file.write_bytes((configs_folder() / "scenarios" / "cluttered_room.yaml").read_bytes())
@@ -152,7 +198,8 @@ def test_evaluate_names_its_levels_and_reports_by_difficulty(tmp_path: Path) -> 
     assert made.hash.tolist() == draw_levels(episodes.simulation, ["test"], 8).hashes().tolist()
     solved = [row.outcome == "success" for row in found.rows["dash"]]
     assert [outcome == 0 for outcome in made.outcome[1, :, 0]] == solved
-    assert rounded([row.time for row in found.rows["dash"]]).tolist() == made.time[1, :, 0].tolist()
+    times = [row.time if row.outcome == "success" else np.nan for row in found.rows["dash"]]
+    np.testing.assert_array_equal(rounded(times, "time"), made.time[1, :, 0])
     by_quarter = [np.mean(np.array(solved)[made.quarters() == k]) for k in range(4)]
     assert sorted(by_quarter, reverse=True) == by_quarter
     shown = str(found)

@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 import irsim_gym as ig
 from irsim_gym.cli import app
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.levels.certificate import MEASURES, read_certificate
+from irsim_gym.levels.certificate import read_certificate
+from irsim_gym.levels.certificate_file import NUMBERS, WHOLE
 from irsim_gym.scenario.level_reading import read_levels
 from irsim_gym.scenario.level_set import ARRAYS
 from irsim_gym.scenario.library import configs_folder
@@ -63,7 +64,7 @@ def test_the_page_names_all_arrays_and_runs() -> None:
         axes = re.escape(f"({', '.join(array.axes)})")
         row = rf"\| `{name}` \| {axes} \|.*{array.meaning[:30]}"
         assert re.search(row, page), name
-    assert all(f"| `{name}` |" in page for name in ("hash", *MEASURES, "about"))
+    assert all(f"| `{name}` |" in page for name in (*WHOLE, *NUMBERS, "about"))
 
 
 def test_the_examples_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

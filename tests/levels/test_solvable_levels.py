@@ -15,7 +15,8 @@ import pytest
 
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.teams import evaluate_team
-from irsim_gym.levels.certificate import DIGITS, Certificate, read_certificate, rounded
+from irsim_gym.levels.certificate import Certificate, read_certificate
+from irsim_gym.levels.certificate_file import NUMBERS, rounded
 from irsim_gym.levels.played import PlayedLevels
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.scenario.load import load_scenario
@@ -25,9 +26,9 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy
 
 SHIPPED = sorted((configs_folder() / "certificates").glob("*.npz"))
-HALF = 0.5 * 10.0**-DIGITS  # by so much are lengths and times rounded
+HALF = {name: 0.5 * 10.0**-digits for name, digits in NUMBERS.items()}  # by so much are lengths and times rounded
 REPLAYED = 12
-SUCCESS, TIMEOUT = OUTCOMES.index("success"), OUTCOMES.index("timeout")
+SUCCESS = OUTCOMES.index("success")
 
 
 def scenario_of(file: Path) -> Scenario:
@@ -58,7 +59,7 @@ def assert_the_ways_hold(certificate: Certificate) -> None:
     shape = certificate.count, len(certificate.agents)
     for name in ("reachable", "length", "straight", "clearance", "least_time"):
         assert getattr(certificate, name).shape == shape
-    assert (certificate.length[there] >= certificate.straight[there] - 2 * HALF).all()
+    assert (certificate.length[there] >= certificate.straight[there] - 2 * HALF["length"]).all()
     assert (certificate.clearance[there] >= 0.0).all()
     assert (certificate.least_time[there] > 0.0).all()
     for name in ("length", "least_time"):
@@ -74,10 +75,10 @@ def assert_the_runs_hold(certificate: Certificate, scenario: Scenario) -> None:
     shape = (len(certificate.policies), certificate.count, len(certificate.agents))
     assert certificate.outcome.shape == certificate.time.shape == shape
     assert certificate.outcome.max() < len(OUTCOMES)
-    assert (certificate.time > 0.0).all()
-    assert (certificate.time <= limit + HALF).all()
-    np.testing.assert_allclose(certificate.time[certificate.outcome == TIMEOUT], limit, atol=HALF)
     arrived = certificate.outcome == SUCCESS
+    np.testing.assert_array_equal(np.isnan(certificate.time), ~arrived)
+    assert (certificate.time[arrived] > 0.0).all()
+    assert (certificate.time[arrived] <= limit + HALF["time"]).all()
     lengths = [body.shape for body in scenario.bodies if body.name in certificate.agents]
     if all(type(shape).__name__.startswith("Circle") for shape in lengths):
         assert certificate.reachable[arrived.any(axis=0)].all(), "a disc has arrived, but no way was found"
@@ -91,8 +92,8 @@ def test_who_solves_a_level_does_it_again(file: Path) -> None:
     """On levels from first to last, the fastest policy that solves a level arrives as the certificate says."""
     certificate, scenario = read_certificate(file), scenario_of(file)
     solved = np.flatnonzero(certificate.solved)
-    if not solved.size:
-        pytest.skip("no reference policy solves a level")
+    if not solved.size:  # none of the one or two levels of some of JaxNav's worlds
+        return
     chosen = solved[np.linspace(0, len(solved) - 1, min(REPLAYED, len(solved)), dtype=np.int64)]
     all_arrived = (certificate.outcome == SUCCESS).all(axis=2)
     times = np.where(all_arrived, certificate.time.max(axis=2), np.inf)
@@ -103,5 +104,5 @@ def test_who_solves_a_level_does_it_again(file: Path) -> None:
     for k, levels in by_solver.items():
         rows = evaluate_team(load_policy(certificate.policies[k]), episodes, levels, certificate.split)
         assert all(row.is_success for row in rows), (certificate.policies[k], levels)
-        found = rounded([[agent.episode.time for agent in row.agents] for row in rows])
+        found = rounded([[agent.episode.time for agent in row.agents] for row in rows], "time")
         np.testing.assert_array_equal(found, certificate.time[k, levels])
