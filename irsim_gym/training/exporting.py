@@ -24,6 +24,7 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.training.cards import (
     CardAction,
     CardNetwork,
+    CardPart,
     CardResult,
     CardScenario,
     CardTerm,
@@ -63,7 +64,7 @@ def export(
         name: What it is called on the shelf.
         folder: Where the files go.
         results: Files with figures of the policy, see ``read_results``. The card has these; without any, the exported
-            policy plays.
+            policy plays, in each scenario of a mixture.
         levels: On how many ``test`` levels it plays.
         weaknesses: What it does badly, in sentences.
         overwrite: Replace files of that name.
@@ -94,7 +95,7 @@ def export(
         action=_action(episodes),
         network=CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
-        results=tuple(part.result for part in found) or (_played(place, driver, scenario, levels, console),),
+        results=_given(found, scenario) or _played(settings, place, driver, levels, console),
         weaknesses=tuple(weaknesses),
         sha256=hashlib.sha256(content).hexdigest(),
         size=len(content),
@@ -146,6 +147,10 @@ def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, Car
         seed=settings.seed,
         seeds=seeds,
         machine=known["machine"],
+        mixture=tuple(
+            CardPart(name=_short(one.scenario), parameters=plain(dict(one.parameters)), share=one.share)
+            for one in settings.mixture
+        ),
         **{name: known[name] for name in ("steps", "training_seconds", "cpu_seconds")},
     )
 
@@ -201,21 +206,38 @@ def _action(episodes: Episodes) -> CardAction:
     return CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
 
 
+def _given(found: Sequence[SeedResults], scenario: CardScenario) -> tuple[CardResult, ...]:
+    """Return the figures that files hold, with the names of other scenarios than the card's."""
+    own = Path(scenario.name).stem
+    results = (part.result for part in found)
+    return tuple(one.model_copy(update={"scenario": None}) if one.scenario == own else one for one in results)
+
+
 def _played(
-    place: Settings, driver: ShelfPolicy, scenario: CardScenario, levels: int, console: Console | None
+    settings: Settings, place: Settings, driver: ShelfPolicy, levels: int, console: Console | None
+) -> tuple[CardResult, ...]:
+    """Return how good the exported policy is in each scenario that it was trained in."""
+    parts = zip(settings.parts(), place.parts(), strict=True)
+    found = [_played_in(part, where, driver, levels, console) for part, where in parts]
+    first = found[0].scenario
+    return tuple(one.model_copy(update={"scenario": None}) if one.scenario == first else one for one in found)
+
+
+def _played_in(
+    settings: Settings, place: Settings, driver: ShelfPolicy, levels: int, console: Console | None
 ) -> CardResult:
-    """Return how good the exported policy is on ``test`` levels."""
-    is_team = scenario.team is not None
+    """Return how good the exported policy is on ``test`` levels of one scenario, copied in ``place``."""
+    is_team = settings.hyperparameters.team is not None
     evaluated = evaluate_team_policies if is_team else evaluate_policies
     chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(place)}
-    found = evaluated(place.scenario, {scenario.name: driver}, **chosen)
+    found = evaluated(place.scenario, {_short(settings.scenario): driver}, **chosen)
     figures: Any = found.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
     return CardResult(
         split=found.split,
         levels=levels,
         level_hash=found.level_set.hash,
-        parameters=scenario.parameters,
+        parameters=plain(dict(settings.parameters)),
         team=is_team,
         success=plain(success),
         individual_success=plain(figures.individual_success) if is_team else None,
@@ -224,4 +246,5 @@ def _played(
         spl=figures.spl,
         seeds={},
         source=MEASURED,
+        scenario=_short(settings.scenario),
     )
