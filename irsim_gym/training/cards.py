@@ -63,6 +63,14 @@ class CardNetwork(_Fixed):
     weights: int
 
 
+class CardPart(_Fixed):
+    """One scenario of a mixture: its name, values of its parameters, and its weight among all."""
+
+    name: str
+    parameters: dict[str, Any]
+    share: float
+
+
 class CardTraining(_Fixed):
     """How a policy was trained, and at what cost.
 
@@ -75,6 +83,7 @@ class CardTraining(_Fixed):
         training_seconds: Wall-clock time of training alone [s].
         cpu_seconds: Processor time of training alone [s].
         machine: Machine, and versions of packages.
+        mixture: All scenarios of a mixture, that of the card first; empty for a single scenario.
     """
 
     algorithm: str
@@ -85,6 +94,7 @@ class CardTraining(_Fixed):
     training_seconds: float
     cpu_seconds: float
     machine: dict[str, Any]
+    mixture: tuple[CardPart, ...] = ()
 
 
 class CardResult(_Fixed):
@@ -103,6 +113,7 @@ class CardResult(_Fixed):
         spl: Success weighted by path length.
         seeds: Success of each training seed on the same levels, by run.
         source: File or table that the figures come from.
+        scenario: Scenario of the levels; None for the scenario of the card.
     """
 
     split: str
@@ -117,6 +128,7 @@ class CardResult(_Fixed):
     spl: float
     seeds: dict[str, float]
     source: str
+    scenario: str | None = None
 
 
 class PolicyCard(_Fixed):

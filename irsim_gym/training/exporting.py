@@ -23,6 +23,7 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.training.cards import (
     CardAction,
     CardNetwork,
+    CardPart,
     CardResult,
     CardScenario,
     CardTerm,
@@ -63,7 +64,7 @@ def export(
         name: Name of the exported policy.
         folder: Folder for the files.
         results: Files with results of the policy for its card, see ``read_results``. Without any, the exported policy
-            is evaluated.
+            is evaluated, in each scenario of a mixture.
         levels: Number of ``test`` levels of this evaluation.
         weaknesses: Known weaknesses, in sentences.
         overwrite: Replace existing files of this name.
@@ -94,7 +95,7 @@ def export(
         action=_action(episodes),
         network=CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
-        results=tuple(part.result for part in found) or (_evaluate(own, driver, scenario, levels, console),),
+        results=_given(found, scenario) or _evaluated(settings, own, driver, levels, console),
         weaknesses=tuple(weaknesses),
         sha256=hashlib.sha256(content).hexdigest(),
         size=len(content),
@@ -145,6 +146,10 @@ def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, Car
         seed=settings.seed,
         seeds=seeds,
         machine=known["machine"],
+        mixture=tuple(
+            CardPart(name=_file_name(one.scenario), parameters=plain(dict(one.parameters)), share=one.share)
+            for one in settings.mixture
+        ),
         **{name: known[name] for name in ("steps", "training_seconds", "cpu_seconds")},
     )
 
@@ -200,21 +205,38 @@ def _action(episodes: Episodes) -> CardAction:
     return CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
 
 
+def _given(found: Sequence[SeedResults], scenario: CardScenario) -> tuple[CardResult, ...]:
+    """Return the results that files contain, without the name of the card's own scenario."""
+    own = Path(scenario.name).stem
+    results = (part.result for part in found)
+    return tuple(one.model_copy(update={"scenario": None}) if one.scenario == own else one for one in results)
+
+
+def _evaluated(
+    settings: Settings, place: Settings, driver: ShelfPolicy, levels: int, console: Console | None
+) -> tuple[CardResult, ...]:
+    """Evaluate the exported policy in each scenario that it was trained in, and return the results."""
+    parts = zip(settings.parts(), place.parts(), strict=True)
+    found = [_evaluate(part, where, driver, levels, console) for part, where in parts]
+    first = found[0].scenario
+    return tuple(one.model_copy(update={"scenario": None}) if one.scenario == first else one for one in found)
+
+
 def _evaluate(
-    settings: Settings, driver: ShelfPolicy, scenario: CardScenario, levels: int, console: Console | None
+    settings: Settings, place: Settings, driver: ShelfPolicy, levels: int, console: Console | None
 ) -> CardResult:
-    """Evaluate the exported policy on ``test`` levels, and return the result."""
-    is_team = scenario.team is not None
+    """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
+    is_team = settings.hyperparameters.team is not None
     evaluated = evaluate_team_policies if is_team else evaluate_policies
-    chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(settings)}
-    found = evaluated(settings.scenario, {scenario.name: driver}, **chosen)
+    chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(place)}
+    found = evaluated(place.scenario, {_file_name(settings.scenario): driver}, **chosen)
     figures: Any = found.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
     return CardResult(
         split=found.split,
         levels=levels,
         level_hash=found.level_set.hash,
-        parameters=scenario.parameters,
+        parameters=plain(dict(settings.parameters)),
         team=is_team,
         success=plain(success),
         individual_success=plain(figures.individual_success) if is_team else None,
@@ -223,4 +245,5 @@ def _evaluate(
         spl=figures.spl,
         seeds={},
         source=MEASURED,
+        scenario=_file_name(settings.scenario),
     )

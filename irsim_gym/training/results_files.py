@@ -93,4 +93,5 @@ def _result(file: Path, rows: Rows, conditions: Mapping[str, Any], row: Mapping[
         spl=row["spl"],
         seeds={one["policy"]: one[key]["value"] for one in rows} if len(rows) > 1 else {},
         source=file.name,
+        scenario=conditions.get("scenario"),
     )

@@ -22,9 +22,9 @@ def print_shelf() -> None:
         table.add_column(Text(head), no_wrap=head == "policy", justify="right" if head in ("CPU s", "kB") else "left")
     for file in shelf_files().values():
         card = _card(file)
-        shown = [result for result in card.results if result.parameters == card.scenario.parameters] or card.results
+        shown = [one for one in card.results if _is_of_training(one, card)] or card.results
         figures = percent(shown[0].success), f"{shown[0].levels:,} {shown[0].split}"
-        cells = (card.name, _trained_in(card), card.scenario.task or "its own", *figures)
+        cells = (card.name, _trained_in(card, briefly=True), card.scenario.task or "its own", *figures)
         table.add_row(*map(Text, (*cells, f"{card.training.cpu_seconds:.0f}", f"{card.size / 1000:.0f}")))
     print_table(table)
 
@@ -79,8 +79,17 @@ def _versions(versions: Mapping[str, str]) -> str:
     return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
-def _trained_in(card: PolicyCard) -> str:
-    named = with_parameters(card.scenario.name, card.scenario.parameters)
+def _is_of_training(result: CardResult, card: PolicyCard) -> bool:
+    return result.scenario is None and result.parameters == card.scenario.parameters
+
+
+def _trained_in(card: PolicyCard, *, briefly: bool = False) -> str:
+    """Return where a policy was trained; of a mixture all scenarios, or briefly the first and how many more."""
+    named, others = with_parameters(card.scenario.name, card.scenario.parameters), card.training.mixture[1:]
+    if others and briefly:
+        named += f" and {len(others)} more"
+    elif others:
+        named = ", ".join([named, *(with_parameters(one.name, one.parameters) for one in others)])
     return named if card.scenario.team is None else f"{named}, as a team"
 
 
@@ -89,5 +98,6 @@ def _told(result: CardResult) -> str:
     robots = "" if each is None else f" of teams and {percent(each)} of robots"
     seeds = sorted(result.seeds.values())
     others = f"; all seeds {100 * seeds[0]:.1f} to {100 * seeds[-1]:.1f} %" if seeds else ""
-    levels = with_parameters(f"{result.levels:,} {result.split} levels", result.parameters)
+    where = "" if result.scenario is None else f" of {result.scenario}"
+    levels = with_parameters(f"{result.levels:,} {result.split} levels{where}", result.parameters)
     return f"{percent(result.success)} %{robots}, {levels}{others}; {result.source}"

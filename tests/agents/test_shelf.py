@@ -68,10 +68,11 @@ def figures(name: str, result: CardResult, levels: int) -> Any:
     """
     chosen: dict[str, Any] = {"levels": levels, "split": result.split, "references": False}
     where = card(name).scenario
+    scenario = result.scenario or where.name
     chosen |= {"parameters": result.parameters, "task": where.task if result.source == MEASURED else None}
     if result.team:
-        return evaluate_team_policies(where.name, [name], **chosen).summaries[0].cooperative_success
-    return evaluate_policies(where.name, [name], **chosen).summaries[0].success
+        return evaluate_team_policies(scenario, [name], **chosen).summaries[0].cooperative_success
+    return evaluate_policies(scenario, [name], **chosen).summaries[0].success
 
 
 @pytest.mark.parametrize("name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in shelf_files()])

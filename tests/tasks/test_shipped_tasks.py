@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from irsim_gym.families import OBSERVATIONS, REWARDS
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Task, load_task
 
@@ -15,3 +16,20 @@ def test_patient_navigation_is_seen_navigation_with_more_time_to_stand() -> None
     assert (patient.deadlock_time, seen.deadlock_time) == (5.0, 3.0)
     assert (patient.observations, patient.rewards, patient.endings) == (seen.observations, seen.rewards, seen.endings)
     assert patient.max_steps == seen.max_steps == task("narrow_door", None).max_steps
+
+
+def weights(task: Task) -> dict[str, float]:
+    return {REWARDS.name_of(type(term)): term.weight for term in task.rewards}
+
+
+def test_a_team_of_many_learns_by_two_tasks_and_sees_the_same_in_both() -> None:
+    crowded, careful = (task("rl_rvo_random", f"{name}_team_navigation") for name in ("crowded", "careful"))
+    assert crowded.observations == careful.observations
+    assert weights(careful) == {**weights(crowded), "collision": 40.0, "time": 1.0}
+    assert crowded.max_steps == careful.max_steps == task("rl_rvo_random", None).max_steps
+
+
+def test_pose_navigation_tells_where_the_goal_faces() -> None:
+    names = [OBSERVATIONS.name_of(type(term)) for term in task("parking", "pose_navigation").observations]
+    assert {"goal", "goal_heading", "velocity", "position", "heading", "scan"} <= set(names)
+    assert task("parking", "pose_navigation").max_steps == task("parking", None).max_steps
