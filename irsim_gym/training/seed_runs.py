@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 from rich.console import Console
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import print_table, write_text
 from irsim_gym.training.commands import run_training
-from irsim_gym.training.evaluate import Evaluation, evaluate_policies
-from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.evaluate import evaluate_policies
+from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.interruption import ctrl_c_as_error
 from irsim_gym.training.remembered import report_changes
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.seed_summary import (
     Figures,
     markdown_table,
+    named_as_runs,
+    said_of_seeds,
     screen_table,
     seed_cells,
     summarize_seeds,
@@ -120,9 +120,9 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
         console=Console(stderr=True),
         **chosen,
     )
-    test = _by_run(folder / TEST / "summary.json", runs)
+    test = named_as_runs(json.loads((folder / TEST / "summary.json").read_text(encoding="utf-8")), places)
     summary = summarize_seeds(test["conditions"]["scenario"], places, [test], part)
-    line = _summary_line(summary, found, method)
+    line = _summary_line(summary, found.worst[method])
     head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
     write_seeds(folder, RESULTS, summary, called=found.scenario)
     write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", line, ""]))
@@ -133,21 +133,10 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     )
 
 
-def _by_run(file: Path, runs: Sequence[Run]) -> Figures:
-    """Return the evaluation of one method, after renaming its policies, the first rows, to the runs' folders."""
-    test: Figures = json.loads(file.read_text(encoding="utf-8"))
-    rows = test["policies"]
-    named = [{**row, "policy": run.folder.name} for row, run in zip(rows[: len(runs)], runs, strict=True)]
-    return {**test, "policies": [*named, *rows[len(runs) :]]}
-
-
-def _summary_line(summary: Figures, found: Evaluation | TeamEvaluation, method: str) -> str:
+def _summary_line(summary: Figures, worst: Mapping[str, float]) -> str:
     """Return the median and the interquartile mean of the seeds, and their success on the worst levels."""
-    is_team = "median_test_csr" in summary
-    key = "cooperative_success" if is_team else "success"
-    rows = [next(iter(seed["test"].values())) if is_team else seed["test"] for seed in summary["seeds"]]
-    shares = [100.0 * row[key]["value"] for row in rows]
-    mean = interquartile_mean([shares])
-    interval = f" [{mean.low:.1f}, {mean.high:.1f}]" if len(shares) > 1 else ""
-    worst = ", ".join(f"{100.0 * value:.1f} % on the worst {name}" for name, value in found.worst[method].items())
-    return f"median {median(shares):.1f} %, interquartile mean {mean.value:.1f} %{interval} over seeds; {worst}"
+    if "median_test_csr" in summary:
+        rows = [next(iter(seed["test"].values()))["cooperative_success"] for seed in summary["seeds"]]
+    else:
+        rows = [seed["test"]["success"] for seed in summary["seeds"]]
+    return said_of_seeds([row["value"] for row in rows], worst)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -13,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import write_bytes, write_json
 
 Figures = dict[str, Any]
@@ -20,7 +22,9 @@ Figures = dict[str, Any]
 
 MARKS = ("95%", "98%")
 COSTS = ("s to 95 %", "s to 98 %", "training s", "CPU s", "steps")
-HEAD = ("policy", "success % [95 % interval]", "collision %", "timeout %", "SPL")
+WORST = "5 %"
+"""Which share of the worst levels the table of one robot shows."""
+HEAD = ("policy", "success % [95 % interval]", "collision %", "timeout %", "SPL", f"worst {WORST}")
 TEAM_HEAD = (
     *("policy", "CSR % [95 % interval]", "ISR %", "collided %", "timeout %", "deadlocked %"),
     *("makespan s", "extra time s, 50/75/90 %", "SPL"),
@@ -47,7 +51,10 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
     labelled = {label(test["conditions"], conditions): test for test in tests}
     seeds = [read_seed(run, labelled, part) for run in runs]
     names = {run.name for run in runs}
-    others = {name: [row for row in test["policies"] if row["policy"] not in names] for name, test in labelled.items()}
+    others = {
+        name: [_row_of(row["policy"], test) for row in test["policies"] if row["policy"] not in names]
+        for name, test in labelled.items()
+    }
     if is_team:
         rates = {key: "cooperative_success" if key == "csr" else "individual_success" for key in ("csr", "isr")}
         middle: Figures = {
@@ -58,13 +65,45 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
         return {"scenario": scenario, "conditions": by_test, **middle, "seeds": seeds, "references": others}
     (only,) = labelled
     seeds = [{**seed, "test": seed["test"][only]} for seed in seeds]
+    rows = [seed["test"] for seed in seeds]
     return {
         "scenario": scenario,
         "conditions": conditions[0],
-        "median_test_success": _median([seed["test"] for seed in seeds], "success"),
+        "median_test_success": _median(rows, "success"),
+        "interquartile_mean_test_success": asdict(interquartile_mean([[row["success"]["value"] for row in rows]])),
+        "worst_of_method": _worst_of_method(tests[0]),
         "seeds": seeds,
         "references": others[only],
     }
+
+
+def named_as_runs(test: Figures, runs: Sequence[Path]) -> Figures:
+    """Return an evaluation of one method, whose policies are the first rows, with the names of the runs' folders."""
+    rows = test["policies"]
+    names = {row["policy"]: run.name for row, run in zip(rows[: len(runs)], runs, strict=True)}
+    named = [{**row, "policy": names.get(row["policy"], row["policy"])} for row in rows]
+    worst = {names.get(name, name): shares for name, shares in test["worst"].items()}
+    return {**test, "policies": named, "worst": worst}
+
+
+def _worst_of_method(test: Figures) -> Figures | None:
+    """Return the success on the worst levels of the only method of several policies; None without one."""
+    alone = {row["policy"] for row in test["policies"]}
+    return next((shares for name, shares in test.get("worst", {}).items() if name not in alone), None)
+
+
+def said_of_seeds(shares: Sequence[float], worst: Mapping[str, float] | None) -> str:
+    """Return a sentence on the middle of the seeds.
+
+    Args:
+        shares: Success of each.
+        worst: Success of all on the worst levels, by the share of levels; None where it is not known.
+    """
+    mean = interquartile_mean([[100.0 * share for share in shares]])
+    interval = f" [{mean.low:.1f}, {mean.high:.1f}]" if len(shares) > 1 else ""
+    middle = f"median {100.0 * median(shares):.1f} %, interquartile mean {mean.value:.1f} %{interval} over seeds"
+    worst_levels = ", ".join(f"{100.0 * value:.1f} % on the worst {name}" for name, value in (worst or {}).items())
+    return f"{middle}; {worst_levels}" if worst_levels else middle
 
 
 def label(conditions: Figures, every: Sequence[Figures]) -> str:
@@ -105,7 +144,7 @@ def _row_of(policy: str, test: Figures) -> Figures:
     found = [row for row in test["policies"] if row["policy"] == policy]
     if not found:
         raise IrsimGymError(f"'{policy}' is not among the policies of the test on {test['conditions']['parameters']}")
-    return dict(found[0])
+    return {**found[0], "worst": test["worst"][policy]} if "worst" in test else dict(found[0])
 
 
 def _median(rows: Sequence[Figures], key: str) -> float:
@@ -128,7 +167,8 @@ def seed_cells(summary: Figures, test: str | None = None) -> tuple[tuple[str, ..
 
 def _cells(row: Figures) -> tuple[str, ...]:
     collision, timeout = (f"{100 * row[name]['value']:.1f}" for name in ("collision", "timeout"))
-    return row["policy"], percent(row["success"]), collision, timeout, f"{row['spl']:.3f}"
+    worst = f"{100 * row['worst'][WORST]:.0f}" if "worst" in row else ""
+    return row["policy"], percent(row["success"]), collision, timeout, f"{row['spl']:.3f}", worst
 
 
 def _team_cells(row: Figures) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from irsim_gym.training.seed_summary import seed_cells
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
+AGENTS = Path(__file__).parents[2] / "agents"
 TINY = "n_timesteps: 64, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, policy_kwargs: {net_arch: [8]}"
 FILE = """\
 robot:
@@ -50,8 +51,12 @@ def test_seeds_are_trained_and_summed_up(monkeypatch: pytest.MonkeyPatch, capsys
     assert [(seed["run"], seed["settings"]["seed"]) for seed in summary["seeds"]] == [("seed_3", 3), ("seed_4", 4)]
     assert [row["policy"] for row in test["policies"]] == ["ppo-1", "ppo-2", "random", "dash"]
     for seed, row in zip(summary["seeds"], test["policies"], strict=False):
-        assert {**seed["test"], "policy": ""} == {**row, "policy": ""}
+        assert {**seed["test"], "policy": ""} == {**row, "policy": "", "worst": test["worst"][row["policy"]]}
     assert [row["policy"] for row in summary["references"]] == ["random", "dash"]
+    assert summary["references"][1]["worst"] == test["worst"]["dash"]
+    assert summary["worst_of_method"] == test["worst"]["ppo"]
+    shares = [seed["test"]["success"]["value"] for seed in summary["seeds"]]
+    assert summary["interquartile_mean_test_success"]["value"] == pytest.approx(sum(shares) / 2)
     assert test["conditions"]["levels"] == 6
     head, rows = seed_cells(summary)
     assert [cells[0] for cells in rows] == ["seed_3", "seed_4", "random", "dash"]
@@ -61,6 +66,13 @@ def test_seeds_are_trained_and_summed_up(monkeypatch: pytest.MonkeyPatch, capsys
     assert "of seeds" not in said
     assert "median" in said
     assert Path("all/results.png").read_bytes().startswith(b"\x89PNG")
+    monkeypatch.syspath_prepend(str(AGENTS))
+    import summarize
+
+    runs = [Path("all/seed_3"), Path("all/seed_4")]
+    summarize.write(summary["scenario"], runs, [Path("all/test")], "yard", Path("sum"), json_only=True)
+    assert [path.name for path in Path("sum").rglob("*.*")] == ["yard.json"]
+    assert json.loads(Path("sum/results/yard.json").read_text()) == summary
     (found,) = read_results(Path("all/results.json"), Path("all/seed_4"))
     assert found.seeds == (3, 4)
     assert found.result.levels == 6

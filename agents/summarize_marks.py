@@ -1,0 +1,152 @@
+"""Write the tables of five seeds in README.md from results/: a row for each benchmark, and one for each seed.
+
+    irsim-gym train maze --task seen_navigation --seeds 5 --out runs/maze
+    irsim-gym evaluate maze ppo=runs/maze/seed_0,... --out runs/maze/own
+    python agents/summarize.py maze runs/maze/seed_* --test runs/maze/own --json-only
+    python agents/summarize_marks.py
+
+A file of policies that are played where they were not trained is the `summary.json` of `irsim-gym evaluate`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+from summarize import HERE
+
+from irsim_gym.scenario.library import references_file
+from irsim_gym.training.seed_summary import WORST, markdown_table, percent
+
+RESULTS, PAGE = HERE / "results", HERE / "README.md"
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Five seeds of one training, and what they are to reach.
+
+    Attributes:
+        name: Of the file in ``results``, and of the policy on the shelf.
+        benchmark: Where they are trained and played.
+        aim: Success that the median is to reach [%].
+        planner: Whose row of docs/benchmarks.md stands beside them.
+    """
+
+    name: str
+    benchmark: str
+    aim: float = 98.0
+    planner: str = "seen"
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """Seeds of one training where they were not trained.
+
+    Attributes:
+        name: Of the file in ``results``.
+        trained: Name of their ``Mark``.
+        benchmark: Where they are played.
+    """
+
+    name: str
+    trained: str
+    benchmark: str
+
+
+MARKS = (
+    Mark("bug_trap", "bug_trap"),
+    Mark("narrow_door", "narrow_door"),
+    Mark("crossing", "crossing", planner="orca"),
+    Mark("barn", "barn", 95.0),
+    Mark("maze", "maze"),
+    Mark("dense_room_memory", "dense_room", 99.0),
+    Mark("jaxnav_single", "jaxnav_single"),
+)
+ELSEWHERE = (
+    Elsewhere("narrow_door_in_1.15", "narrow_door", "narrow_door_1.15"),
+    Elsewhere("maze_in_rooms", "maze", "rooms"),
+    Elsewhere("maze_in_0.65", "maze", "maze_0.65"),
+    Elsewhere("maze_in_1.0", "maze", "maze_1.0"),
+)
+OVERVIEW = (
+    *("scenario", "`--task`", "aim %", "median %", "interquartile mean % [95 % interval]", "lowest, highest %"),
+    *(f"worst {WORST} of all seeds", "planner % [95 % interval]", "CPU s", "steps"),
+)
+SEEDS = ("scenario", "seed", "success % [95 % interval]", "collision %", "timeout %", "SPL", f"worst {WORST}", "CPU s")
+PLAYED = ("trained in", "played in", "levels", "each seed %", "median %", "planner % [95 % interval]")
+
+
+def read(name: str) -> Any:
+    """Return a file of ``results``; None where there is none."""
+    file = RESULTS / f"{name}.json"
+    return json.loads(file.read_text(encoding="utf-8")) if file.is_file() else None
+
+
+def planner(benchmark: str, method: str) -> str:
+    """Return a method's row of docs/benchmarks.md."""
+    figures = json.loads(references_file().read_text(encoding="utf-8"))["figures"]
+    return f"{percent(figures[benchmark][method]['success'])}{'' if method == 'seen' else f' (`{method}`)'}"
+
+
+def overview_row(mark: Mark, found: Any) -> tuple[str, ...]:
+    """Return what all seeds of a training came to."""
+    seeds = found["seeds"]
+    shares = [seed["test"]["success"]["value"] for seed in seeds]
+    task = seeds[0]["settings"]["task"] or ""
+    return (
+        *(mark.benchmark, task, f"{mark.aim:g}", f"{100 * found['median_test_success']:.1f}"),
+        *(percent(found["interquartile_mean_test_success"]), f"{100 * min(shares):.1f}, {100 * max(shares):.1f}"),
+        *(f"{100 * found['worst_of_method'][WORST]:.0f}", planner(mark.benchmark, mark.planner)),
+        *(f"{median(seed['cpu_seconds'] for seed in seeds):.0f}", f"{seeds[0]['steps']:,}"),
+    )
+
+
+def seed_rows(mark: Mark, found: Any) -> Iterator[tuple[str, ...]]:
+    """Yield what each seed of a training came to."""
+    for seed in found["seeds"]:
+        test = seed["test"]
+        failed = (f"{100 * test[name]['value']:.1f}" for name in ("collision", "timeout"))
+        end = f"{test['spl']:.3f}", f"{100 * test['worst'][WORST]:.0f}", f"{seed['cpu_seconds']:.0f}"
+        yield mark.benchmark, str(seed["settings"]["seed"]), percent(test["success"]), *failed, *end
+
+
+def played_row(place: Elsewhere, found: Any) -> tuple[str, ...]:
+    """Return what the seeds of a training came to elsewhere."""
+    shares = [100 * row["success"]["value"] for row in found["policies"]]
+    trained = next(mark.benchmark for mark in MARKS if mark.name == place.trained)
+    return (
+        *(trained, place.benchmark, str(found["conditions"]["levels"])),
+        *(", ".join(f"{share:.1f}" for share in shares), f"{median(shares):.1f}", planner(place.benchmark, "seen")),
+    )
+
+
+def tables() -> dict[str, str]:
+    """Return the tables of the page, by the name in their comments; what has no results has no row."""
+    marks = [(mark, found) for mark in MARKS if (found := read(mark.name)) is not None]
+    played = [(place, found) for place in ELSEWHERE if (found := read(place.name)) is not None]
+    return {
+        "marks": _table(OVERVIEW, (overview_row(*one) for one in marks)),
+        "marks-seeds": _table(SEEDS, (row for one in marks for row in seed_rows(*one))),
+        "marks-elsewhere": _table(PLAYED, (played_row(*one) for one in played)),
+    }
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return "\n".join(markdown_table(head, list(rows)))
+
+
+def rewritten(page: str) -> str:
+    """Return the page with new tables between their comments."""
+    for name, table in tables().items():
+        begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+        before, _, rest = page.partition(begin)
+        _, _, after = rest.partition(end)
+        page = f"{before}{begin}\n{table}\n{end}{after}"
+    return page
+
+
+if __name__ == "__main__":
+    PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
