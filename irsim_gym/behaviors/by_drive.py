@@ -44,8 +44,8 @@ def register_behavior(kinematics: str, action: str) -> Callable[[F], F]:
         action: Name of the behaviour in YAML.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.BEHAVIORS, kinematics, action, makes=False)
 
@@ -61,8 +61,8 @@ def register_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
         action: See there.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.BEHAVIORS, kinematics, action, makes=True)
 
@@ -78,8 +78,8 @@ def register_group_behavior(kinematics: str, action: str) -> Callable[[F], F]:
         action: See there.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.GROUP_BEHAVIORS, kinematics, action, makes=False)
 
@@ -95,8 +95,8 @@ def register_group_behavior_class(kinematics: str, action: str) -> Callable[[F],
         action: See there.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.GROUP_BEHAVIORS, kinematics, action, makes=True)
 

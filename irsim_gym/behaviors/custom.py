@@ -119,8 +119,8 @@ def behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[
         kinematics: Names of the drives that it can command; by default all.
 
     Raises:
-        TypeError: The function's parameters are not as above.
-        IrsimGymError: The name is taken.
+        TypeError: If the function's parameters are not as above.
+        IrsimGymError: If the name is taken.
     """
     return _decorator(name, kinematics, PythonBehavior, families.BEHAVIORS)
 
@@ -138,8 +138,8 @@ def group_behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Cal
         kinematics: Names of the drives that it can command; by default all.
 
     Raises:
-        TypeError: The function's parameters are not as above.
-        IrsimGymError: The name is taken.
+        TypeError: If the function's parameters are not as above.
+        IrsimGymError: If the name is taken.
     """
     return _decorator(name, kinematics, PythonGroupBehavior, families.GROUP_BEHAVIORS)
 
@@ -162,7 +162,7 @@ def write_command(group: Group, model: WorldModel, body: int, answer: Any, comma
     """Write what a function returned into ``command``, shape ``(3,)``.
 
     Raises:
-        BehaviorError: It is no command of the body's drive.
+        BehaviorError: If it is not a command of the body's drive.
     """
     drive = model.drive[body]
     size = 3 if drive == OMNI_ANGULAR else 2

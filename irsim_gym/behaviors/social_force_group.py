@@ -86,7 +86,7 @@ class SocialForceGroup(RenewsMembersGoals):
         """Reserve scratch memory and number the parties of members.
 
         Raises:
-            IrsimGymError: A party names a member that the group does not have.
+            IrsimGymError: If a party names a member that the group does not have.
         """
         party = np.full(len(group.members), -1)
         for number, listed in enumerate(group.options[0].social_groups):

@@ -143,7 +143,7 @@ class EgoView(BodyView):
             index: Which of its sensors that read this, in the order of the file.
 
         Raises:
-            UnknownNameError: It has no such sensor.
+            UnknownNameError: If the body has no such sensor.
         """
         found = find_sensor(self._context.bodies, self._context.sensors, self._b, name, index)
         if found is None:

@@ -70,7 +70,7 @@ class BehaviorPolicy:
         """Refuse agents that the behaviour cannot command.
 
         Raises:
-            UnfitBehaviorError: There is one.
+            UnfitBehaviorError: If the behaviour cannot command the drive of an agent, or lacks the scan that it reads.
         """
         for body in self._bodies(episodes).tolist():
             spec = episodes.simulation.scenario.bodies[body]
@@ -88,7 +88,7 @@ class BehaviorPolicy:
         """Look at the drives, and at the sizes of the bodies.
 
         Raises:
-            UnfitBehaviorError: The behaviour cannot command the drive of an agent.
+            UnfitBehaviorError: If the behaviour cannot command the drive of an agent.
         """
         simulation = episodes.simulation
         if self._episodes is not episodes:

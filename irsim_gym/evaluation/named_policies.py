@@ -27,7 +27,8 @@ def read_options(source: str) -> dict[str, object]:
     """Return the options in ``NAME:OPTION=VALUE:OPTION=VALUE``, with their types; none for a name alone.
 
     Raises:
-        PolicyOptionError: A text is no option, or a behaviour has no such option or value; the message has all of them.
+        PolicyOptionError: If the text cannot be parsed, or the behaviour has no such option or value; the message lists
+            all problems.
     """
     families.load()
     name, *texts = source.split(":")

@@ -102,7 +102,7 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
         perception: What takes the place of its observations and action.
 
     Raises:
-        UnfitPerceptionError: The learners lack what the observations or the action need.
+        UnfitPerceptionError: If the learners lack what the observations or the action need.
     """
     wanted = {
         "name": "blank",
@@ -139,7 +139,7 @@ class Perceived:
         All of them share one simulation: in a world only those may go on that have begun its level.
 
         Raises:
-            UnfitPerceptionError: The agents lack what the policy's observations or its action need.
+            UnfitPerceptionError: If the agents lack what the policy's observations or its action need.
         """
         wanted = policy.perception if isinstance(policy, Perceives) else None
         if wanted is None:

@@ -75,7 +75,7 @@ def by_agent(actions: Actions, episodes: Episodes, worlds: Ints) -> Actions:
     """Return what ``Policy.act`` returned as ``(n, n_agents, ...)``.
 
     Raises:
-        ValueError: It is of another shape.
+        ValueError: If the actions have another shape.
     """
     found = np.asarray(actions)
     one = () if episodes.action_kind == "discrete" else episodes.action_low.shape

@@ -46,7 +46,7 @@ def evaluate(
         watcher: Observes each step.
 
     Raises:
-        IrsimGymError: The task has several agents, see ``evaluate_team``.
+        IrsimGymError: If the task has several agents, see ``evaluate_team``.
     """
     if episodes.n_agents != 1:
         raise IrsimGymError(
@@ -66,7 +66,7 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
     """Return the given optima, or new ones.
 
     Raises:
-        ValueError: They are those of another split.
+        ValueError: If ``optima`` are those of another split.
     """
     if optima is not None and optima.split != split:
         raise ValueError(f"these optima are for split '{optima.split}', but the levels are of '{split}'")
@@ -77,7 +77,7 @@ def check_count(simulation: Simulation, split: str, count: int) -> None:
     """Refuse to play more levels than a file has, since they would be the same ones again.
 
     Raises:
-        IrsimGymError: The levels come from a file that has fewer.
+        IrsimGymError: If the levels come from a file with fewer levels.
     """
     levels, (_, here) = simulation.scenario.levels, simulation.level_base(split)
     if levels is not None and count > here:

@@ -83,8 +83,8 @@ def reference_policy(name: str) -> RandomPolicy | BehaviorPolicy:
         name: ``"random"``, or a behaviour's name, with options if wished: ``"pursuit:known=seen"``.
 
     Raises:
-        UnknownNameError: There is none of that name.
-        PolicyOptionError: It has no such options.
+        UnknownNameError: If no policy has that name.
+        PolicyOptionError: If the behaviour does not have the options.
     """
     known = policy_kinds()
     if kind_name(name) not in known:

@@ -75,7 +75,7 @@ def probability_of_improvement(first: Scores, second: Scores, confidence: float 
         confidence: Probability of the interval.
 
     Raises:
-        ValueError: They are of different numbers of tasks.
+        ValueError: If the methods have different numbers of tasks.
     """
     from scipy.stats import mannwhitneyu
 
@@ -101,7 +101,7 @@ def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = C
         confidence: Probability of the interval.
 
     Raises:
-        ValueError: They are of different numbers of levels.
+        ValueError: If the numbers of levels differ.
     """
     a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
     if a.shape != b.shape or a.ndim != 1:

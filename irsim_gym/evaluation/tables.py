@@ -91,7 +91,7 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
         *kinds: Dataclasses that ``read_cells`` shall make of them: what has no default has to be a column.
 
     Raises:
-        IrsimGymError: It cannot be read, or a column is missing.
+        IrsimGymError: If the file cannot be read, or a column is missing.
     """
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -109,7 +109,7 @@ def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
     """Return what ``write_episodes`` has written; floats are as there, rounded.
 
     Raises:
-        IrsimGymError: The file cannot be read, or is of another kind.
+        IrsimGymError: If the file cannot be read, or is of another kind.
     """
     found: dict[str, list[EpisodeRow]] = {}
     for place, row in read_rows(path, EpisodeRow):
@@ -127,7 +127,7 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
         **given: Values of fields that are no columns.
 
     Raises:
-        IrsimGymError: A column is missing, or a cell is none of its values.
+        IrsimGymError: If a column is missing, or a cell holds an invalid value.
     """
     every = _readers(kind)  # type: ignore[arg-type]  # every class can be hashed
     readers = {name: read for name, read in every.items() if name in row and name not in given}

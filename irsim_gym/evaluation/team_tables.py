@@ -59,7 +59,7 @@ def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
         limit: The time limit [s].
 
     Raises:
-        IrsimGymError: The file cannot be read, or is of another kind.
+        IrsimGymError: If the file cannot be read, or is of another kind.
     """
     rows: dict[str, list[PlacedRow]] = {}
     for place, row in read_rows(path, EpisodeRow, AgentRow):
@@ -75,7 +75,7 @@ def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
         **given: ``limit`` where it is no column.
 
     Raises:
-        IrsimGymError: A cell is none of its column's values.
+        IrsimGymError: If a cell holds an invalid value.
     """
     levels: dict[int, TeamRow] = {}
     for place, row in rows:

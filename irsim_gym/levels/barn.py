@@ -37,7 +37,7 @@ def import_barn(path: Path) -> LevelSet:
             world i has the rows from ``world_start[i]`` to ``world_start[i + 1]``.
 
     Raises:
-        ScenarioError: It is neither, or a cylinder is on no cell; the error lists every problem.
+        ScenarioError: If the path is neither, or a cylinder fills no cell; the error lists every problem.
     """
     worlds = _from_folder(path) if path.is_dir() else _from_arrays(path)
     cells, problems = np.zeros((len(worlds), COLUMNS, ROWS), np.bool_), []

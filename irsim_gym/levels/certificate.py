@@ -135,7 +135,7 @@ def read_certificate(file: Path) -> Certificate:
     """Read a certificate.
 
     Raises:
-        IrsimGymError: The file is none.
+        IrsimGymError: If the file is not a certificate.
     """
     try:
         with np.load(file, allow_pickle=False) as stored:

@@ -43,7 +43,7 @@ def certify(
         on_levels: Called with the number of levels that have just been measured.
 
     Raises:
-        IrsimGymError: The levels come from a file that has fewer.
+        IrsimGymError: If the levels come from a file with fewer levels.
     """
     simulation, measured, density = episodes.simulation, [], []
     agents = simulation.agents.tolist()

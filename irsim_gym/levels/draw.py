@@ -41,8 +41,8 @@ def draw_levels(
         look: Called with each world whose level has begun, in the order of the levels.
 
     Raises:
-        IrsimGymError: The levels come from a file that has fewer.
-        PlacementError: A level could not be drawn.
+        IrsimGymError: If the levels come from a file with fewer levels.
+        PlacementError: If a level cannot be drawn.
     """
     taker = _Taker(simulation)
     for split in splits:

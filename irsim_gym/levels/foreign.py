@@ -51,7 +51,7 @@ def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, ND
         axes: Names of the axes of each array; a digit is a fixed length, ``x+1`` one more than axis ``x``.
 
     Raises:
-        ScenarioError: An array is missing, of another shape or no numbers; the error lists all of them.
+        ScenarioError: If an array is missing, has another shape or holds no numbers; the error lists every problem.
     """
     if not file.exists():
         raise ScenarioError(str(file), [Problem(0, "", "no such file or folder")])
@@ -86,7 +86,7 @@ def read_pickle(file: Path) -> Any:
     No class and no function of the pickle is loaded or called but those that make up NumPy's arrays.
 
     Raises:
-        ScenarioError: It needs a function that is not known, or is no pickle.
+        ScenarioError: If the file is not a pickle, or needs an unknown function.
     """
     try:
         return _NumbersOnly(io.BytesIO(file.read_bytes())).load()
@@ -146,7 +146,7 @@ class _NumbersOnly(pickle.Unpickler):
         """Return what stands for a class or function of the pickle.
 
         Raises:
-            UnpicklingError: Nothing does.
+            UnpicklingError: If the class or function is unknown.
         """
         if (module, name) in _KNOWN:
             return _KNOWN[module, name]

@@ -36,7 +36,7 @@ def import_jaxnav(path: Path) -> LevelSet:
     """Return JaxNav's levels for robots that are called ``robot_0``, ``robot_1`` and so on.
 
     Raises:
-        ScenarioError: The file cannot be used; the error lists every problem.
+        ScenarioError: If the file cannot be used; the error lists every problem.
     """
     arrays = _from_pickle(path) if path.suffix in (".pkl", ".pickle") else read_arrays(path, AXES)
     cells = arrays["cells"].astype(np.int64)

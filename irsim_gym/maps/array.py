@@ -35,7 +35,7 @@ class ArrayMap:
         """Return which cells are occupied, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: The cells are no table of numbers.
+            OptionError: If the cells are not a table of numbers.
         """
         try:
             table = np.array(self.cells)

@@ -42,7 +42,7 @@ class ImageMap:
         """Return which cells are occupied, shape ``(columns, rows)``: those darker than half.
 
         Raises:
-            OptionError: There is no such file, or it is no picture.
+            OptionError: If the file does not exist or is not an image.
         """
         return np.ascontiguousarray(np.fliplr(read_dark(find(self.path)).T))
 
@@ -51,7 +51,7 @@ def read_dark(file: Path) -> Flags:
     """Return which pixels of a picture are darker than half, row by row from the top; transparency is ignored.
 
     Raises:
-        OptionError: It cannot be read.
+        OptionError: If the file cannot be read.
     """
     from PIL import Image, UnidentifiedImageError
 

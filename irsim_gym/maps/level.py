@@ -92,7 +92,7 @@ def map_size(resolution: float, width: float, height: float, most: int = MOST_LE
         most: Most cells that there may be.
 
     Raises:
-        OptionError: There would be too many cells.
+        OptionError: If there would be too many cells.
     """
     columns, rows = (max(1, round(side / resolution)) for side in (width, height))
     if columns * rows > most:
@@ -104,7 +104,7 @@ def bordered(options: LevelMap, width: float, height: float) -> Flags:
     """Return the cells that are occupied in every level: the border if there is one, shape ``(columns, rows)``.
 
     Raises:
-        OptionError: There would be too many cells, or none within the border.
+        OptionError: If there would be too many cells, or none within the border.
     """
     columns, rows = map_size(options.resolution, width, height)
     if options.border and min(columns, rows) < 3:

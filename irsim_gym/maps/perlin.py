@@ -52,7 +52,7 @@ class PerlinMap:
         """Return which cells are occupied, shape ``(columns, rows)``; none that are so in every level.
 
         Raises:
-            OptionError: There would be too many cells.
+            OptionError: If there would be too many cells.
         """
         columns, rows = map_size(self.resolution, width, height, MOST_LEVEL_CELLS if self.per_level else MOST_CELLS)
         if self.per_level:

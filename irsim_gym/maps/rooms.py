@@ -54,7 +54,7 @@ class RoomsMap(LevelMap):
         """Return the border, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: There is no room for the fewest rooms.
+            OptionError: If there is no room for the fewest rooms.
         """
         occupied, least = bordered(self, width, height), span(self.least_side, self.resolution)
         fits = [(cells + 1 - 2 * self.border) // (least + 1) for cells in occupied.shape]

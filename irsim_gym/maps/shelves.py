@@ -44,7 +44,7 @@ class ShelvesMap(LevelMap):
         """Return the border, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: A shelf and the aisles around it do not fit.
+            OptionError: If a shelf and the aisles around it do not fit.
         """
         occupied = bordered(self, width, height)
         needed = [span(side, self.resolution) + 2 * span(self.aisle, self.resolution) for side in self.shelf]

@@ -49,7 +49,7 @@ class EpisodeFilm:
                 generators that step and draw are welcome.
 
         Raises:
-            ValueError: There are not as many episodes as captions, or one has no frame.
+            ValueError: If the numbers of episodes and captions differ, or an episode has no frame.
         """
         if len(episodes) != len(self.captions):
             raise ValueError(f"{len(self.captions)} captions for {len(episodes)} episodes")

@@ -26,7 +26,7 @@ def usual(*, bold: bool) -> Path:
     """Return the font of all texts, which comes with matplotlib; that need not be loaded for it.
 
     Raises:
-        IrsimGymError: It is not there.
+        IrsimGymError: If the font is not found.
     """
     name, found = USUAL[bold], find_spec("matplotlib")
     for folder in (found.submodule_search_locations or ()) if found is not None else ():

@@ -69,7 +69,7 @@ class Layout:
             limits: That part [m]: x_min, y_min, x_max, y_max; both sides get what there is room for.
 
         Raises:
-            OptionError: The numbers bound no area.
+            OptionError: If the numbers bound no area.
         """
         x_min, y_min, x_max, y_max = (float(value) for value in limits)
         if not (np.isfinite([x_min, y_min, x_max, y_max]).all() and x_min < x_max and y_min < y_max):

@@ -19,7 +19,7 @@ def load_image(file: Path) -> Bytes:
     """Return an image file's colours and opacity, uint8, shape ``(height, width, 4)``, row 0 at the top; read-only.
 
     Raises:
-        IrsimGymError: It cannot be read as an image.
+        IrsimGymError: If the file cannot be read as an image.
     """
     try:
         return _read(file, file.stat().st_mtime_ns)

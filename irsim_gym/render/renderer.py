@@ -87,7 +87,7 @@ class Renderer:
                 are not those of the drawing area, more is shown on both sides.
 
         Raises:
-            OptionError: The numbers bound no area.
+            OptionError: If the numbers bound no area.
         """
         self._looked_at = None if limits is None else self._whole.showing(limits).limits
 
@@ -128,7 +128,7 @@ class Renderer:
             The pictures, uint8, shape ``(n, height, width, 3)``.
 
         Raises:
-            ValueError: There are not as many statuses as worlds.
+            ValueError: If the numbers of statuses and worlds differ.
         """
         chosen, given = np.array(worlds, np.int64), list(statuses) or [""] * len(worlds)
         if len(given) != len(chosen):

@@ -97,7 +97,7 @@ class Recording:
         """What the last moment looked like.
 
         Raises:
-            ValueError: Nothing was noted.
+            ValueError: If nothing was noted.
         """
         if self._last is None:
             raise ValueError("nothing was recorded")
@@ -118,7 +118,7 @@ class Recording:
                 (numbers) and ``terms`` (numbers by name).
 
         Raises:
-            ValueError: There are not as many values as agents.
+            ValueError: If the numbers of values and agents differ.
         """
         if len(values) != len(self._agents):
             raise ValueError(f"values of {len(self._agents)} agents are needed, got {len(values)}")
@@ -160,7 +160,7 @@ class Recording:
             shared: Where its pens, shapes and pictures go, to which it refers by number.
 
         Raises:
-            ValueError: Nothing was noted.
+            ValueError: If nothing was noted.
         """
         last, count, shared = self.last, len(self._times), shared or SharedItems()
         centers, bodies = np.array(self._centers), [track for tracks in self._bodies.values() for track in tracks]

@@ -29,7 +29,7 @@ def save_html(path: str | Path, recordings: Sequence[Recording], title: str = ""
         title: Heading of the page; by default the first episode's.
 
     Raises:
-        ValueError: No episode, one without a moment, or another suffix.
+        ValueError: If there are no episodes, an episode is empty, or the suffix is not supported.
     """
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm"):
@@ -50,7 +50,7 @@ def read_html(path: str | Path) -> dict[str, Any]:
     """Return the data of a page that ``save_html`` has written.
 
     Raises:
-        ValueError: The file is no such page.
+        ValueError: If the file is not such a page.
     """
     found = held_data(Path(path))
     data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}

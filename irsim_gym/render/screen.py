@@ -54,7 +54,7 @@ class Screen:
             seconds: Time in the world since the picture before [s].
 
         Raises:
-            NoWindowError: There is no display, or no toolkit that works.
+            NoWindowError: If there is no display, or no toolkit that works.
         """
         if not self.is_wanted:
             return

@@ -21,7 +21,7 @@ from irsim_gym.render.tiles import grid
 MOMENTS = 12
 FINENESS = 8
 WIDEST = 1800
-"""A sheet is reduced to so many pixels."""
+"""Maximum width of a sheet [pixels]."""
 READABLE = 0.8
 """Frames stand side by side as long as none becomes smaller than this share of one that is about 600 x 600."""
 
@@ -36,7 +36,7 @@ class Moments:
         count: How many are wanted, at least 2.
 
     Raises:
-        ValueError: Fewer are wanted.
+        ValueError: If ``count`` is below 2.
     """
 
     def __init__(self, count: int = MOMENTS) -> None:
@@ -61,7 +61,7 @@ class Moments:
         """Return the frames, the first and the last moment among them; all where there are fewer than wanted.
 
         Raises:
-            ValueError: None was offered.
+            ValueError: If no frame was offered.
         """
         if not self._number:
             raise ValueError("an episode needs at least one frame")

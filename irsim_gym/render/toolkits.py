@@ -35,7 +35,7 @@ def new_manager(figure: Figure) -> Any:
     """Return the manager of a new window that holds a figure; pyplot neither knows nor is changed by it.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works.
+        NoWindowError: If there is no display, or no toolkit that works.
     """
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         set_ones = [f"{name}={os.environ[name]} {does}. " for name, does in DRIVERS.items() if os.environ.get(name)]

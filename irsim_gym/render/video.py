@@ -41,7 +41,7 @@ class VideoWriter:
         fps: Frames per second.
 
     Raises:
-        ValueError: Another suffix, or a frame rate that is not positive.
+        ValueError: If the suffix is not supported, or the frame rate is not positive.
     """
 
     def __init__(self, path: str | Path, fps: float) -> None:
@@ -62,7 +62,7 @@ class VideoWriter:
             frame: uint8, shape ``(height, width, 3)``, the same for all frames.
 
         Raises:
-            ValueError: The frame is no picture, or its shape differs from the first one's.
+            ValueError: If the frame is not a picture, or its shape differs from that of the first frame.
         """
         if self._encoder is None:
             if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3:
@@ -78,7 +78,7 @@ class VideoWriter:
         """Finish the film.
 
         Raises:
-            ValueError: It has no frame.
+            ValueError: If the video has no frames.
         """
         if self._encoder is None:
             raise ValueError(f"no frames for {self.path}")
@@ -118,7 +118,8 @@ def write_video(
         total: How many frames there are, for a progress bar on the terminal; None shows none.
 
     Raises:
-        ValueError: No frames, frames of different shapes, another suffix, or a frame rate that is not positive.
+        ValueError: If there are no frames, their shapes differ, the suffix is not supported, or the frame rate is not
+            positive.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
     writers = [VideoWriter(each, fps) for each in paths]

@@ -69,7 +69,7 @@ class Window:
         title: What stands above it.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works; or this process was forked from one that had
+        NoWindowError: If there is no display, or no toolkit that works; or this process was forked from one that had
             opened a window, whose connection to the display it would break.
     """
 

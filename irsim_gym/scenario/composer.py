@@ -73,7 +73,7 @@ def compose(text: str) -> Document:
     """Return the one document of a YAML text.
 
     Raises:
-        Fatal: The text is no YAML, is empty, holds several documents or breaks a bound.
+        Fatal: If the text is not YAML, is empty, holds several documents or exceeds a bound.
     """
     try:
         root = _Composer(text).document()

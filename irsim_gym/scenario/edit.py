@@ -27,8 +27,8 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first
         first: Number of its first body, for names that are not given.
 
     Raises:
-        ScenarioError: The entry cannot be used; the error lists every problem.
-        ValueError: There is no such role.
+        ScenarioError: If the entry cannot be used; the error lists every problem.
+        ValueError: If there is no such role.
     """
     if role not in ROLES:
         raise ValueError(f"role must be {choices(ROLES)}, got {role!r}")

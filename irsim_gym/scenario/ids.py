@@ -37,7 +37,7 @@ class Ids:
         """Return the registered id that a name is, without its module; None for a name or a path that is no id.
 
         Raises:
-            UnknownNameError: It is written as an id, but nothing is registered under it; or there is no such module.
+            UnknownNameError: If the name is written as an id but is not registered, or its module does not exist.
         """
         match = _ID.fullmatch(name) if isinstance(name, str) else None
         if match is None:
@@ -58,9 +58,9 @@ class Ids:
         """Return the scenario that an id stands for; what is no id comes back as it is.
 
         Raises:
-            UnknownNameError: It is written as an id, but stands for nothing.
-            MissingScenarioError: It stands for any scenario (``irsim_gym/World-v0``).
-            IrsimGymError: It was registered with more than a scenario, e.g. a task, which Gymnasium alone passes on.
+            UnknownNameError: If the name is written as an id but is not registered, or is no scenario of irsim_gym.
+            MissingScenarioError: If the id stands for any scenario (``irsim_gym/World-v0``).
+            IrsimGymError: If the id is registered with further arguments, e.g. a task, which only Gymnasium passes on.
         """
         one = self.find(name)
         if one is None:

@@ -44,7 +44,7 @@ def home_of(levels: LevelSet) -> tuple[str | Path, Mapping[str, Any]]:
     A shipped scenario goes by its name, another one by the name of its file, which is beside that of the levels.
 
     Raises:
-        ScenarioError: The file names none.
+        ScenarioError: If the file names no scenario.
     """
     name, values = levels.about.get("scenario"), levels.about.get("parameters", {})
     if not isinstance(name, str) or not name or not isinstance(values, Mapping):
@@ -58,7 +58,7 @@ def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:
     """Return a scenario that takes its levels from a file.
 
     Raises:
-        ScenarioError: They do not fit.
+        ScenarioError: If the levels do not fit the scenario.
     """
     own, placements = without_map(scenario)
     mistakes = list(misfits(levels, own, placements, scenario.world, scenario.occupied))

@@ -31,7 +31,7 @@ def read_levels(file: str | Path) -> LevelSet:
     """Read a file of levels.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem.
+        ScenarioError: If the file cannot be used; the error lists every problem.
     """
     levels, mistakes = load_levels(Path(file))
     if levels is None or mistakes:

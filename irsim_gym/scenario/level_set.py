@@ -115,7 +115,7 @@ class LevelSet:
         """Return the first level of a split, and how many levels it has.
 
         Raises:
-            UnknownNameError: The file has several splits, but not this one.
+            UnknownNameError: If the file has several splits, but not this one.
         """
         if len(self.splits) == 1:
             return next(iter(self.splits.values()))

@@ -53,7 +53,7 @@ def write_template(file: Path) -> None:
     """Write a commented scenario to start from.
 
     Raises:
-        IrsimGymError: The file exists, has another suffix, or its folder does not exist.
+        IrsimGymError: If the file exists, has another suffix, or its folder does not exist.
     """
     if file.suffix not in SUFFIXES:
         raise IrsimGymError(f"a scenario is a .yaml file, got '{file}'")
@@ -98,7 +98,8 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
     A name without folder and suffix is a shipped one, unless a file of that name exists.
 
     Raises:
-        UnknownNameError: Nothing is shipped under the name; the message offers the nearest, also of files nearby.
+        UnknownNameError: If nothing is shipped under the name; the message suggests the nearest name, also of files in
+            the working directory.
     """
     path = Path(name)
     if isinstance(name, Path) or path.suffix in SUFFIXES or len(path.parts) != 1:

@@ -52,9 +52,9 @@ def load_scenario(
         may_pend: Behaviours may be registered later: one with an unknown name raises an error when it has to decide.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
-            raises a ScenarioError that is a FileNotFoundError as well.
-        UnknownNameError: Nothing is shipped under the name, or registered under the id, or the scenario has no such
+        ScenarioError: If the scenario cannot be used; the error lists every problem with its line. If the file does
+            not exist, the error is also a FileNotFoundError.
+        UnknownNameError: If no shipped scenario has the name, no environment has the id, or the scenario has no such
             parameter.
     """
     families.load()
@@ -79,8 +79,8 @@ def read_scenario(
     """Check plain data and return the scenario that it describes; see ``load_scenario``.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line.
-        UnknownNameError: It has no such parameter.
+        ScenarioError: If the scenario cannot be used; the error lists every problem with its line.
+        UnknownNameError: If the scenario has no such parameter.
     """
     source, values = fill_in(source, parameters or {}, strict=strict)
     report = Report(source, strict=strict)

@@ -77,7 +77,7 @@ def find_map(name: str, folders: tuple[Path, ...]) -> Path:
     """Return the file of a map: as given, in one of the folders, shipped (the suffix may be left out), or ir-sim's own.
 
     Raises:
-        OptionError: There is none; the message offers what is shipped.
+        OptionError: If the file is not found; the message lists the shipped maps.
     """
     given = Path(name)
     for file in (given, *(folder / given for folder in folders)):

@@ -151,7 +151,7 @@ def rewritten(page: str) -> str:
     """Return a page with its tables made anew: what follows the marker is replaced, what stands before it is kept.
 
     Raises:
-        IrsimGymError: The page has no marker.
+        IrsimGymError: If the page has no marker.
     """
     head, marker, _ = page.partition(MARKER)
     if not marker:

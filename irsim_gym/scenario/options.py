@@ -108,7 +108,7 @@ def kind_of_function(
         **members: Further members of the class.
 
     Raises:
-        TypeError: The function's parameters are not as above.
+        TypeError: If the function's parameters are not as above.
     """
     parameters = function_parameters(family, name, function)
     options = _function_options(family, name, parameters, base, leading)
@@ -160,7 +160,7 @@ def function_parameters(family: str, name: str, function: Callable[..., object])
     """Return the parameters of a function with their types.
 
     Raises:
-        TypeError: A type does not exist when the program runs.
+        TypeError: If a type annotation cannot be evaluated at run time.
     """
     try:
         return list(inspect.signature(function, eval_str=True).parameters.values())

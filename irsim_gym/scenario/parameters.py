@@ -166,8 +166,8 @@ def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True)
         strict: Keys that nobody reads are mistakes; else they are added to what is ignored.
 
     Raises:
-        UnknownParameterError: A given name is not declared; the message lists those that are.
-        ScenarioError: A given value is not allowed; the message lists what is.
+        UnknownParameterError: If a given name is not declared; the message lists the declared names.
+        ScenarioError: If a given value is not allowed; the message lists the allowed values.
     """
     report = Report(source, strict=strict)
     declared = _declarations(source, report)

@@ -102,7 +102,7 @@ def resolve_pending(scenario: Scenario) -> Scenario:
     """Return a scenario with the behaviours that have been registered since it was read.
 
     Raises:
-        ScenarioError: What the file says of one of them cannot be used; the error lists every problem with its line.
+        ScenarioError: If an entry of such a behaviour cannot be used; the error lists every problem with its line.
     """
     report = Report(scenario.source)
     made: dict[int, Any] = {}

@@ -24,7 +24,7 @@ def drawn_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
         options: Keys of a body's section ``plot``.
 
     Raises:
-        ScenarioError: An option has a bad value; the error lists all of them.
+        ScenarioError: If an option has a bad value; the error lists all of them.
     """
     values = _checked(ObjectPlot, "plot", options)
     bodies = tuple(replace(body, plot=replace(body.plot, **values)) for body in scenario.bodies)
@@ -35,7 +35,7 @@ def saved_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
     """Return a scenario whose figures are saved with these options, keys of ``plot.saved_figure``.
 
     Raises:
-        ScenarioError: An option has a bad value; the error lists all of them.
+        ScenarioError: If an option has a bad value; the error lists all of them.
     """
     plot = scenario.world.plot
     saved = replace(plot.saved_figure, **_checked(SavedFigure, "saved_figure", options))

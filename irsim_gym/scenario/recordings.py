@@ -41,7 +41,7 @@ def read_recording(file: Path) -> PersonTracks:
     Empty lines and those that begin with # are left out. Rows may be in any order.
 
     Raises:
-        BadRecordingError: It is no such file; the message says what is wrong with which line.
+        BadRecordingError: If the file is not a recording; the message names the line and what is wrong with it.
     """
     stamp = file.stat().st_mtime_ns if file.is_file() else 0
     return _read(file, stamp)

@@ -88,7 +88,7 @@ def read_file(file: str | Path) -> Source:
     """Read a YAML file.
 
     Raises:
-        ScenarioError: It cannot be read, is no YAML, or breaks a bound (size, depth, number of values).
+        ScenarioError: If the file cannot be read, is not YAML, or exceeds a bound (size, depth, number of values).
     """
     name = str(file)
     raw = _bytes(Path(file), name)
@@ -142,7 +142,7 @@ def read_mapping(data: Mapping[str, object]) -> Source:
     """Take data made in Python: tuples and NumPy values become lists and numbers.
 
     Raises:
-        ScenarioError: It is nested too deeply (or contains itself), too large, or holds other objects.
+        ScenarioError: If the data is nested too deeply (or contains itself), is too large, or holds other objects.
     """
     problems: list[Problem] = []
     budget = [MAX_VALUES]

@@ -36,7 +36,7 @@ def summarize_file(file: Path, parameters: Mapping[str, object] | None = None) -
         parameters: Values for its parameters.
 
     Raises:
-        ScenarioError: It is no YAML.
+        ScenarioError: If the file is not valid YAML.
     """
     source, values = fill_in(read_file(file), dict(parameters or {}))
     entries = source.data.get("robot", ()) if isinstance(source.data, Mapping) else ()

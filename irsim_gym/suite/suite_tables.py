@@ -1,4 +1,4 @@
-"""The tables of a run of the suite, in Markdown and in LaTeX."""
+"""The tables of a run of the suite, in Markdown and LaTeX."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from irsim_gym.suite.suite_record import SuiteRecord
 
 DASH = "-"
 ENDS = ("timeout", "left_world", "deadlock")
-"""Outcomes beside success and collision; a table shows those that occur."""
+"""Outcomes other than success and collision; a table shows those that occur."""
 SPECIAL = {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}"}
 
 Figures = Mapping[str, Any]
-"""A ``Score`` as plain data; None where there is no number."""
+"""A ``Score`` as plain data, with None in place of NaN."""
 Reader = Callable[[Figures], str]
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table, before it is laid out.
+    """The content of a table, independent of its format.
 
     Attributes:
-        title: What is above it.
-        notes: Lines below the title.
-        heads: Names of its columns; the first one is of text.
-        rows: Its cells.
+        title: Heading of the table.
+        notes: Lines below the heading.
+        heads: Names of the columns; the first column holds text.
+        rows: The cells.
     """
 
     title: str
@@ -48,7 +48,7 @@ def markdown(record: SuiteRecord) -> str:
 
 
 def latex(record: SuiteRecord) -> str:
-    """Return all tables as LaTeX, for the package booktabs."""
+    """Return all tables as LaTeX that uses the package booktabs."""
     return "\n".join(_latex(table) for table in text_tables(record))
 
 
@@ -63,7 +63,7 @@ def member_markdown(record: SuiteRecord, name: str) -> str:
 
 
 def conditions_line(member: Mapping[str, Any]) -> str:
-    """Return in words what a figure has to name: robot, goal, speeds, step, limit, sensor, noise."""
+    """Return the conditions to name with published figures: robot, goal, speeds, step, limit, sensor, noise."""
     of = member["conditions"]
     limit = of["max_steps"]
     seconds = _each(of["step_time"], lambda step: f"{limit * step:g} s") if not isinstance(limit, list) else DASH
@@ -126,7 +126,7 @@ def _member(record: SuiteRecord, name: str) -> TextTable:
 
 
 def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
-    """Return how the cell of each column is read from the figures of a method."""
+    """Return the function that reads each column's cell from the figures of a method."""
     hits = [hit for hit in scores[0]["hits"] if any(score["hits"][hit] for score in scores)]
     ends = [end for end in ENDS if any(score["outcomes"][end] for score in scores)]
     columns: dict[str, Reader] = {"success [%]": _percents("success", "value")}
@@ -159,7 +159,7 @@ def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
 
 
 def _percents(*keys: str) -> Reader:
-    """Return what reads a share below some keys, in percent; figures of an earlier version may not have it."""
+    """Return a reader of the share at nested keys, in percent; figures of earlier versions may lack it."""
 
     def read(score: Figures) -> str:
         found: Any = score
@@ -171,7 +171,7 @@ def _percents(*keys: str) -> Reader:
 
 
 def _numbers(key: str, digits: int) -> Reader:
-    """Return what reads a number with so many digits."""
+    """Return a reader of a number with so many decimals."""
     return lambda score: _number(score.get(key), digits)
 
 
@@ -258,7 +258,7 @@ def _vector(values: Any) -> str:
 
 
 def _each(value: Any, said: Any) -> str:
-    """Return a value in words, or those of several robots, each once."""
+    """Return a value as text, or the distinct values of several robots."""
     return ", ".join(dict.fromkeys(map(said, value))) if isinstance(value, list) else str(said(value))
 
 

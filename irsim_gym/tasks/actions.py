@@ -116,7 +116,7 @@ def take(given: NDArray[Any], worlds: Ints, n_choices: int, sizes: Ints, kept: N
         kept: Written, of the shape that ``given`` must have.
 
     Raises:
-        ValueError: An action has the wrong shape or type, is not finite or is no choice.
+        ValueError: If an action has the wrong shape or type, is not finite or is not a valid choice.
     """
     if given.shape != kept.shape:
         raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")

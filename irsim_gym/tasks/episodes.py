@@ -172,8 +172,8 @@ class Episodes:
             split: ``train``, ``dev`` or ``test``.
 
         Raises:
-            UnknownNameError: There is no such split.
-            PlacementError: A level could not be drawn.
+            UnknownNameError: If there is no such split.
+            PlacementError: If a level could not be drawn.
         """
         check_split(split)
         worlds, levels = np.asarray(worlds, np.int64), np.asarray(levels, np.int64)
@@ -193,7 +193,7 @@ class Episodes:
             worlds: Indices of the worlds, shape ``(n,)``; each has begun a level before.
 
         Raises:
-            PlacementError: A level could not be drawn.
+            PlacementError: If a level could not be drawn.
         """
         worlds = np.asarray(worlds, np.int64)
         self.state.episode[worlds] += 1
@@ -219,8 +219,8 @@ class Episodes:
             agents: Which ones, shape ``(n_worlds, n_agents)``.
 
         Raises:
-            ValueError: The shape is wrong.
-            PlacementError: There is no room for one of them.
+            ValueError: If the shape is wrong.
+            PlacementError: If there is no room for one of them.
         """
         chosen = np.asarray(agents, np.bool_)
         if chosen.shape != self.state.began.shape:
@@ -243,7 +243,7 @@ class Episodes:
             worlds: Only these worlds; all by default. Actions of other worlds are not looked at.
 
         Raises:
-            ValueError: An action has the wrong shape or type, is not finite or is no choice; nothing has moved then.
+            ValueError: If an action has the wrong shape or type, or an invalid value; then no body moves.
         """
         shards, direct = self.simulation.shards, self.direct if worlds is None else None
         if (

@@ -64,7 +64,7 @@ class Merged:
         """Raise all problems, those of the file ``main`` with their lines, others with file and line in their path.
 
         Raises:
-            ScenarioError: There is a problem.
+            ScenarioError: If there is a problem.
         """
         found = [*self.outside, *map(self._origin, self.report.problems)]
         if not found:

@@ -26,7 +26,7 @@ def check_split(split: str) -> None:
     """Refuse a split that does not exist.
 
     Raises:
-        UnknownNameError: It is none of ``train``, ``dev``, ``test``.
+        UnknownNameError: If the split is none of ``train``, ``dev``, ``test``.
     """
     if split not in SPLITS:
         raise UnknownNameError(f"no split named '{split}'{suggestion(split, SPLITS)}; splits: {', '.join(SPLITS)}")

@@ -129,8 +129,8 @@ def load_task(
         team: Without ``agents`` in the task all robots learn instead of the first one.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line.
-        UnknownNameError: ``task`` is no shipped name.
+        ScenarioError: If the task cannot be used; the error lists every problem with its line.
+        UnknownNameError: If ``task`` is no shipped name.
     """
     if max_steps is not None:
         checked_limit(max_steps)
@@ -181,8 +181,8 @@ def merged_task(
         task: As ``load_task`` takes it.
 
     Raises:
-        ScenarioError: A file cannot be read.
-        UnknownNameError: ``task`` is no shipped name.
+        ScenarioError: If a file cannot be read.
+        UnknownNameError: If ``task`` is no shipped name.
     """
     name, layers = _layers(scenario, task)
     return name, merge(layers, strict=scenario.strict).data

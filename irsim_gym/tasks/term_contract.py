@@ -49,10 +49,10 @@ ENDING = Contract(EndingKind, (HasArrays, Remembers, TellsWhen))
 
 
 def check_bound(family: str, term: Term) -> None:
-    """Check a kind from outside that has been bound to a simulation, with its options as they are given.
+    """Check a plugin's kind that has been bound to a simulation with its given options.
 
     Raises:
-        KindError: It cannot work so.
+        KindError: If the kind cannot work with these options.
     """
     options, problems = term.options, []
     if family == "reward" and not (_is_number(options.weight) and options.weight >= 0.0):
@@ -89,7 +89,7 @@ def checked_bounds(term: Term, model: WorldModel) -> tuple[Any, Any]:
     """Return the bounds of an observation from outside as float32 arrays.
 
     Raises:
-        KindError: They are no bounds.
+        KindError: If the bounds are invalid.
     """
     given = term.options.bounds(term, model)
     problems: list[str] = []

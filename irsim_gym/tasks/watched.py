@@ -67,10 +67,10 @@ class Watched(ABC):
         return getattr(self._options, name)
 
     def _look(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Call the term, and look at what it has done.
+        """Call the term, and check what it did.
 
         Raises:
-            KindError: It has done what its family does not allow.
+            KindError: If it did something that its family does not allow.
         """
         parts = [shard.worlds]
         if self._calls == 0 and self._is_alone and len(shard.worlds) > 1:

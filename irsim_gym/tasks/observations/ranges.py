@@ -38,7 +38,7 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
     Of several range sensors of an agent the first of the file is taken.
 
     Raises:
-        ValueError: An agent has none, or one that differs in its beams or in whether it has noise.
+        ValueError: If an agent has none, or one that differs in its beams or in whether it has noise.
     """
     found = [simulation.scan(int(b)) for b in agents]
     groups = [item[0] for item in found if item is not None]
