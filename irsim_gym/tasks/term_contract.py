@@ -1,6 +1,6 @@
-"""What actions, observations, rewards and endings from outside have to be, beyond what their protocols say.
+"""Checks of actions, observations, rewards and endings of plugins, beyond their protocols.
 
-The methods and attributes that a kind must or may have are those of the protocols in ``term`` and ``words``.
+The protocols in ``term`` and ``words`` define the methods and attributes that a kind must or may have.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _image_shape(given: object) -> Iterator[str]:
 
 
 def checked_bounds(term: Term, model: WorldModel) -> tuple[Any, Any]:
-    """Return the bounds of an observation from outside as float32 arrays.
+    """Return the bounds of a plugin's observation as float32 arrays.
 
     Raises:
         KindError: If the bounds are invalid.
