@@ -50,7 +50,7 @@ class Keyboard:
     def __init__(self, options: Any, source: KeySource) -> None:
         self.key_lv_max, self.key_ang_max = float(options.key_lv_max), float(options.key_ang_max)
         self.key_id = int(options.key_id)
-        self._begin = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}
+        self._initial = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}
         self._source, self._held = source, HeldKeys()
 
     @property
@@ -76,7 +76,7 @@ class Keyboard:
             if stroke.key in COMMANDS and not stroke.alt:
                 asked.append(COMMANDS[stroke.key])
             elif drives:
-                self._begin.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
+                self._initial.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
                 self._set(stroke, turns)
         self._held.settle(now)
         return asked
@@ -91,15 +91,15 @@ class Keyboard:
         if sign is None:
             return
         if stroke.key in ("z", "c") and not stroke.shift:
-            self.key_ang_max = _changed(self.key_ang_max, sign)
+            self.key_ang_max = _changed_speed(self.key_ang_max, sign)
         elif stroke.key in ("z", "c") or not turns:
-            self.key_lv_max = _changed(self.key_lv_max, sign)
+            self.key_lv_max = _changed_speed(self.key_lv_max, sign)
 
-    def _way(self, name: str, full: float) -> float:
+    def _axis_speed(self, name: str, full: float) -> float:
         """Return the speed along one of ``AXES``: plus or minus full, 0, or the initial one before its first key."""
         more, less = AXES[name]
         key = self._held.latest(more, less)
-        return float(self._begin[name]) if key is None else full if key == more else -full
+        return float(self._initial[name]) if key is None else full if key == more else -full
 
     @property
     def key_vel(self) -> Floats:
@@ -115,7 +115,7 @@ class Keyboard:
         """
         sideways = self.key_lv_max if command_names[1] in ("y", "left") else self.key_ang_max
         full = {"ahead": self.key_lv_max, "aside": sideways, "turn": self.key_ang_max}
-        return np.array([self._way(name, full[name]) for name in AXES][: len(command_names)])
+        return np.array([self._axis_speed(name, full[name]) for name in AXES][: len(command_names)])
 
     def close(self) -> None:
         """Stop listening. Calling it again has no effect."""
@@ -146,6 +146,6 @@ def _source(options: Any, window: Window) -> KeySource:
         return WindowKeys(window)
 
 
-def _changed(speed: float, sign: int) -> float:
+def _changed_speed(speed: float, sign: int) -> float:
     """Return a maximum speed that is one step faster or slower, rounded because 0.2 has no exact binary form."""
     return max(round(speed + sign * SPEED_STEP, 6), 0.0)

@@ -44,7 +44,7 @@ def draw_levels(
         IrsimGymError: If the levels come from a file with fewer levels.
         PlacementError: If a level cannot be drawn.
     """
-    taker = _Taker(simulation)
+    taker = _LevelCollector(simulation)
     for split in splits:
         check_count(simulation, split, count)
         for first in range(0, count, simulation.n_worlds):
@@ -81,7 +81,7 @@ def scenario_hash(scenario: Scenario) -> str:
     return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-class _Taker:
+class _LevelCollector:
     """Collects the levels that the worlds of a simulation have just begun."""
 
     def __init__(self, simulation: Simulation) -> None:
@@ -112,9 +112,9 @@ class _Taker:
         if self._cells is not None:
             self._cells.append(model.map_squares[worlds, 0] == 0)
         for w in range(count):
-            self._take_outlines(w)
+            self._collect_outlines(w)
 
-    def _take_outlines(self, world: int) -> None:
+    def _collect_outlines(self, world: int) -> None:
         """Collect the outlines that vary between levels, of the bodies that are present."""
         model, state = self._simulation.model, self._simulation.state
         counts: tuple[list[int], list[int]] = [], []

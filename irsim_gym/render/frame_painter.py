@@ -304,7 +304,7 @@ class _Job:
         """Draw the pictures of a shard."""
         painter, frames, pictures = self._painter, shard.worlds, self._pictures
         scratch = painter.scratch(shard.slot)
-        kept_trails = self._lay_ground(frames, scratch)
+        kept_trails = self._draw_ground(frames, scratch)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, scratch)
         self._draw_kept_trails(frames, kept_trails, scratch)
         self._draw_live(frames, scratch)
@@ -334,7 +334,7 @@ class _Job:
         """Draw items of the plan on some pictures."""
         draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, scratch)
 
-    def _lay_ground(self, frames: Ints, scratch: records.Scratch) -> dict[int, Any]:
+    def _draw_ground(self, frames: Ints, scratch: records.Scratch) -> dict[int, Any]:
         """Draw what never moves, or copy it from a cached picture.
 
         Returns:

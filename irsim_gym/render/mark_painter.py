@@ -35,9 +35,9 @@ class MarkPainter:
 
     def __init__(self, point: float, layout: Layout, *, shows_title: bool) -> None:
         self._point, self._layout, self._shows_title = point, layout, shows_title
-        self._forget()
+        self._clear_words()
 
-    def _forget(self) -> None:
+    def _clear_words(self) -> None:
         """Clear the cache of words."""
         self._masks = Masks()
         self._head = Head(self._masks, self._point, self._layout, titled=True)
@@ -45,7 +45,7 @@ class MarkPainter:
     def prepare(self, overlays: Iterable[Overlay]) -> None:
         """Make the masks of texts and titles before threads paint them."""
         if len(self._masks.rows) > REMEMBERED:
-            self._forget()
+            self._clear_words()
         for overlay in overlays:
             for mark in overlay.marks:
                 if isinstance(mark, TextMark):

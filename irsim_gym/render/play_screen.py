@@ -65,7 +65,7 @@ class PlayScreen:
 
     def picture(self, status: str, standing: Standing) -> Bytes:
         """Return the content of the window, ``(height, width, 3)``."""
-        return self._panel.below(self.frame(status), _told(standing))
+        return self._panel.below(self.frame(status), _status_words(standing))
 
     def seen(self) -> Layout:
         """Return the layout of the picture."""
@@ -80,7 +80,7 @@ class PlayScreen:
         self._renderer.clear()
 
 
-def _told(standing: Standing) -> Told:
+def _status_words(standing: Standing) -> Told:
     """Return the words for the strip."""
     if standing.message:
         return Told(((standing.message, theme.INK),))

@@ -100,7 +100,7 @@ class SceneReader:
             status=status or self.status(world),
             fixed=fixed,
             moving=moving,
-            struck=self._struck(world, fixed + moving),
+            struck=self._colliding_views(world, fixed + moving),
             goals=goals,
             scans=tuple(view for scans in self._scans for view in scans.read(world, state.pose[world], present)),
             trails=self._tracks.paths(world, present),
@@ -141,7 +141,7 @@ class SceneReader:
             self._fixed = key, tuple(self._bodies.view(world, body) for body in bodies)
         return self._fixed[1]
 
-    def _struck(self, world: int, views: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
+    def _colliding_views(self, world: int, views: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
         state = self._state
         robots = self._robots[state.collided[world, self._robots]]
         bodies = {*robots.tolist(), *state.hit[world, robots].tolist()}

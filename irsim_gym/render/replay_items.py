@@ -34,7 +34,7 @@ class SharedItems:
 
     def shape(self, shape: Shape) -> int:
         """Return the number of a shape."""
-        return self.number("shapes", _given(shape, self))
+        return self.number("shapes", _fields_as_json(shape, self))
 
     def data(self) -> dict[str, list[Any]]:
         """Return the tables as JSON."""
@@ -54,7 +54,7 @@ class Items:
 
     def add(self, thing: Primitive, **where: object) -> None:
         """Add a primitive, with the number of its ``body`` or ``scan``, or the ``spans`` in which it is visible."""
-        data = _given(thing, self._shared)
+        data = _fields_as_json(thing, self._shared)
         del data["layer"]
         self._rows.append((thing.layer, RANK_NUMBERS[thing.rank], {"draw": type(thing).__name__, **data, **where}))
 
@@ -70,7 +70,7 @@ def css(ink: Ink) -> str:
     return "#" + bytes([*parts, round(255.0 * opacity)]).hex().removesuffix("ff" if opacity >= 1.0 else "")
 
 
-def _given(thing: Any, shared: SharedItems) -> dict[str, object]:
+def _fields_as_json(thing: Any, shared: SharedItems) -> dict[str, object]:
     """Return the fields of a primitive, a pen or a shape as JSON, without those at their defaults."""
     data = {}
     for name, value in thing._asdict().items():
@@ -85,7 +85,7 @@ def _plain(value: object, shared: SharedItems) -> object:
         case Ink():
             return css(value)
         case Pen():
-            return shared.number("pens", _given(value, shared))
+            return shared.number("pens", _fields_as_json(value, shared))
         case Shape():
             return shared.shape(value)
         case np.ndarray() if value.ndim == 3:
@@ -96,7 +96,7 @@ def _plain(value: object, shared: SharedItems) -> object:
                 value, 1 if is_whole else FINE if np.abs(value).max(initial=0.0) <= 1.0 else METRE, still=False
             )
         case tuple() if hasattr(value, "_fields"):
-            return _given(value, shared)
+            return _fields_as_json(value, shared)
         case tuple():
             return [_plain(part, shared) for part in value]
         case float():

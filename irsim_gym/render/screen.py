@@ -38,7 +38,7 @@ class Screen:
     @property
     def is_wanted(self) -> bool:
         """Whether pictures are shown: False after the user has closed the window, or in a forked process."""
-        self._look_after()
+        self._check_window()
         return not self._given_up
 
     @property
@@ -71,24 +71,24 @@ class Screen:
             late = time.perf_counter() - due
             self._shown_until = due if late < seconds else due + late
         self._window.show(picture)
-        self._look_after()
+        self._check_window()
 
     def refresh(self) -> None:
         """Process the window's pending events."""
-        self._look_after()
+        self._check_window()
         if self._window is not None:
             self._window.wait(0.0)
-            self._look_after()
+            self._check_window()
 
     def close(self) -> None:
         """Close the window. A later picture opens a new one."""
-        self._look_after(warn=False)
+        self._check_window(warn=False)
         if self._window is not None:
             self._window.close()
             self._end()
         self._window, self._given_up = None, False
 
-    def _look_after(self, *, warn: bool = True) -> None:
+    def _check_window(self, *, warn: bool = True) -> None:
         """Drop a window that was closed, or that belongs to the parent of this forked process."""
         if self._window is None:
             return

@@ -164,8 +164,8 @@ class LevelSet:
         """
         names, shaped = "\0".join(self.bodies).encode(), np.flatnonzero(self.shaped)
         goals = self.goal.reshape(*self.start.shape[:2], 3 * self.goal.shape[2])
-        places = _grains(np.concatenate([self.start, goals], axis=2))
-        outlines = (self.segment_start, _grains(self.segments)), (self.disc_start, _grains(self.discs))
+        places = _to_grains(np.concatenate([self.start, goals], axis=2))
+        outlines = (self.segment_start, _to_grains(self.segments)), (self.disc_start, _to_grains(self.discs))
         hashes = np.zeros(self.count, np.uint64)
         for level in range(self.count):
             present = self.present[level]
@@ -188,7 +188,7 @@ def with_goal_axis(goal: NDArray[Any]) -> Floats:
     return np.ascontiguousarray(goal[:, :, None] if goal.ndim == 3 else goal, np.float64)
 
 
-def _grains(values: Floats) -> Ints:
+def _to_grains(values: Floats) -> Ints:
     """Return numbers as whole millionths; NaN as the smallest integer."""
     whole = np.rint(np.nan_to_num(values) * GRAIN).astype("<i8")
     whole[np.isnan(values)] = np.iinfo(np.int64).min

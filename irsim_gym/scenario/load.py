@@ -85,7 +85,7 @@ def read_scenario(
     source, values = fill_in(source, parameters or {}, strict=strict)
     report = Report(source, strict=strict)
     report.may_pend = may_pend
-    _tell_repeats(report)
+    _report_repeats(report)
     sections, roots = split_sections(source.data, report)
     places = _places(sections, roots, report)
     world = _world(sections.get("world"), places["world"], source, report)
@@ -128,7 +128,7 @@ def read_scenario(
     )
 
 
-def _tell_repeats(report: Report) -> None:
+def _report_repeats(report: Report) -> None:
     """Report repeated keys as problems if strict, except whole sections; else as doubts, and the last one counts."""
     for problem, is_block in report.source.repeats:
         if report.strict and not is_block:

@@ -35,14 +35,16 @@ def give_recordings(bodies: list[BodySpec], entry: BodyEntry, step_time: float, 
         place = entry.of("behavior", i)[0]
         if not getattr(body.behavior, "replays", False):
             given.append(body)
-        elif (made := _given(body, i, len(bodies), step_time, place, report)) is not None:
+        elif (made := _with_recording(body, i, len(bodies), step_time, place, report)) is not None:
             given.append(made)
         else:
             return []
     return given
 
 
-def _given(body: BodySpec, i: int, count: int, step_time: float, place: Place, report: Report) -> BodySpec | None:
+def _with_recording(
+    body: BodySpec, i: int, count: int, step_time: float, place: Place, report: Report
+) -> BodySpec | None:
     """Return a body with its file, person and start; None after reporting problems."""
     options = body.behavior
     file = find_recording(options.file, report.source.file)
@@ -67,10 +69,10 @@ def _given(body: BodySpec, i: int, count: int, step_time: float, place: Place, r
     person = recording.persons[i] if options.person is None else options.person
     known_options = replace(options, file=str(file), person=person)
     points = sampled(known_options, step_time)
-    return _checked(replace(body, behavior=known_options), points, step_time, place, report)
+    return _with_start(replace(body, behavior=known_options), points, step_time, place, report)
 
 
-def _checked(
+def _with_start(
     body: BodySpec, points: NDArray[np.float64], step_time: float, place: Place, report: Report
 ) -> BodySpec | None:
     """Return the body at its start; None after reporting that it is too slow for its person."""

@@ -206,7 +206,7 @@ def read_field(info: FieldInfo, value: object, place: Place, report: Report) -> 
     try:
         result = _adapter(_Declared(info)).validate_python(ready)
     except ValidationError as error:
-        _tell(error, info, ready, place, report)
+        _report_errors(error, info, ready, place, report)
         return BAD
     huge = list(_huge(result, place))
     for where, number in huge:
@@ -260,7 +260,7 @@ def _adapter(declared: _Declared) -> TypeAdapter[Any]:
     return TypeAdapter(hint, config=OPTIONS_CONFIG)
 
 
-def _tell(error: ValidationError, info: FieldInfo, value: object, place: Place, report: Report) -> None:
+def _report_errors(error: ValidationError, info: FieldInfo, value: object, place: Place, report: Report) -> None:
     if len(_branches(info.annotation)) > 1:
         report.add(place, f"must be {describe(info.annotation)}, got {show(value)}")
         return

@@ -66,18 +66,18 @@ def conditions_line(member: Mapping[str, Any]) -> str:
     """Return the conditions to name with published figures: robot, goal, speeds, step, limit, sensor, noise."""
     of = member["conditions"]
     limit = of["max_steps"]
-    seconds = _each(of["step_time"], lambda step: f"{limit * step:g} s") if not isinstance(limit, list) else DASH
+    seconds = _each_value(of["step_time"], lambda step: f"{limit * step:g} s") if not isinstance(limit, list) else DASH
     words = [
         f"{of['levels']:,} {of['split']} level{'s' * (of['levels'] != 1)}",
         f"{len(of['agents'])} learners" if len(of["agents"]) > 1 else "1 learner",
-        f"footprint {_each(of['footprint'], str)}",
-        f"goal tolerance {_each(of['goal_tolerance'], lambda value: f'{value:g} m')}",
+        f"footprint {_each_value(of['footprint'], str)}",
+        f"goal tolerance {_each_value(of['goal_tolerance'], lambda value: f'{value:g} m')}",
         f"velocities {_bounds(of['velocity_min'], of['velocity_max'])}",
         f"accelerations {_vector(of['acceleration_limit'])}",
-        f"step {_each(of['step_time'], lambda value: f'{value:g} s')}",
-        f"time limit {_each(limit, str)} steps ({seconds})",
+        f"step {_each_value(of['step_time'], lambda value: f'{value:g} s')}",
+        f"time limit {_each_value(limit, str)} steps ({seconds})",
         _sensor(of),
-        *([f"{_each(of['goals'], str)} goals each, one after another"] if of.get("goals", 1) != 1 else []),
+        *([f"{_each_value(of['goals'], str)} goals each, one after another"] if of.get("goals", 1) != 1 else []),
         *(["noisy motion"] if of["motion_noise"] not in (False, None) else []),
         f"scenario {member['sha256'][:12]}, level set {of['level_hash']}",
     ]
@@ -238,9 +238,9 @@ def _sensor(of: Mapping[str, object]) -> str:
     """Return the range sensor in words."""
     if of["beams"] is None:
         return "no range sensor"
-    noise = _each(of["noise"], lambda std: f"noise of {std:g} m" if std else "without noise")
-    beams = _each(of["beams"], lambda count: f"{count} beams")
-    return f"{beams} up to {_each(of['range_max'], lambda value: f'{value:g} m')} {noise}"
+    noise = _each_value(of["noise"], lambda std: f"noise of {std:g} m" if std else "without noise")
+    beams = _each_value(of["beams"], lambda count: f"{count} beams")
+    return f"{beams} up to {_each_value(of['range_max'], lambda value: f'{value:g} m')} {noise}"
 
 
 def _bounds(low: Any, high: Any) -> str:
@@ -257,7 +257,7 @@ def _vector(values: Any) -> str:
     return ", ".join("unlimited" if value is None else f"{value:g}" for value in values)
 
 
-def _each(value: Any, said: Any) -> str:
+def _each_value(value: Any, said: Any) -> str:
     """Return a value as text, or the distinct values of several robots."""
     return ", ".join(dict.fromkeys(map(said, value))) if isinstance(value, list) else str(said(value))
 

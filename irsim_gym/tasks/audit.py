@@ -57,11 +57,11 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
         if sharing.own * penalty > cost:
             continue
         culprit: Place = ("team_reward",) if penalty > cost else place
-        made = _made_of(amounts, sharing)
+        made = _penalty_parts(amounts, sharing)
         message = (
             f"an episode that ends as '{ending_for(ending.outcome)}' costs {sharing.own * penalty:g}{made}, "
             f"one that continues can cost {cost:g} ({_sum((one, one.weight) for one in running)}): "
-            f"{_cure(ending.outcome, bool(amounts), cost, sharing)}"
+            f"{_advice(ending.outcome, bool(amounts), cost, sharing)}"
         )
         merged.report.add(merged.own_place(("rewards",), culprit), message)
 
@@ -81,7 +81,7 @@ def _least(reward: Any, ending: Any) -> float:
     return float(reward.least(getattr(ending, "bodies", None)) if hasattr(reward, "least") else reward.weight)
 
 
-def _made_of(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
+def _penalty_parts(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
     """Return the parts of a penalty as text; empty without a penalty."""
     if not amounts:
         return ""
@@ -91,7 +91,7 @@ def _made_of(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
     return f" ({_sum(amounts)}, of which a share of {sharing.own:.3g} is the robot's own: {why})"
 
 
-def _cure(outcome: object, is_paid: bool, cost: float, sharing: Sharing) -> str:
+def _advice(outcome: object, is_paid: bool, cost: float, sharing: Sharing) -> str:
     """Return advice about an end that costs too little."""
     weight = f"{cost / sharing.own:.4g}"
     if is_paid:

@@ -50,21 +50,21 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
         if name in others:
             merged.report.add(place, f"'{name}' is an obstacle; only robots can learn")
         elif name not in known:
-            merged.report.add(place, _nobody(scenario, name, list(known)))
+            merged.report.add(place, _unknown_learner(scenario, name, list(known)))
         elif name in names[:i]:
             merged.report.add(place, f"'{name}' is named twice")
     return tuple(known[name] for name in names) if set(names) <= set(known) else ()
 
 
-def _nobody(scenario: Scenario, name: str, known: Sequence[str]) -> str:
+def _unknown_learner(scenario: Scenario, name: str, known: Sequence[str]) -> str:
     """Return the message about a learner's name that no robot has."""
     members = [scenario.bodies[b].name for b in scenario.robots if scenario.bodies[b].group_name == name]
     if members:
-        return f"'{name}' is a group: name its robots, {_some(members)}"
-    return f"no robot named '{name}'{suggestion(name, known)}; the robots: {_some(known)}"
+        return f"'{name}' is a group: name its robots, {_first_names(members)}"
+    return f"no robot named '{name}'{suggestion(name, known)}; the robots: {_first_names(known)}"
 
 
-def _some(names: Sequence[str], most: int = 10) -> str:
+def _first_names(names: Sequence[str], most: int = 10) -> str:
     """Return the first names, and the number of others, as text."""
     others = f" and {len(names) - most} others" if len(names) > most else ""
     return ", ".join(names[:most]) + others
@@ -89,10 +89,12 @@ def check_fit(
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
         merged.outside.append((scenario.source.title, shown))
-    return {key: _fitting(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")}
+    return {
+        key: _with_substitutes(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")
+    }
 
 
-def _fitting(
+def _with_substitutes(
     observations: Sequence[tuple[Place, Any]], bodies: Sequence[BodySpec], report: Report
 ) -> list[tuple[Place, Any]]:
     """Return a list of observations, with substitutes for missing sensors."""

@@ -81,7 +81,7 @@ class Episodes:
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
-        self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._open))
+        self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
         parts = {"observations": self.observation_terms, "critic_observations": self.critic_terms}
         bounds = {(family, name): (low, high) for family, those in parts.items() for name, low, high in those}
@@ -266,7 +266,7 @@ class Episodes:
         account.mark(worlds, True, state.began)
         self._begin_episodes(shard)
 
-    def _open(self, shard: Shard) -> None:
+    def _begin_agents(self, shard: Shard) -> None:
         """Begin the episodes of the agents that ``state.began`` flags, at their bodies' present poses."""
         simulation, model, state, worlds = self.simulation, self.simulation.model, self.state, shard.worlds
         simulation.clearance(shard, self._agents, state.clearance)

@@ -66,7 +66,9 @@ class Watched(ABC):
             raise AttributeError(name)
         return getattr(self._options, name)
 
-    def _look(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def _check_call(
+        self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard
+    ) -> None:
         """Call the term, and check what it did.
 
         Raises:
@@ -76,10 +78,10 @@ class Watched(ABC):
         if self._calls == 0 and self._is_alone and len(shard.worlds) > 1:
             parts = [shard.worlds[:1], shard.worlds[1:]]  # reveals a term that writes into all worlds
         for worlds in parts:
-            self._look_at(term, (model, state, episode), Shard(worlds, shard.slot))
+            self._check_worlds(term, (model, state, episode), Shard(worlds, shard.slot))
         self._calls += 1
 
-    def _look_at(self, term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard) -> None:
+    def _check_worlds(self, term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard) -> None:
         model, state, episode = moment
         worlds = shard.worlds
         target = self._target(term, episode)
@@ -91,7 +93,7 @@ class Watched(ABC):
             replace(term, options=self._options), model, state, episode, shard
         )
         problems = self._problems(term, episode, target, before, worlds, marked, returned)
-        self._tell(term, next(problems, None) or next(self._changes(closely, worlds), None))
+        self._raise_problem(term, next(problems, None) or next(self._changes(closely, worlds), None))
 
     def _problems(
         self,
@@ -114,7 +116,7 @@ class Watched(ABC):
         if returned is not None:
             yield f"returns {_short(returned)}, which is not used: it must write into {where}"
 
-    def _tell(self, term: Term, problem: str | None) -> None:
+    def _raise_problem(self, term: Term, problem: str | None) -> None:
         if problem is not None:
             refuse(self._family, term.name, type(self._options), [f"{self._method}() {problem}"], self._method)
 
@@ -188,7 +190,7 @@ class WatchedReward(Watched):
 
     def pay(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Call the reward, and check it."""
-        self._look(term, model, state, episode, shard)
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.reward_term
@@ -244,7 +246,7 @@ class WatchedObservation(Watched):
 
     def write(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Call the observation, and check it."""
-        self._look(term, model, state, episode, shard)
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return term.image.reshape(*term.image.shape[:2], -1) if self._bounds is None else episode.observation
@@ -290,7 +292,7 @@ class WatchedEnding(Watched):
 
     def ends(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Call the ending, and check it."""
-        self._look(term, model, state, episode, shard)
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.ending.view(np.uint8)
@@ -323,7 +325,7 @@ class WatchedAction(Watched):
 
     def act(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Call the action, and check it."""
-        self._look(term, model, state, episode, shard)
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.action
@@ -338,7 +340,7 @@ class WatchedAction(Watched):
         """Keep the latest action, which the term may read."""
 
     def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
-        return False  # see _deaf
+        return False  # see _ignored_input
 
     def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         acted = episode.action[worlds]
@@ -349,9 +351,9 @@ class WatchedAction(Watched):
         if not _same(episode.previous_action[worlds], before[worlds]).all():
             yield "does not keep the action before: first write episode.previous_action[...] = episode.action[...]"
         if self._is_alone:
-            yield from self._deaf(episode)
+            yield from self._ignored_input(episode)
 
-    def _deaf(self, episode: EpisodeState) -> Iterator[str]:
+    def _ignored_input(self, episode: EpisodeState) -> Iterator[str]:
         """Yield a problem if the learners' actions have no effect."""
         given = np.concatenate([episode.given.ravel(), episode.choice.ravel()])
         if self._latest is not None and not np.array_equal(given, self._latest[0]):

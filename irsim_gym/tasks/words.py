@@ -95,13 +95,13 @@ def turning(sectors: Sectors, start: int = 0) -> str:
     """
     if not sectors:
         return ""
-    first = _spelled(*sectors[0])
+    first = _direction_words(*sectors[0])
     if len(sectors) == 1:
         return first
     sense = "left (counter-clockwise)" if sectors[1][0] > sectors[0][0] else "right (clockwise)"
     ahead = " and ".join(str(start + k) for k in _ahead(sectors))
     where = f"; straight ahead: column {ahead}" if ahead else ""
-    return f"the first {first}, the next ones turn {sense}, the last {_spelled(*sectors[-1])}{where}"
+    return f"the first {first}, the next ones turn {sense}, the last {_direction_words(*sectors[-1])}{where}"
 
 
 def _ahead(sectors: Sectors) -> list[int]:
@@ -111,7 +111,7 @@ def _ahead(sectors: Sectors) -> list[int]:
     return np.flatnonzero(away <= away.min() + 1e-9).tolist() if away.min() < 0.5 * np.pi else []
 
 
-def _spelled(begin: float, end: float) -> str:
+def _direction_words(begin: float, end: float) -> str:
     low, high = degrees(begin), degrees(end)
     return f"looks at {low}" if math.isclose(begin, end, abs_tol=1e-12) else f"covers {low} to {high}"
 
