@@ -1,4 +1,4 @@
-"""Behaviours registered as for IR-SIM: by drive and name, called with its arguments, on columns."""
+"""Behaviours registered as in IR-SIM, by drive and name, and called with its arguments, on column vectors."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _HANDLER = "what register_behavior_class made"
 
 @dataclass(frozen=True)
 class _Written:
-    """What was written for one drive.
+    """A function or class registered for one drive.
 
     Attributes:
-        function: It decides, or it makes what decides.
-        makes: It makes what decides, once in each episode.
+        function: The deciding function, or the factory of one.
+        makes: Whether it is a factory, called once in each episode.
     """
 
     function: Callable[..., Any]
@@ -120,7 +120,7 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
 
 
 def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -> type[Any]:
-    """Return a kind that takes any options; whom it asks depends on the drive."""
+    """Return a kind that accepts any options and calls the function registered for the drive."""
     is_group = registry is families.GROUP_BEHAVIORS
     base = PythonGroupBehavior if is_group else PythonBehavior
     by_drive: dict[str, _Written] = {}
@@ -156,7 +156,7 @@ def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -
 
 
 def _decider(written: _Written, whom: object, memory: dict[str, Any], options: dict[str, Any]) -> Callable[..., Any]:
-    """Return what decides: the function itself, or what it makes, once in each episode."""
+    """Return the deciding function: the registered one, or that made by the factory once in each episode."""
     if not written.makes:
         return written.function
     if _HANDLER not in memory:

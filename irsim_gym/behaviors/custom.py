@@ -1,4 +1,4 @@
-"""Behaviours written in plain Python: a function becomes a kind, its keyword parameters the options in YAML."""
+"""Behaviours in plain Python: a function becomes a kind, and its keyword parameters become options in YAML."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 @kind
 class PythonBehavior(RenewsGoals):
-    """What all behaviours written in Python have in common: their options, and how they are called."""
+    """The base class of behaviours in Python: their common options, and how they are called."""
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
@@ -34,7 +34,7 @@ class PythonBehavior(RenewsGoals):
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
@@ -66,7 +66,7 @@ class PythonGroupBehavior(RenewsMembersGoals):
     columns: ClassVar[bool] = False
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod

@@ -81,7 +81,7 @@ class Dwa(LocalPlanner):
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
         if min(self.samples) < 1 or max(self.samples) > MOST_SAMPLES:
             yield "samples", f"must be two numbers from 1 to {MOST_SAMPLES}, got {list(self.samples)}"

@@ -56,7 +56,7 @@ class Mppi(LocalPlanner):
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod

@@ -47,7 +47,7 @@ class RenewsMembersGoals:
 
 
 def renewal_problems(options: Any) -> Iterator[tuple[str, str]]:
-    """Yield key and message of what cannot be."""
+    """Yield key and message of invalid or conflicting options."""
     yield from crossed_bounds(options.range_low, options.range_high)
     goals = options.wander_goals
     if goals != defaults(WanderGoals) and not options.wander:

@@ -64,7 +64,7 @@ class SocialForce(RenewsGoals):
     interaction_range: float = RANGE
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod

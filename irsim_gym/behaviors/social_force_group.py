@@ -68,7 +68,7 @@ class SocialForceGroup(RenewsMembersGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         listed = [member for party in self.social_groups for member in party]
         for member in sorted({one for one in listed if listed.count(one) > 1}):
             yield "social_groups", f"member {member} is listed twice"

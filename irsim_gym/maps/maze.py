@@ -1,4 +1,4 @@
-"""maze: corridors between walls, drawn for each level: a tree of ways, and loops where further walls are opened."""
+"""maze: corridors between walls, drawn for each level: a spanning tree, with loops where further walls are opened."""
 
 from __future__ import annotations
 

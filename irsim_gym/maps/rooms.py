@@ -20,10 +20,10 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
-"""Columns of a table of rooms: first and end column, first and end row, and whether it cannot be divided."""
+"""Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
 MOST_ROOMS = LEAST_ORDER // 5
 TRIES = 20
-"""How often a level is divided anew where fewer rooms fit than it wants."""
+"""Maximum number of attempts to divide a level into the drawn number of rooms."""
 
 
 @kind
@@ -39,7 +39,7 @@ class RoomsMap(LevelMap):
     loops: float = option(0.0, ge=0.0, le=1.0, meaning="Probability that a wall has a second door.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from unordered_ranges(self, "number", least=1.0)
         yield from unordered_ranges(self, "door", least=1e-3)
         if self.number[1] > MOST_ROOMS:
