@@ -45,7 +45,7 @@ class Dash(RenewsGoals):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Need no memory."""
+        """Do nothing: the behaviour needs no memory."""
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -1,4 +1,4 @@
-"""What a body sees of an occupancy map: the walls of its cells, or the discs that stand in them."""
+"""The parts of an occupancy map for behaviours: the walls of its cells, or the discs in them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a command leads: one step with it, and then a stop as soon as the body's limits allow."""
+"""Predicts the motion of a command: one step, and then a stop as soon as the body's limits allow."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ Command = tuple[float, float, float]
 
 
 class Moving(NamedTuple):
-    """What a body does and what it can do.
+    """The motion and limits of a body.
 
     Attributes:
-        drive: How its command reads, see ``world.model``.
-        by_rate: The second number of an Ackermann drive's command is a turn rate, no steering angle.
+        drive: Its drive, see ``world.model``.
+        by_rate: Whether the second number of an Ackermann drive's command is a turn rate instead of a steering angle.
         wheelbase: Axle distance [m].
         step: Duration of a step [s].
         pose: x, y, heading [m, m, rad], shape ``(3,)``.

@@ -1,4 +1,4 @@
-"""Pursuit on what a body's own scans have shown: points that it remembers, and unknown space taken as free."""
+"""Pursuit by a body's own scans: it remembers hit points, and assumes that unknown space is free."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What bodies do at their goals: options that all behaviours share; a member's own come before those of its group."""
+"""Options of all behaviours for what bodies do at their goals; a member's own precede those of its group."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""RVO: the sampled velocity nearest to the wanted one that leads to no collision (van den Berg et al. 2008)."""
+"""RVO: the sampled velocity nearest to the preferred one that leads to no collision (van den Berg et al. 2008)."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Rvo(RenewsGoals):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Reserve scratch memory for what one body sees and tries."""
+        """Allocate scratch memory for the perception and samples of one body."""
         n_rounds = len(model.role) + model.local_discs.shape[1]
         sight = max(options.neighbor_threshold for options in group.options)
         n_sides, n_discs = model.local_segments.shape[1] + most_map_walls(model, sight), most_map_discs(model, sight)
