@@ -1,4 +1,4 @@
-"""Behaviours registered as in IR-SIM, by drive and name, and called with its arguments, on column vectors."""
+"""Behaviours registered by drive and name as in IR-SIM, which get IR-SIM's arguments with column vectors."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _HANDLER = "what register_behavior_class made"
 
 @dataclass(frozen=True)
 class _Written:
-    """A function or class registered for one drive.
+    """A function or class that is registered for one drive.
 
     Attributes:
         function: The deciding function, or the factory of one.
-        makes: Whether it is a factory, called once in each episode.
+        makes: Whether it is a factory, which is called once in each episode.
     """
 
     function: Callable[..., Any]
@@ -34,10 +34,10 @@ class _Written:
 def register_behavior(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a function as IR-SIM's ``register_behavior`` does, to be used as ``behavior: {name: action}``.
 
-    It is called as ``f(ego_object=..., external_objects=..., **options)`` and returns a command of the drive, flat or
-    as a column. The objects are an ``EgoView`` and a list of ``BodyView``, whose arrays are columns of shape ``(n, 1)``
-    under IR-SIM's names. The options are ``name`` and whatever else the file gives, unchecked. A behaviour may be
-    registered for several drives, each with a function of its own.
+    The function is called as ``f(ego_object=..., external_objects=..., **options)`` and returns a command of the
+    drive, flat or as a column. The objects are an ``EgoView`` and a list of ``BodyView``, whose arrays are columns of
+    shape ``(n, 1)`` under IR-SIM's names. The options are ``name`` and all others in the file, without checks. A
+    behaviour may be registered for several drives, with a function for each.
 
     Args:
         kinematics: Name of the drive, such as ``diff``.
@@ -53,8 +53,8 @@ def register_behavior(kinematics: str, action: str) -> Callable[[F], F]:
 def register_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a class, or a function that makes an instance, as IR-SIM's ``register_behavior_class`` does.
 
-    It is called as ``f(object_info, **options)`` before the body's first decision in each episode, and what it returns
-    as a function of ``register_behavior`` in each step. ``object_info`` is the body's view.
+    The class is called as ``f(object_info, **options)`` before the body's first decision in each episode. The result is
+    called in each step, like a function of ``register_behavior``. ``object_info`` is the body's ``EgoView``.
 
     Args:
         kinematics: As for ``register_behavior``.
@@ -70,8 +70,8 @@ def register_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
 def register_group_behavior(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a function as IR-SIM's ``register_group_behavior`` does, for ``group_behavior: {name: action}``.
 
-    It is called as ``f(members, **options)`` and returns a list with one command for each; else as
-    ``register_behavior``. The drive is that of the group's first member.
+    The function is called as ``f(members, **options)`` and returns a list with one command for each member; otherwise
+    like ``register_behavior``. The drive is that of the group's first member.
 
     Args:
         kinematics: As for ``register_behavior``.
@@ -87,8 +87,8 @@ def register_group_behavior(kinematics: str, action: str) -> Callable[[F], F]:
 def register_group_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a class, or a function that makes an instance, as IR-SIM's ``register_group_behavior_class`` does.
 
-    It is called as ``f(members, **options)`` before the group's first decision in each episode, and what it returns as
-    a function of ``register_group_behavior`` in each step.
+    The class is called as ``f(members, **options)`` before the group's first decision in each episode. The result is
+    called in each step, like a function of ``register_group_behavior``.
 
     Args:
         kinematics: As for ``register_behavior``.
@@ -156,7 +156,7 @@ def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -
 
 
 def _decider(written: _Written, whom: object, memory: dict[str, Any], options: dict[str, Any]) -> Callable[..., Any]:
-    """Return the deciding function: the registered one, or that made by the factory once in each episode."""
+    """Return the deciding function: the registered one, or the one that the factory makes once in each episode."""
     if not written.makes:
         return written.function
     if _HANDLER not in memory:

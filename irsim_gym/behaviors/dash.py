@@ -160,7 +160,7 @@ def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolera
 
     Args:
         model: What the body can do.
-        w: The world.
+        w: World.
         b: The body.
         turn: Which of its velocities is the turn rate.
         error: The bearing [rad].

@@ -123,9 +123,9 @@ def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, length: float, w
     Writes: way.
 
     Args:
-        state: The moment.
+        state: Current state of the worlds.
         ways: The paths.
-        w: The world.
+        w: World.
         b: The body.
         length: Points farther ahead on the path are left out [m].
         way: Written: x and y [m], shape ``(2, MOST_POINTS + 1)``.

@@ -48,7 +48,7 @@ def map_walls(model: WorldModel, w: int, x: float, y: float, threshold: float, s
 
     Args:
         model: The map.
-        w: The world.
+        w: World.
         x: The point [m].
         y: The point [m].
         threshold: Borders of cells that are nearer than this [m].
@@ -111,7 +111,7 @@ def map_discs(model: WorldModel, w: int, x: float, y: float, threshold: float, d
 
     Args:
         model: The map.
-        w: The world.
+        w: World.
         x: The point [m].
         y: The point [m].
         threshold: Centres that are nearer than this [m].

@@ -38,7 +38,7 @@ def add_map(
 
     Args:
         model: The map.
-        w: The world.
+        w: World.
         ego: The body that decides.
         horizon: Collisions later than this are ignored [s].
         within: Walls and discs this far away or farther are left out [m].

@@ -91,9 +91,9 @@ def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: flo
     Writes: obstacles (nearby, owners, parts, parts_gap).
 
     Args:
-        model: What there is.
-        state: Where it is.
-        w: The world.
+        model: Constants of the worlds.
+        state: Current state of the worlds.
+        w: World.
         b: The body that looks.
         within: Sides this far away or farther are left out [m].
         obstacles: ``parts`` and ``owners`` are written.

@@ -65,10 +65,10 @@ def note_scan(scan: OwnScan, w: int, k: int, b: int, state: WorldState, points: 
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         b: Its body.
-        state: Where it is.
+        state: Current state of the worlds.
         points: Changed.
         hits: Scratch, shape ``(2, n_beams)``.
     """

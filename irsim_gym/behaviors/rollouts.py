@@ -85,8 +85,8 @@ def command_window(model: WorldModel, state: WorldState, w: int, b: int, axis: i
 
     Args:
         model: What the body can do.
-        state: The moment.
-        w: The world.
+        state: Current state of the worlds.
+        w: World.
         b: The body.
         axis: Which number of the command.
     """

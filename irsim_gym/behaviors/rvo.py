@@ -1,4 +1,4 @@
-"""RVO: the sampled velocity nearest to the preferred one that leads to no collision (van den Berg et al. 2008)."""
+"""RVO: the collision-free sampled velocity nearest to the preferred one (van den Berg et al. 2008)."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Rvo(RenewsGoals):
 
 
 def _most_samples(params: Any) -> int:
-    """Return an upper bound of the number of velocities that any member tries along an axis."""
+    """Return an upper bound of the number of velocities that any member samples along an axis."""
     widest = np.minimum(params["acce"], np.maximum(params["vxmax"], params["vymax"])).max()
     return int(2.0 * widest / PITCH) + 3
 
@@ -93,7 +93,7 @@ def _most_samples(params: Any) -> int:
 def decide_rvo(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: RvoTables
 ) -> None:
-    """Write the commands of bodies that avoid what they see.
+    """Write the commands of bodies that avoid the bodies they see.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal, heedless, map_disc,
         map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid,
@@ -130,7 +130,7 @@ def choose_velocity(
 ) -> tuple[float, float]:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty.
 
-    Along each axis they are no faster than ``most`` [m/s].
+    Along each axis the samples are no faster than ``most`` [m/s].
 
     Reads: rounds (shape), tables (cones, order, rows, samples, seen).
     Writes: tables (cones, order, rows, samples, seen, spans).

@@ -147,7 +147,7 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
         n: The number of its other half.
         axis: 0 for a wall along y, 1 for one along x.
         given: The options.
-        w: The world.
+        w: World.
         state: Its random stream.
     """
     cells = occupied[::1, ::1] if axis == 0 else occupied.T[::1, ::1]  # with steps both have one type
@@ -188,7 +188,7 @@ def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int,
         low: Its first cell.
         high: The cell after its last one.
         given: The options.
-        w: The world.
+        w: World.
         state: Its random stream.
     """
     wide = max(1, int(np.rint(uniform(state.random, w, given.door[0], given.door[1]) / given.resolution)))

@@ -117,7 +117,7 @@ def touched_cells(
 
     Args:
         model: Constants of the episode.
-        state: The moment.
+        state: Current state of the worlds.
         world: Which world.
         n_cells: Number of columns and rows over the world; columns from the left, rows from the bottom.
         blocks: As for ``free_path``.

@@ -95,7 +95,7 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
@@ -159,7 +159,7 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
@@ -224,7 +224,7 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
