@@ -39,7 +39,7 @@ class PythonBehavior(RenewsGoals):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room for the members' memories."""
+        """Allocate the members' memories."""
         reserve_memory(group, model)
 
     @staticmethod
@@ -71,7 +71,7 @@ class PythonGroupBehavior(RenewsMembersGoals):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room for the members' memories."""
+        """Allocate the members' memories."""
         reserve_memory(group, model)
 
     @staticmethod

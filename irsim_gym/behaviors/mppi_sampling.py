@@ -58,7 +58,7 @@ class Motion(NamedTuple):
 
 @kernel
 def forget_plans(worlds: Ints, samples: Samples) -> None:
-    """Let the members of some worlds mean to stand.
+    """Reset the plans of members in some worlds to standing still.
 
     Writes: samples (nominal).
     """

@@ -174,7 +174,7 @@ def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> 
 
 @kernel
 def find_nearest(model: WorldModel, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
-    """Write the nearest members that a member sees, nearest first; return how many there are.
+    """Write the nearest members that a member sees, nearest first; return their number.
 
     The circle in which it looks for them grows until it holds enough of them.
 
@@ -231,7 +231,7 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
 
 @kernel
 def keep_visible(model: WorldModel, b: int, n_found: int, crowd: Crowd) -> int:
-    """Keep those of the members that were found which body b sees; return their number.
+    """Keep those found members that body b sees; return their number.
 
     Reads: model (seen_row, watchers), crowd (body, found, gap2).
     Writes: crowd (found, gap2).

@@ -50,7 +50,7 @@ def stops_in_time(
     drift: float,
     room: float,
 ) -> bool:
-    """Return whether a body keeps away from everything in a step along its way, and as it comes to a stop on it.
+    """Return whether a body stays clear in a step along its path, and while it brakes to a stop on the path.
 
     Args:
         obstacles: What is in the way, where it is now.

@@ -122,7 +122,7 @@ def is_closed(closed: Ints, cell: int) -> bool:
 
 @kernel
 def close_cell(closed: Ints, cell: int) -> None:
-    """Note that a cell, which is not, is done.
+    """Mark a cell that is not yet done as done.
 
     Writes: closed.
     """

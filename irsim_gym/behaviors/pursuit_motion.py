@@ -75,7 +75,7 @@ def executed(moving: Moving, axis: int, asked: float, now: float) -> float:
 
 @kernel
 def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, command: Command) -> bool:
-    """Return whether a body touches nothing in a step with a command and on the way on which it comes to a stop.
+    """Return whether a body touches nothing in a step with a command and while it brakes to a stop.
 
     A body that turns as it drives keeps its curvature as it brakes.
 

@@ -218,9 +218,9 @@ def way_between(
 
 @kernel
 def place_beside(obstacles: Obstacles, radius: float, end: Point) -> Point:
-    """Return a point [m], or one near it where a body of some radius may stand, to which it can go straight.
+    """Return the point ``end`` [m], or a nearby one in a straight line if a body of the radius does not fit there.
 
-    On the way it comes no nearer to anything than at the point itself. The point itself if there is none.
+    On this line the body comes no nearer to anything than at ``end``. Return ``end`` if there is no such point.
 
     Reads: obstacles (blocks, cells, model, state, w).
     """

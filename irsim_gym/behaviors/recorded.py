@@ -60,7 +60,7 @@ class Recorded:
 
     @staticmethod
     def appear(group: Group, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
-        """Let the members come and go with their persons."""
+        """Make members present or absent as their recorded persons come and go."""
         come_and_go(shard.worlds, group.members, ahead, model, state, group.tables)
 
     @staticmethod

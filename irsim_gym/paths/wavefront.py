@@ -88,13 +88,13 @@ def begin_costs(source: int, least: Labels) -> None:
 
 @kernel
 def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> None:
-    """Write what ways to a cell cost, ``NEVER`` where there is none.
+    """Write the cost of the path from each cell, ``NEVER`` if there is none.
 
     Writes: queues, least.
 
     Args:
         levels: ``FREE``, ``BLOCKED`` or ``TIGHT``, shape ``(rows, columns)``, blocked at the border.
-        source: Number of the cell to which the ways lead, whatever its level; not at the border.
+        source: Number of the cell to which the paths lead, at any level; not at the border.
         queues: Scratch, see ``new_queues``.
         least: Written: the costs, shape ``(rows, columns)``.
     """

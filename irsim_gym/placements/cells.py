@@ -202,7 +202,7 @@ def cell_at(cells: CellMap, point: Point) -> int:
 
 @kernel
 def list_free(cells: CellMap, free: Ints) -> int:
-    """Write the free cells, numbered column by column; return how many there are."""
+    """Write the free cells, numbered column by column; return their number."""
     rows, count = cells.room.shape[1], 0
     for i in range(cells.room.shape[0]):
         for j in range(rows):

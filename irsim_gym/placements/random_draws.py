@@ -106,7 +106,7 @@ def draw_members(
 
 @kernel
 def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
-    """Let the buckets of world w hold the placed bodies and nobody else.
+    """Fill the buckets of world w with the placed bodies only.
 
     Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, placed, pose).
     Writes: state (bucket, bucket_first, bucket_next).
