@@ -79,7 +79,7 @@ def arena(
     strict: bool = True,
     console: Console | None = None,
 ) -> Arena:
-    """Let policies play the same levels, and write the results and a page that compares them.
+    """Play the same levels with all policies, and write the results and a page that compares them.
 
     The folder gets ``arena.html`` (a self-contained page), ``episodes.csv`` (a row for each episode; for teams, a row
     for each agent, and also ``levels.csv``), ``summary.json`` and ``table.txt``; see docs/arena.md.

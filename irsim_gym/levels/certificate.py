@@ -153,7 +153,7 @@ def find_certificate(
 ) -> Certificate | None:
     """Return the certificate of a scenario's levels.
 
-    It is searched beside the scenario's file of levels, beside the scenario's own file, and among the shipped ones.
+    It is looked up next to the file of levels, next to the scenario's own file, and among the shipped ones.
 
     Args:
         scenario: The scenario.

@@ -1,4 +1,4 @@
-"""Reads the key ``levels``, a file of levels beside the scenario, and checks that both fit."""
+"""Load the file of levels that the key ``levels`` names, and check that it fits the scenario."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -
 def home_of(levels: LevelSet) -> tuple[str | Path, Mapping[str, Any]]:
     """Return the scenario that a file of levels names, and the values of its parameters.
 
-    A shipped scenario is given by its name, another one by the name of its file, which is beside the file of levels.
+    A shipped scenario is given by its name, any other by the name of its file in the folder of the file of levels.
 
     Raises:
         ScenarioError: If the file names no scenario.

@@ -56,7 +56,7 @@ class PastScans:
     """Earlier scans, transformed to the agent's current pose: free depth in sectors, encoded as in ``scan``.
 
     The points that were hit are transformed by the agent's own motion since then. Standing obstacles therefore read as
-    in the present scan, and differences show motion, even to a policy without memory. While an episode is younger than
+    in the present scan, and differences show motion, even to a policy without memory. While an episode is shorter than
     the age of a scan, its first scan is used.
     """
 
