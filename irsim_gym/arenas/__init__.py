@@ -1,1 +1,1 @@
-"""Policies on the same levels: who solves which one, and how the others fail."""
+"""Arenas: which policy solves which level, and how the others fail."""

@@ -1,4 +1,4 @@
-"""What an arena leaves on disk, and how one that was interrupted goes on."""
+"""The folder of an arena, and how an interrupted arena is resumed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from irsim_gym.scenario.messages import show
 
 SUMMARY, EPISODES, LEVELS, TABLE, PAGE = "summary.json", "episodes.csv", "levels.csv", "table.txt", "arena.html"
 PARTS = "parts"
-"""Folder of the rows of policies that have finished, while others still play."""
+"""Folder with the rows of finished policies while others still play."""
 
 
 @dataclass
@@ -24,11 +24,11 @@ class Archive:
     """The folder of an arena.
 
     Attributes:
-        folder: Where it is.
-        team: Rows are of agents of teams.
+        folder: The folder.
+        team: Whether rows are of agents of teams.
         limit: The time limit [s].
-        drivers: Who drives each agent, by the names that rows are held under; None without cross-play.
-        rows: Those of all that have finished, as they are on disk: rounded.
+        drivers: Names of the policies that drive each agent, by the keys of ``rows``; None without cross-play.
+        rows: Rows of the finished policies, rounded as they are on disk.
     """
 
     folder: Path
@@ -38,17 +38,17 @@ class Archive:
     rows: dict[str, list[Any]] = field(default_factory=dict)
 
     def begin(self, told: Mapping[str, object]) -> None:
-        """Write down what is played, and take away what is left of another arena."""
+        """Write the description of the arena, and remove the files of an earlier one."""
         self.folder.mkdir(parents=True, exist_ok=True)
         for path in (*map(self.folder.joinpath, (EPISODES, LEVELS, TABLE, PAGE)), *self._parts()):
             path.unlink(missing_ok=True)
         write_json(self.folder / SUMMARY, {"finished": False, "arena": told})
 
     def go_on(self, told: Mapping[str, Any]) -> None:
-        """Take over the rows of policies that have finished; of those without a file nobody knows what they are.
+        """Resume the arena in the folder: keep the rows of finished policies, except of those that have no source.
 
         Raises:
-            IrsimGymError: The folder holds no arena, or one of other levels or policies.
+            IrsimGymError: If the folder holds no arena, or an arena with other levels or policies.
         """
         before = self.told()
         found = _differences(before, plain(told))
@@ -64,10 +64,10 @@ class Archive:
         write_json(self.folder / SUMMARY, {"finished": False, "arena": told})
 
     def told(self) -> dict[str, Any]:
-        """Return what is played.
+        """Return the description of the arena in the folder.
 
         Raises:
-            IrsimGymError: The folder holds no arena.
+            IrsimGymError: If the folder holds no arena.
         """
         try:
             told: dict[str, Any] = json.loads((self.folder / SUMMARY).read_text(encoding="utf-8"))["arena"]
@@ -76,7 +76,7 @@ class Archive:
             raise IrsimGymError(f"{self.folder} holds no arena that could be resumed: {error}") from error
 
     def keep(self, name: str, rows: Sequence[Row]) -> None:
-        """Write the rows of a policy that has finished."""
+        """Write the rows of a finished policy."""
         path = self.folder / PARTS / f"{len(self._parts()):04d}.csv"
         self._write(path, {name: rows})
         self.rows |= self._read(path)
@@ -118,7 +118,7 @@ def holds_arena(folder: Path) -> bool:
 
 
 def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Return in what two arenas differ; further policies are no difference, nor are other paths of the same files."""
+    """Return the differences between two arenas; further policies, or other paths of the same files, are none."""
     keys = [key for key in dict.fromkeys([*before, *now]) if key not in ("policies", "source", "task")]
     found = [
         f"{key} {show(before.get(key))}, asked for: {show(now.get(key))}"
@@ -134,5 +134,5 @@ def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]
 
 
 def _is_other(before: Mapping[str, object], now: Mapping[str, object]) -> bool:
-    """Return whether two entries of a policy differ in what both say."""
+    """Return whether two entries of a policy differ in a key that both have."""
     return any(before[key] != value for key, value in now.items() if key in before)

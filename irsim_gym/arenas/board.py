@@ -1,4 +1,4 @@
-"""Who solved which level: what all comparisons are made from."""
+"""The results of policies on levels, from which all comparisons are made."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, mean
 from irsim_gym.evaluation.team_metrics import TeamRow
 
 WORST_FIRST = ("collision", "left_world", "deadlock", "timeout", "success")
-"""What a level of a team is called in which agents ended differently: the first of these that is among them."""
+"""Outcome of a team in a level: the first of these that one of its agents had."""
 
 Row = EpisodeRow | TeamRow
 
@@ -25,11 +25,11 @@ class Board:
     Attributes:
         policies: Their names.
         levels: The levels, ``(n_levels,)``.
-        outcome: Index in ``OUTCOMES``, ``(n_policies, n_levels)``; of a team that of the agent that fared worst.
+        outcome: Index in ``OUTCOMES``, ``(n_policies, n_levels)``; for a team, that of the agent that fared worst.
         arrived: Number of agents that arrived, ``(n_policies, n_levels)``.
-        steps: Duration [steps], of a team that of its longest episode, ``(n_policies, n_levels)``.
-        time: The same [s].
-        spl: Success weighted by path length, of a team the mean over its agents, ``(n_policies, n_levels)``.
+        steps: Duration [steps], for a team that of its longest episode, ``(n_policies, n_levels)``.
+        time: Duration [s], likewise.
+        spl: Success weighted by path length, for a team the mean over its agents, ``(n_policies, n_levels)``.
         agents: Number of agents.
     """
 
@@ -44,7 +44,7 @@ class Board:
 
     @classmethod
     def of(cls, rows: Mapping[str, Sequence[Row]]) -> Board:
-        """Make it from the rows of policies that all played the same levels, in the same order."""
+        """Make a board from the rows of policies that all played the same levels, in the same order."""
         found = {policy: [_agents(row) for row in own] for policy, own in rows.items()}
         levels = [tuple(row.level for row in own) for own in rows.values()]
         assert len(set(levels)) == 1, "all policies must have played the same levels"
@@ -69,7 +69,7 @@ class Board:
         return np.asarray(self.outcome == OUTCOMES.index("success"))
 
     def among(self, policies: Sequence[str]) -> Board:
-        """Return the results of some of the policies."""
+        """Return the board of some of the policies."""
         chosen = [self.policies.index(policy) for policy in policies]
         tables = {name: getattr(self, name)[chosen] for name in ("outcome", "arrived", "steps", "time", "spl")}
         return Board(tuple(policies), self.levels, agents=self.agents, **tables)
@@ -81,6 +81,6 @@ def _agents(row: Row) -> tuple[EpisodeRow, ...]:
 
 
 def _outcome(agents: Sequence[EpisodeRow]) -> int:
-    """Return the index of what a level is called."""
+    """Return the index of a level's outcome."""
     seen = {row.outcome for row in agents}
     return OUTCOMES.index(next(outcome for outcome in WORST_FIRST if outcome in seen))

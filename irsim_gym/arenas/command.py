@@ -1,4 +1,4 @@
-"""What the command ``irsim-gym arena`` does and says."""
+"""The command ``irsim-gym arena``."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ def run_arena(
     strict: bool,
     **chosen: Any,
 ) -> Arena:
-    """Let policies play, print the tables and the name of the page.
+    """Play an arena, and print its tables and the path of its page.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        policies: As ``load_policy`` takes them.
-        out: Folder of the results; None for one in ``runs``.
+        policies: The policies, as ``load_policy`` takes them.
+        out: Folder of the results; None for a folder in ``runs``.
         parameters: Values for the scenario's parameters.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        resume: Go on with the arena in the folder.
+        resume: Continue the arena in the folder.
         overwrite: Replace the arena in the folder.
         strict: False ignores unused keys.
-        **chosen: As ``arena`` takes it: levels, task, team, mix, replays.
+        **chosen: Further arguments of ``arena``: levels, task, team, mix, replays.
 
     Raises:
-        TrainingInterruptedError: Ctrl-C; what has finished is on disk.
+        TrainingInterruptedError: If the user presses Ctrl-C; the rows of finished policies are on disk.
     """
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
     report_changes(scenario, policies, chosen.get("task"), strict=strict)

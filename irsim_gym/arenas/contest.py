@@ -1,4 +1,4 @@
-"""The arena: policies on the same levels, and one page with all that tells them apart."""
+"""The arena: policies play the same levels, and a page compares them."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ REPLAYS = 200
 
 @dataclass(frozen=True)
 class Arena:
-    """Results of policies on the same levels, as they are in the arena's folder.
+    """Results of policies on the same levels, as the arena's folder holds them.
 
     Attributes:
         title: The scenario and the levels.
-        rows: For each policy, and each arrangement of two (``dash + orca``), an ``EpisodeRow`` for each level, of teams
-            a ``TeamRow``.
-        standings: What is compared.
-        page: The page for a browser.
+        rows: For each policy, and each arrangement of two (``dash + orca``), an ``EpisodeRow`` for each level; a
+            ``TeamRow`` for teams.
+        standings: The comparison of the policies.
+        page: Path of the page for a browser.
     """
 
     title: str
@@ -79,30 +79,30 @@ def arena(
     strict: bool = True,
     console: Console | None = None,
 ) -> Arena:
-    """Let policies play the same levels, and write all that tells them apart into a folder.
+    """Play the same levels with all policies, and write the results and a page that compares them.
 
-    The folder gets ``arena.html``, a page that needs nothing else, ``episodes.csv`` (a row for each episode, of teams
-    for each agent; of these also ``levels.csv``), ``summary.json`` and ``table.txt``; see docs/arena.md.
+    The folder gets ``arena.html`` (a self-contained page), ``episodes.csv`` (a row for each episode; for teams, a row
+    for each agent, and also ``levels.csv``), ``summary.json`` and ``table.txt``; see docs/arena.md.
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
-        policies: One, several, or several by the names that they get in the results, each as ``evaluate`` takes it.
-        folder: Where the results go.
-        levels: How many levels of the split, from 0.
+        policies: One policy, several, or several by their names in the results; each as ``evaluate`` takes it.
+        folder: Folder of the results.
+        levels: Number of levels of the split, from level 0.
         split: ``"test"``, which no training meets, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
-        team: All robots are driven by the policy, each by what it observes itself.
-        mix: Let also two policies drive the robots of one team, each pair in both arrangements.
-        replays: Greatest number of episodes that the page can play.
-        resume: Go on with the arena in the folder: policies that have finished do not play again, new ones join.
+        team: Whether the policy drives all robots, each by its own observation.
+        mix: Whether pairs of policies also drive the robots of one team, each pair in both arrangements.
+        replays: Maximum number of episodes that the page can replay.
+        resume: Continue the arena in the folder: finished policies do not play again, and new ones may join.
         overwrite: Replace the arena in the folder.
         parameters: Values for the scenario's parameters.
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
-        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        console: Console of the progress bar, which is shown only on a terminal.
 
     Raises:
-        ValueError: There is no level to play.
-        IrsimGymError: Policies do not exist or do not fit the task, or the folder holds another arena.
+        ValueError: If there is no level to play.
+        IrsimGymError: If policies do not exist or do not fit the task, or the folder holds another arena.
     """
     place = _place(Path(folder), levels, split, resume=resume, overwrite=overwrite)
     entrants = _entrants(policies, place if resume and holds_arena(place) else None)
@@ -114,19 +114,19 @@ def arena(
 
 
 class Contest:
-    """Policies, the worlds that they play in, and the folder of the results.
+    """Policies, the worlds they play in, and the folder of the results.
 
     Args:
         entrants: The policies.
         episodes: The worlds.
-        folder: Where the results go.
-        levels: How many levels of the split, from 0.
+        folder: Folder of the results.
+        levels: Number of levels of the split, from level 0.
         split: Split of the levels.
-        team: The task's agents are a team.
-        mix: Let also two policies drive one team.
+        team: Whether the task's agents are a team.
+        mix: Whether pairs of policies also drive one team.
 
     Raises:
-        IrsimGymError: Some policies do not fit the task.
+        IrsimGymError: If some policies do not fit the task.
     """
 
     def __init__(
@@ -156,11 +156,11 @@ class Contest:
         self.archive = Archive(folder, team, limit, drivers)
 
     def told(self, source: ScenarioSource, task: TaskSource) -> dict[str, Any]:
-        """Return what is played, and by whom.
+        """Return the description of the arena, as plain data.
 
         Args:
-            source: What the scenario was made from.
-            task: The task, None for the scenario's own.
+            source: The scenario, as ``arena`` takes it.
+            task: The task; None for the scenario's own.
         """
         scenario = self.episodes.simulation.scenario
         return {
@@ -178,7 +178,7 @@ class Contest:
         }
 
     def run(self, told: Mapping[str, object], replays: int, console: Console, *, resume: bool) -> Arena:
-        """Play what has not been played, and write the results."""
+        """Play the levels that have not been played, and write the results."""
         if resume and holds_arena(self.archive.folder):
             self.archive.go_on(told)
         else:
@@ -198,7 +198,7 @@ class Contest:
         return found
 
     def _play(self, console: Console) -> None:
-        """Let those play that have not finished, one after the other."""
+        """Play all policies that have not finished, one after another."""
         optima, waiting = Optima(self.split), [name for name in self.players if name not in self.archive.rows]
         evaluation: Any = evaluate_team if self.team else evaluate
         with _bar(console) as bar:
@@ -216,7 +216,7 @@ class Contest:
                 self.archive.keep(name, rows)
 
     def _write_page(self, found: Arena, summary: Mapping[str, object], replays: int, console: Console) -> None:
-        """Play some episodes again for the page, and write it."""
+        """Record some episodes again, and write the page."""
         board = Board.of(found.rows)
         chosen = choose_episodes(board, replays)
         recorded = record_episodes(board, list(self.players.values()), self.worlds, self.split, chosen)
@@ -236,11 +236,11 @@ def _bar(console: Console) -> Progress:
 
 
 def _place(folder: Path, levels: int, split: str, *, resume: bool, overwrite: bool) -> Path:
-    """Return the folder, if an arena may write there what is asked for.
+    """Return the folder, after checking that an arena may write there.
 
     Raises:
-        ValueError: There is no level to play.
-        IrsimGymError: It holds results, and nothing is said of what is to become of them.
+        ValueError: If there is no level to play.
+        IrsimGymError: If the folder holds results, and neither ``resume`` nor ``overwrite`` is set, or both are.
     """
     if levels < 1:
         raise ValueError(f"levels must be >= 1, got {levels}")
@@ -258,7 +258,7 @@ def _place(folder: Path, levels: int, split: str, *, resume: bool, overwrite: bo
 
 
 def _entrants(policies: Source | Sequence[Source] | Mapping[str, Source], resumed: Path | None) -> list[Entrant]:
-    """Load policies, behind those of an arena that is gone on with."""
+    """Load policies, after those of an arena that is resumed."""
     known: dict[str, Any] = {}
     if resumed is not None:
         told = Archive(resumed, False, 0.0).told()["policies"]

@@ -1,9 +1,9 @@
-"""Cross-play: the agents of a team are driven by two policies that have not met before.
+"""Cross-play: two policies that were not trained together drive the agents of one team.
 
-In the arrangement (one, other) the first policy drives every second agent beginning with the first, the other policy
-the rest. Both arrangements of a pair are played, so that each policy drives every agent once in every level; with
-itself a policy drives all of them. This measures how well policies fit to partners that they were not trained with (Hu
-et al. 2020, "Other-Play", arXiv:2003.02979).
+In the arrangement (one, other), the first policy drives the first agent, the third and so on; the other policy drives
+the rest. Both arrangements of a pair are played, so that each policy drives every agent once in every level. Paired
+with itself, a policy drives all agents. This measures how well policies cooperate with partners that they were not
+trained with (Hu et al. 2020, "Other-Play", arXiv:2003.02979).
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from irsim_gym.evaluation.team_metrics import TeamRow, rate_of_agents
 from irsim_gym.tasks import Episodes
 
 BETWEEN = " + "
-"""Stands between the names of the two policies of an arrangement."""
+"""Separator between the names of the two policies of an arrangement."""
 
 
 class MixedPolicy:
-    """Drives some agents as one policy does, and the others as another one; both observe the same, see ``check_mix``.
+    """Drives some agents by one policy and the others by another; both have the same observation, see ``check_mix``.
 
     Args:
-        one: Drives the first agent, the third and so on.
-        other: Drives the second agent, the fourth and so on.
+        one: Policy of the first agent, the third and so on.
+        other: Policy of the second agent, the fourth and so on.
         n_agents: Number of agents.
     """
 
@@ -47,12 +47,12 @@ class MixedPolicy:
         self.perception: Perception | None = next((policy.perception for policy in perceiving), None)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Tell both that levels begin."""
+        """Notify both policies that levels begin."""
         for policy, _ in self._parts:
             policy.begin(episodes, worlds, levels)
 
     def act(self, episodes: Episodes, worlds: Ints) -> Actions:
-        """Return the actions of worlds, for each agent those of its policy."""
+        """Return the actions of worlds: for each agent, those of its policy."""
         acted: Actions | None = None
         for policy, driven in self._parts:
             chosen = by_agent(policy.act(episodes, worlds), episodes, worlds)
@@ -63,17 +63,17 @@ class MixedPolicy:
 
 
 def _of_agents(policy: Policy, driven: Sequence[int]) -> Policy:
-    """Return a policy for some agents; one that observes each agent by itself is that already."""
+    """Return a policy that drives only some agents; one that observes each agent separately needs no change."""
     return BehaviorPolicy(policy.name, driven) if isinstance(policy, BehaviorPolicy) else policy
 
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Who drives the agents of a team.
+    """The assignment of two policies to the agents of a team.
 
     Attributes:
-        one: Drives the first agent, the third and so on.
-        other: Drives the second agent, the fourth and so on; the same policy where it plays with itself.
+        one: Policy of the first agent, the third and so on.
+        other: Policy of the second agent, the fourth and so on; may be the same policy.
     """
 
     one: str
@@ -81,16 +81,16 @@ class Arrangement:
 
     @property
     def name(self) -> str:
-        """The policy's name alone, or ``one + other``."""
+        """``one + other``, or the name alone if both are the same policy."""
         return self.one if self.one == self.other else f"{self.one}{BETWEEN}{self.other}"
 
     def drivers(self, n_agents: int) -> list[str]:
-        """Return the names of the policies, agent by agent."""
+        """Return the name of the policy of each agent."""
         return [self.other if a % 2 else self.one for a in range(n_agents)]
 
 
 def arrangements(names: Sequence[str]) -> list[Arrangement]:
-    """Return each policy by itself, and then each pair in both arrangements."""
+    """Return each policy paired with itself, then each pair in both arrangements."""
     pairs = [Arrangement(*pair) for pair in product(names, repeat=2)]
     return sorted(pairs, key=lambda pair: pair.one != pair.other)
 
@@ -99,7 +99,7 @@ def mixed(entrants: Sequence[Entrant], n_agents: int) -> dict[str, Policy]:
     """Return the policies of all arrangements of two different entrants.
 
     Raises:
-        IrsimGymError: There are fewer than two entrants or agents.
+        IrsimGymError: If there are fewer than two entrants or agents.
     """
     if len(entrants) < 2 or n_agents < 2:
         raise IrsimGymError(
@@ -112,10 +112,10 @@ def mixed(entrants: Sequence[Entrant], n_agents: int) -> dict[str, Policy]:
 
 
 def check_mix(entrants: Sequence[Entrant], worlds: Perceived) -> None:
-    """Make sure that policies that observe anything observe the same, so that any two can drive one team.
+    """Check that all policies have the same observation, so that any two can drive one team.
 
     Raises:
-        IrsimGymError: They do not.
+        IrsimGymError: If observations or actions differ.
     """
     perceiving = [entrant for entrant in entrants if isinstance(entrant.policy, Perceives)]
     if len({id(worlds.of(entrant.policy)) for entrant in perceiving}) > 1:
@@ -130,11 +130,11 @@ def check_mix(entrants: Sequence[Entrant], worlds: Perceived) -> None:
 
 @dataclass(frozen=True)
 class Meeting:
-    """How one policy fares among another one, in both arrangements.
+    """Results of a policy with a partner, in both arrangements.
 
     Attributes:
-        policy: The policy.
-        partner: Who drives the other agents; the policy itself where it drives all.
+        policy: Name of the policy.
+        partner: Name of the policy that drives the other agents; may be the policy itself.
         individual_success: Share of the policy's own agents that arrived.
         collision: Share of its own agents that collided.
         cooperative_success: Share of levels in which all agents of both arrived, over both arrangements.
@@ -148,11 +148,11 @@ class Meeting:
 
 
 def meetings(names: Sequence[str], rows: Mapping[str, Sequence[TeamRow]]) -> list[Meeting]:
-    """Return how each policy fares among each.
+    """Return the results of each policy with each partner.
 
     Args:
-        names: The policies.
-        rows: Levels by the name of the arrangement, all of them the same levels.
+        names: Names of the policies.
+        rows: Levels by name of the arrangement; all arrangements have the same levels.
     """
     return [_meeting(policy, partner, rows) for policy, partner in product(names, repeat=2)]
 

@@ -1,4 +1,4 @@
-"""Who takes part in an arena."""
+"""The policies of an arena."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from irsim_gym.training.policies import Source, known_names, load_policies, poli
 
 @dataclass(frozen=True)
 class Entrant:
-    """One of the policies that play.
+    """One policy of an arena.
 
     Attributes:
-        name: What it is called in the results.
-        policy: Who drives.
+        name: Its name in the results.
+        policy: The policy.
         source: The name, file or folder that it was loaded from; None for functions, models and other objects.
-        sha256: Of its file; None where there is none.
+        sha256: Hash of its file; None without a file.
     """
 
     name: str
@@ -30,7 +30,11 @@ class Entrant:
     sha256: str | None
 
     def told(self, worlds: Perceived) -> dict[str, Any]:
-        """Return what results say of it, in the worlds that it plays in."""
+        """Return its entry in the results, as plain data.
+
+        Args:
+            worlds: The worlds that it plays in.
+        """
         told = {"name": self.name, "source": self.source, "sha256": self.sha256}
         observes = worlds.observed_by(self.policy)
         return told if observes is None else {**told, "observes": observes}
@@ -40,11 +44,11 @@ def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None)
     """Load policies.
 
     Args:
-        sources: Policies as ``load_policy`` takes them.
-        names: What they are called; None to take it from the sources.
+        sources: The policies, as ``load_policy`` takes them.
+        names: Their names; None to derive them from the sources.
 
     Raises:
-        IrsimGymError: There are none, some do not exist, or two of them are the same.
+        IrsimGymError: If there are no policies, some do not exist, or one is given twice.
     """
     if not sources:
         raise IrsimGymError(f"an arena needs policies: a .zip, a run's folder, or any of {', '.join(known_names())}")

@@ -1,4 +1,4 @@
-"""Recordings of episodes that are played in many worlds at once."""
+"""Records episodes that are played in many worlds at once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class EpisodeLog:
         split: Split of the levels.
 
     Attributes:
-        policy: What the policy is called that plays.
+        policy: Name of the policy that plays.
     """
 
     def __init__(self, episodes: Episodes, split: str) -> None:
@@ -46,7 +46,7 @@ class EpisodeLog:
         self.stepped(episodes, worlds)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Note the moment; paths go through all of them."""
+        """Record the present moment."""
         state = episodes.simulation.state
         for world in worlds.tolist():
             scene = self._renderer.scene(world, world_status(episodes, world))
@@ -54,16 +54,16 @@ class EpisodeLog:
         self._renderer.trails.record(worlds, state.step[worlds], state.pose[worlds])
 
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Give the recordings their names."""
+        """Name the recordings."""
         levels = episodes.view.infos["level"][worlds, 0].tolist()
         for world, level in zip(worlds.tolist(), levels, strict=True):
             status, time = world_status(episodes, world), float(episodes.simulation.state.time[world])
             self._recordings[world].name = f"{self.policy}, level {level}: {status.replace('_', ' ')}, {time:.1f} s"
 
     def take(self, world: int) -> Recording:
-        """Return the recording of an episode that has ended."""
+        """Return the recording of an episode that has ended, and remove it from the log."""
         return self._recordings.pop(world)
 
     def close(self) -> None:
-        """Let go of what draws."""
+        """Close the renderer."""
         self._renderer.close()

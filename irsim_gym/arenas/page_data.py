@@ -1,4 +1,4 @@
-"""What an arena's page knows, as plain data."""
+"""The data of an arena's page."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class FigureColumn(NamedTuple):
     Attributes:
         head: Its heading.
         field: Name in ``Summary`` or ``TeamSummary``.
-        about: What it means.
-        digits: Behind the decimal point; 0 for a share with its interval.
-        hit: Which of several shares, by what was hit.
+        about: Explanation of the column.
+        digits: Number of decimals; 0 for a share with its interval.
+        hit: Key of the share in ``collision_with``; empty for other fields.
     """
 
     head: str
@@ -33,7 +33,7 @@ class FigureColumn(NamedTuple):
 
 
 ALWAYS = ("success", "cooperative_success", "individual_success", "collision", "timeout")
-"""Shares that are shown also where all of them are 0."""
+"""Shares that are shown even if all of them are 0."""
 
 SINGLE_COLUMNS = (
     FigureColumn("success", "success", "Share of levels in which the robot arrived, with Wilson's 95 % interval"),
@@ -74,16 +74,16 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
 
     Args:
         title: Heading.
-        board: Results of the policies, and behind them those of arrangements of two.
-        alone: Number of the policies.
-        standings: What is compared.
-        summary: What ``summary.json`` holds.
+        board: Results of the policies, followed by those of arrangements of two.
+        alone: Number of policies.
+        standings: The comparison of the policies.
+        summary: The content of ``summary.json``.
 
     Returns:
         ``policies`` (names), ``alone``, ``agents``; ``table``: columns with ``head``, ``about``, ``digits`` and a cell
         for each policy, a number or a share with its interval; ``pairs``, ``strata`` and ``meetings`` as in
         `Standings`; ``levels`` (their numbers), and for each policy the ``outcomes`` (a digit for each level),
-        ``arrived``, ``steps`` and ``times`` [s]; ``facts``: what a published figure has to name.
+        ``arrived``, ``steps`` and ``times`` [s]; ``facts``: the conditions to name with published figures.
     """
     return {
         "schema": SCHEMA,
@@ -108,7 +108,7 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
 
 
 def _columns(summaries: Sequence[Any]) -> list[FigureColumn]:
-    """Return the columns of the table of figures; outcomes that never came are left out."""
+    """Return the columns of the table of figures, without outcomes that never occurred."""
     is_team = isinstance(summaries[0], TeamSummary)
     seen = [
         hit for hit in (TEAM_HITS if is_team else HITS) if any(each.collision_with[hit].count for each in summaries)

@@ -1,4 +1,4 @@
-"""Writes the page of an arena: one HTML file, without anything from elsewhere."""
+"""Writes the page of an arena: one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 SCRIPTS = ("tables", "matrix", "arena")
 MOST_BYTES = 40_000_000
-"""Replays end when they are as large as this together: a page of more is slow to open."""
+"""Maximum total size of the replays: a larger page is slow to open."""
 
 
 def write_page(
@@ -28,15 +28,15 @@ def write_page(
 ) -> None:
     """Write the page.
 
-    Beside its data it holds each replay by itself, deflated and in base64, so that only those that are looked at are
-    unpacked: ``replays`` of the data says of which policy and level each is.
+    Beside its data, the page holds each replay separately, deflated and in base64, so that only viewed replays are
+    unpacked. ``replays`` in the data gives the policy and level of each.
 
     Args:
         path: The file.
         data: See `page_data`.
         board: Results of the policies.
-        recorded: The recordings, None for those that came to another end this time.
-        chosen: The episodes that they are of.
+        recorded: Episodes with their recordings; None for an episode that ended differently this time.
+        chosen: All episodes that were chosen for the page.
     """
     from irsim_gym.render import theme, vocabulary
     from irsim_gym.render.files import whole_file
@@ -71,10 +71,10 @@ def write_page(
 
 
 def read_page(path: str | Path) -> dict[str, Any]:
-    """Return the data of an arena's page; ``episodes`` are its replays.
+    """Return the data of an arena's page, with its replays as ``episodes``.
 
     Raises:
-        ValueError: The file is no such page.
+        ValueError: If the file is not such a page.
     """
     from irsim_gym.render.page_parts import held_data, inflated
 

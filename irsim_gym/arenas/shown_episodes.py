@@ -1,4 +1,4 @@
-"""Which episodes an arena's page can play, and their recordings."""
+"""The episodes that an arena's page can replay, and their recordings."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class ShownEpisode:
 
 
 def choose_episodes(board: Board, most: int) -> list[ShownEpisode]:
-    """Return failed episodes, and with each the fastest one of a policy that solved the level, if there is one.
+    """Return failed episodes, each with the fastest successful episode of the same level, if there is one.
 
-    The policies take turns; each one's shortest episodes come first, those of levels that somebody solved before the
-    others. Returns at most ``most`` episodes, by level.
+    The policies take turns. Each policy's failures are ordered by duration, those on levels that another policy solved
+    first. Returns at most ``most`` episodes, sorted by level.
     """
     queues = [_failures(board, policy) for policy in range(len(board.policies))]
     chosen: dict[ShownEpisode, None] = {}
@@ -52,7 +52,7 @@ def choose_episodes(board: Board, most: int) -> list[ShownEpisode]:
 
 
 def count_failures(board: Board) -> int:
-    """Return how many episodes failed."""
+    """Return the number of failed episodes."""
     return int((~board.success).sum())
 
 
@@ -78,14 +78,14 @@ def _by_level(chosen: Mapping[ShownEpisode, None]) -> list[ShownEpisode]:
 def record_episodes(
     board: Board, policies: Sequence[Policy], worlds: Perceived, split: str, chosen: Sequence[ShownEpisode]
 ) -> Iterator[tuple[ShownEpisode, Recording | None]]:
-    """Play episodes again and yield their recordings; None for one that came to another end this time.
+    """Play episodes again and yield their recordings; None for an episode that ended differently this time.
 
     Args:
-        board: What they were.
-        policies: Who drives, in the order of the board.
-        worlds: Worlds to play in, as each policy perceives them.
+        board: The results of the first time.
+        policies: The policies, in the order of the board.
+        worlds: The worlds to play in, as each policy perceives them.
         split: Split of the levels.
-        chosen: Which episodes.
+        chosen: The episodes.
     """
     log = EpisodeLog(worlds.episodes, split)
     for policy in sorted({shown.policy for shown in chosen}):
@@ -101,7 +101,7 @@ def record_episodes(
 
 
 def _ended_alike(board: Board, episodes: Episodes, world: int, shown: ShownEpisode) -> bool:
-    """Return whether the episode that has just ended is the one on the board; it is not if a policy has whims."""
+    """Return whether an episode ended as on the board; it may not if its policy acts at random."""
     infos = episodes.view.infos
     arrived = int((infos["outcome"][world] == Outcome.SUCCESS).sum())
     same = arrived == board.arrived[shown.policy, shown.level]

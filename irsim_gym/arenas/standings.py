@@ -1,4 +1,4 @@
-"""What the results of an arena say: figures, differences, easy and hard levels."""
+"""The comparison of an arena's policies: figures, differences, success by difficulty."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from irsim_gym.levels.played import PlayedLevels
 
 @dataclass(frozen=True)
 class Standings:
-    """What is compared of the policies of an arena.
+    """The comparison of an arena's policies.
 
     Attributes:
-        summaries: Figures of each policy; of teams a ``TeamSummary``.
-        pairs: Each policy beside each one behind it.
-        strata_by: How levels are told to be easy or hard.
-        strata: Success on them, the easiest first.
-        meetings: How each policy fares among each; empty without cross-play.
-        level_set: Which levels they played.
+        summaries: Figures of each policy; a ``TeamSummary`` for teams.
+        pairs: Comparisons of each policy with each later one.
+        strata_by: How the difficulty of levels is measured.
+        strata: Success by difficulty, the easiest levels first.
+        meetings: Results of each policy with each partner; empty without cross-play.
+        level_set: The levels.
     """
 
     summaries: list[Summary] | list[TeamSummary]
@@ -40,7 +40,7 @@ class Standings:
     level_set: PlayedLevels
 
     def figures(self) -> dict[str, object]:
-        """Return all of it by name, for a file."""
+        """Return all figures by name, for a file."""
         strata = {"by": self.strata_by, "policies": [each.policy for each in self.summaries], "strata": self.strata}
         figures: dict[str, object] = {"policies": self.summaries, "pairs": self.pairs, "difficulty": strata}
         return {**figures, "meetings": self.meetings} if self.meetings else figures
@@ -66,10 +66,10 @@ def stand(
     """Compare policies.
 
     Args:
-        rows: Episodes, of teams levels, by policy, and perhaps by arrangement of two.
-        policies: The policies.
-        team: They drove teams.
-        meetings: How each fares among each.
+        rows: Episodes (levels for teams) by policy; may also hold those of arrangements of two policies.
+        policies: Names of the policies.
+        team: Whether they drove teams.
+        meetings: Results of each policy with each partner.
         level_set: The levels, and their certificate if they have one.
     """
     own = {policy: rows[policy] for policy in policies}

@@ -16,12 +16,12 @@ PEERS = "by how many of the other policies fail"
 
 @dataclass(frozen=True)
 class Stratum:
-    """Levels that are about equally hard.
+    """A group of levels of similar difficulty.
 
     Attributes:
-        name: What they are.
-        levels: How many of them there are for each policy, in the order of the board.
-        success: Share that each policy solved.
+        name: Name of the group.
+        levels: Number of its levels for each policy, in the order of the board.
+        success: Share of them that each policy solved.
     """
 
     name: str
@@ -30,10 +30,9 @@ class Stratum:
 
 
 def strata_of_peers(board: Board) -> list[Stratum]:
-    """Return success by how many of the *other* policies fail, from none to all of them.
+    """Return success by the number of *other* policies that fail, from none to all of them.
 
-    A policy's own failures do not make a level hard for it: otherwise every policy would do better on easy levels by
-    definition.
+    A policy's own failures do not count: otherwise every policy would do better on easy levels by definition.
     """
     failed = ~board.success
     others = failed.sum(axis=0) - failed
@@ -42,11 +41,11 @@ def strata_of_peers(board: Board) -> list[Stratum]:
 
 
 def strata_of_quarters(board: Board, quarter: Ints) -> list[Stratum]:
-    """Return success by quarters of the levels, the easiest first.
+    """Return success by quarters of difficulty, the easiest first.
 
     Args:
         board: The results.
-        quarter: Of each level, from 0 to 3, ``(n_levels,)``.
+        quarter: Quarter of each level, from 0 to 3, ``(n_levels,)``.
     """
     return [
         _stratum(board, name, np.broadcast_to(quarter == k, board.success.shape))

@@ -1,4 +1,4 @@
-"""How a body decides."""
+"""Behaviours: how bodies decide."""
 
 from irsim_gym.behaviors.dash import Dash
 from irsim_gym.behaviors.dwa import Dwa

@@ -1,4 +1,4 @@
-"""Behaviours registered as for IR-SIM: by drive and name, called with its arguments, on columns."""
+"""Behaviours registered by drive and name as in IR-SIM, which get IR-SIM's arguments with column vectors."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _HANDLER = "what register_behavior_class made"
 
 @dataclass(frozen=True)
 class _Written:
-    """What was written for one drive.
+    """A function or class that is registered for one drive.
 
     Attributes:
-        function: It decides, or it makes what decides.
-        makes: It makes what decides, once in each episode.
+        function: The deciding function, or the factory of one.
+        makes: Whether it is a factory, which is called once in each episode.
     """
 
     function: Callable[..., Any]
@@ -34,18 +34,18 @@ class _Written:
 def register_behavior(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a function as IR-SIM's ``register_behavior`` does, to be used as ``behavior: {name: action}``.
 
-    It is called as ``f(ego_object=..., external_objects=..., **options)`` and returns a command of the drive, flat or
-    as a column. The objects are an ``EgoView`` and a list of ``BodyView``, whose arrays are columns of shape ``(n, 1)``
-    under IR-SIM's names. The options are ``name`` and whatever else the file gives, unchecked. A behaviour may be
-    registered for several drives, each with a function of its own.
+    The function is called as ``f(ego_object=..., external_objects=..., **options)`` and returns a command of the
+    drive, flat or as a column. The objects are an ``EgoView`` and a list of ``BodyView``, whose arrays are columns of
+    shape ``(n, 1)`` under IR-SIM's names. The options are ``name`` and all others in the file, without checks. A
+    behaviour may be registered for several drives, with a function for each.
 
     Args:
         kinematics: Name of the drive, such as ``diff``.
         action: Name of the behaviour in YAML.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.BEHAVIORS, kinematics, action, makes=False)
 
@@ -53,16 +53,16 @@ def register_behavior(kinematics: str, action: str) -> Callable[[F], F]:
 def register_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a class, or a function that makes an instance, as IR-SIM's ``register_behavior_class`` does.
 
-    It is called as ``f(object_info, **options)`` before the body's first decision in each episode, and what it returns
-    as a function of ``register_behavior`` in each step. ``object_info`` is the body's view.
+    The class is called as ``f(object_info, **options)`` before the body's first decision in each episode. The result is
+    called in each step, like a function of ``register_behavior``. ``object_info`` is the body's ``EgoView``.
 
     Args:
         kinematics: As for ``register_behavior``.
         action: See there.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.BEHAVIORS, kinematics, action, makes=True)
 
@@ -70,16 +70,16 @@ def register_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
 def register_group_behavior(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a function as IR-SIM's ``register_group_behavior`` does, for ``group_behavior: {name: action}``.
 
-    It is called as ``f(members, **options)`` and returns a list with one command for each; else as
-    ``register_behavior``. The drive is that of the group's first member.
+    The function is called as ``f(members, **options)`` and returns a list with one command for each member; otherwise
+    like ``register_behavior``. The drive is that of the group's first member.
 
     Args:
         kinematics: As for ``register_behavior``.
         action: See there.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.GROUP_BEHAVIORS, kinematics, action, makes=False)
 
@@ -87,16 +87,16 @@ def register_group_behavior(kinematics: str, action: str) -> Callable[[F], F]:
 def register_group_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
     """Register a class, or a function that makes an instance, as IR-SIM's ``register_group_behavior_class`` does.
 
-    It is called as ``f(members, **options)`` before the group's first decision in each episode, and what it returns as
-    a function of ``register_group_behavior`` in each step.
+    The class is called as ``f(members, **options)`` before the group's first decision in each episode. The result is
+    called in each step, like a function of ``register_group_behavior``.
 
     Args:
         kinematics: As for ``register_behavior``.
         action: See there.
 
     Raises:
-        UnknownNameError: There is no such drive.
-        IrsimGymError: The name is taken for this drive.
+        UnknownNameError: If there is no such drive.
+        IrsimGymError: If the name is taken for this drive.
     """
     return _decorator(families.GROUP_BEHAVIORS, kinematics, action, makes=True)
 
@@ -120,7 +120,7 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
 
 
 def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -> type[Any]:
-    """Return a kind that takes any options; whom it asks depends on the drive."""
+    """Return a kind that accepts any options and calls the function registered for the drive."""
     is_group = registry is families.GROUP_BEHAVIORS
     base = PythonGroupBehavior if is_group else PythonBehavior
     by_drive: dict[str, _Written] = {}
@@ -156,7 +156,7 @@ def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -
 
 
 def _decider(written: _Written, whom: object, memory: dict[str, Any], options: dict[str, Any]) -> Callable[..., Any]:
-    """Return what decides: the function itself, or what it makes, once in each episode."""
+    """Return the deciding function: the registered one, or the one that the factory makes once in each episode."""
     if not written.makes:
         return written.function
     if _HANDLER not in memory:

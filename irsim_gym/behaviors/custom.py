@@ -1,4 +1,4 @@
-"""Behaviours written in plain Python: a function becomes a kind, its keyword parameters the options in YAML."""
+"""Behaviours in plain Python: a function becomes a kind, and its keyword parameters become options in YAML."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 @kind
 class PythonBehavior(RenewsGoals):
-    """What all behaviours written in Python have in common: their options, and how they are called."""
+    """The base class of behaviours in Python: their common options, and how they are called."""
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
@@ -34,17 +34,17 @@ class PythonBehavior(RenewsGoals):
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room for the members' memories."""
+        """Allocate the members' memories."""
         reserve_memory(group, model)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-        """Ask the function for the command of each member that can move, world by world."""
+        """Call the function for the command of each member that can move, world by world."""
         for w in shard.worlds:
             for k, b in enumerate(group.members):
                 state.command[w, b] = 0.0
@@ -60,23 +60,23 @@ class PythonBehavior(RenewsGoals):
 
 @kind
 class PythonGroupBehavior(RenewsMembersGoals):
-    """What all group behaviours written in Python have in common."""
+    """The base class of group behaviours in Python."""
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room for the members' memories."""
+        """Allocate the members' memories."""
         reserve_memory(group, model)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-        """Ask the function for the commands of all members, world by world."""
+        """Call the function for the commands of all members, world by world."""
         for w in shard.worlds:
             here = model.present[w, group.members]
             members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[here]]
@@ -92,7 +92,7 @@ class PythonGroupBehavior(RenewsMembersGoals):
 
 @contextmanager
 def noting(kind: Any, whose: str, state: WorldState, world: int) -> Iterator[None]:
-    """Add to any error of a kind's function for which body, and when, it was called."""
+    """Add the body and the time of the call to any error of a kind's function."""
     try:
         yield
     except Exception as error:
@@ -106,21 +106,20 @@ def noting(kind: Any, whose: str, state: WorldState, world: int) -> Iterator[Non
 def behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[[F], F]:
     """Register a function as a behaviour, to be used as ``behavior: {name: ...}`` in a scenario.
 
-    The function is called as ``f(ego, others, **options)`` once per step, world and body, in the order of the bodies,
-    and sees those before it already moved. It returns the command of the body's drive, e.g. ``[v, w]``. ``ego`` is an
-    ``EgoView``, ``others`` a list of ``BodyView``. Its keyword-only parameters are options in YAML with their types
-    and defaults, besides ``wander``, ``loop``, ``target_roles``, ``range_low`` and ``range_high``. Whatever it has to
-    remember belongs into ``ego.memory``, and random numbers come from ``ego.uniform`` and ``ego.normal``: then a seed
-    gives the same episode in any batch. With ``**more`` at the end of its parameters it takes whatever else the file
-    gives, unchecked.
+    The function is called as ``f(ego, others, **options)`` once per step, world and body, in the order of the bodies;
+    earlier bodies have moved already. It returns the command of the body's drive, e.g. ``[v, w]``. ``ego`` is an
+    ``EgoView``, ``others`` a list of ``BodyView``. Its keyword-only parameters are options in YAML with their types and
+    defaults, in addition to ``wander``, ``loop``, ``target_roles``, ``range_low`` and ``range_high``. Keep memory in
+    ``ego.memory``, and draw random numbers with ``ego.uniform`` and ``ego.normal``, so that a seed gives the same
+    episode in any batch. A function with ``**more`` accepts any further options in the file, without checks.
 
     Args:
         name: Its name in YAML.
         kinematics: Names of the drives that it can command; by default all.
 
     Raises:
-        TypeError: The function's parameters are not as above.
-        IrsimGymError: The name is taken.
+        TypeError: If the function's parameters are not as above.
+        IrsimGymError: If the name is taken.
     """
     return _decorator(name, kinematics, PythonBehavior, families.BEHAVIORS)
 
@@ -128,18 +127,18 @@ def behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[
 def group_behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[[F], F]:
     """Register a function as a group behaviour, to be used as ``group_behavior: {name: ...}`` in a scenario.
 
-    The function is called as ``f(members, others, **options)`` once per step, world and group, before anybody moves.
-    It returns a list with one command for each member; that of a member which cannot move, or which a learner drives,
-    is not used. ``members`` is a list of ``EgoView``, ``others`` a list of ``BodyView`` of the bodies outside of the
-    group. Options, memory and random numbers as for ``behavior``.
+    The function is called as ``f(members, others, **options)`` once per step, world and group, before any body moves.
+    It returns a list with one command for each member; commands of members that cannot move, or that a learner drives,
+    are ignored. ``members`` is a list of ``EgoView``, ``others`` a list of ``BodyView`` of the bodies outside of the
+    group. Options, memory and random numbers work as for ``behavior``.
 
     Args:
         name: Its name in YAML.
         kinematics: Names of the drives that it can command; by default all.
 
     Raises:
-        TypeError: The function's parameters are not as above.
-        IrsimGymError: The name is taken.
+        TypeError: If the function's parameters are not as above.
+        IrsimGymError: If the name is taken.
     """
     return _decorator(name, kinematics, PythonGroupBehavior, families.GROUP_BEHAVIORS)
 
@@ -162,7 +161,7 @@ def write_command(group: Group, model: WorldModel, body: int, answer: Any, comma
     """Write what a function returned into ``command``, shape ``(3,)``.
 
     Raises:
-        BehaviorError: It is no command of the body's drive.
+        BehaviorError: If it is not a command of the body's drive.
     """
     drive = model.drive[body]
     size = 3 if drive == OMNI_ANGULAR else 2

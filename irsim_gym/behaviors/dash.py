@@ -40,12 +40,12 @@ class Dash(RenewsGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Need no memory."""
+        """Do nothing: the behaviour needs no memory."""
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -160,7 +160,7 @@ def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolera
 
     Args:
         model: What the body can do.
-        w: The world.
+        w: World.
         b: The body.
         turn: Which of its velocities is the turn rate.
         error: The bearing [rad].

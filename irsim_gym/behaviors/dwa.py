@@ -19,19 +19,19 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 MOST_SAMPLES = 1000
-"""Most values along an axis."""
+"""Maximum number of values along an axis."""
 
 
 @kind
 class Dwa(LocalPlanner):
-    """Take the command with the lowest cost among those that are admissible and that a step can reach.
+    """Choose the command with the lowest cost among admissible commands that can be reached within a step.
 
-    The body sees what its first range sensor hits, and assumes that it stands still. A constant command moves it along
-    a circle. A command is admissible if the body can stop before this way touches anything. The cost is
+    The body sees what its first range sensor hits, and assumes that it stands still. A constant command moves the body
+    along a circular arc. A command is admissible if the body can stop before the arc touches anything. The cost is
     ``obstacle_weight * c + path_weight * p + goal_weight * g``. c is 253 exp(-cost_scaling d) for the smallest distance
-    d [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), and 0 beyond; for a way that ends
-    at an obstacle it is 253 to 506, the more the sooner. p is the distance of the end of the way from the path [m], and
-    g is the rest of the path from there [m]. A way that arrives early counts as if it went on for the time saved.
+    d [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), and 0 beyond; for an arc that ends
+    at an obstacle, it is 253 to 506, higher for earlier ends. p is the distance of the arc's end from the path [m], and
+    g is the rest of the path from there [m]. An arc that arrives early counts as if it continued for the time saved.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -81,7 +81,7 @@ class Dwa(LocalPlanner):
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
         if min(self.samples) < 1 or max(self.samples) > MOST_SAMPLES:
             yield "samples", f"must be two numbers from 1 to {MOST_SAMPLES}, got {list(self.samples)}"
@@ -90,14 +90,14 @@ class Dwa(LocalPlanner):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Reserve memory for what the members see and follow, and for how they have turned."""
+        """Allocate memory for the members' scans, paths and turns."""
         shape = len(model.present), len(group.members)
         turns = Turns(np.full((*shape, 2), np.nan), np.zeros(shape, np.int64))
         group.tables = [(tables, turns) for tables in LocalTables.reserve(group, model, n_slots)]
 
     @staticmethod
     def begin(group: Group, shard: Shard) -> None:
-        """Forget the paths, and how the members have turned."""
+        """Clear the paths and turns."""
         tables, turns = group.tables[shard.slot]
         forget_ways(shard.worlds, tables.ways)
         forget_turns(shard.worlds, turns)

@@ -39,18 +39,18 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 BOTH = 2
-"""A body has turned on the spot to both sides."""
+"""Value of ``turned`` for turns to both sides."""
 
 
 @dataclass(repr=False)
 class Turns(Struct):
-    """To which sides the members have turned on the spot.
+    """The sides to which the members have turned on the spot.
 
     Attributes:
-        origin: Where each member was when it last had moved far enough to turn to both sides [m], NaN at first; shape
-            ``(n_worlds, n_members, 2)``.
-        turned: To which side it has turned since then: 1 left, -1 right, 0 neither; BOTH or -BOTH: both, left or right
-            at last; shape ``(n_worlds, n_members)``.
+        origin: Position at which each member last had moved far enough to turn to both sides again [m], initially NaN;
+            shape ``(n_worlds, n_members, 2)``.
+        turned: Side to which it has turned since then: 1 left, -1 right, 0 neither; BOTH or -BOTH: both sides, last to
+            the left or right; shape ``(n_worlds, n_members)``.
     """
 
     origin: Floats

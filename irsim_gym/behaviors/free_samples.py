@@ -1,9 +1,9 @@
-"""The nearest sample outside of all cones, found for many rows of samples at once.
+"""Finds the nearest sample outside of all cones, for many rows of samples at once.
 
-A cone cuts a row of samples in one interval: each of its two edges changes its answer once along the row, rounding
-included. Where, is worked out for several rows side by side; one exact question, to the sample nearest to that place,
-settles it. The directions of the edges come from square roots at first. Where that is too close to call, the cone is
-written anew as IR-SIM does it, from angles: so every answer is the one that IR-SIM's rounding gives.
+A cone cuts a row of samples in one interval: the test of each of its two edges changes once along the row, even with
+rounding. The place of the change is computed for several rows at once; one exact test of the sample nearest to that
+place decides. The directions of the edges first come from square roots. If the result is too close to decide, the cone
+is recomputed from angles as in IR-SIM, so that all results agree with IR-SIM's rounding.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
 
 LANES = 16
-"""So many rows are treated side by side: a loop of fixed length without branches becomes vector instructions."""
+"""Number of rows that are treated at once: a loop of fixed length without branches becomes vector instructions."""
 
 ROWS = record_type("x low high below above nearest", LANES)
 """What is known of LANES rows: their velocity along x [m/s]; the samples that are taken, from ``low`` on, up to
@@ -27,7 +27,7 @@ ROWS = record_type("x low high below above nearest", LANES)
 """
 
 SPAN = record_type("low high", LANES)
-"""Number of the first sample of each row in a cone (inf for none), and of the first one behind it."""
+"""Number of the first sample of each row in a cone (inf for none), and of the first one after it."""
 
 CLOSE = 1e-9
 """Nearer to an edge than this [m/s] a sample is asked again, of the exact cone; square roots err by less than 1e-12."""
@@ -35,12 +35,12 @@ CLOSE = 1e-9
 
 @dataclass
 class RvoTables(Struct):
-    """What one body sees and tries. Memory of one shard.
+    """Scratch memory of one shard: what one body sees, and the velocities that it tries.
 
     Attributes:
-        seen: What it sees.
+        seen: What the body sees.
         cones: Forbidden velocities, records of type ``CONE``: of all discs, then of walls.
-        spans: Where each of them cuts rows of samples, records of type ``SPAN``.
+        spans: The cuts of each cone with rows of samples, records of type ``SPAN``.
         rows: A record of type ``ROWS``, shape ``(1,)``.
         samples: The velocities to try along x and y [m/s], ascending, shape ``(2, n_samples)``.
         order: Their indices by distance from the wanted velocity, shape ``(2, n_samples)``.

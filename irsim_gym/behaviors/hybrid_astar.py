@@ -1,4 +1,4 @@
-"""Hybrid A*: a way over poses for the body's own outline, found once and followed forwards and backwards."""
+"""Hybrid A*: a path over poses for the body's own outline, planned once and followed forwards and backwards."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class HybridAstar(RenewsGoals):
-    """Find a way over poses to the goal past all that stands, and follow it, forwards and backwards.
+    """Plan a path over poses to the goal around all standing obstacles, and follow it forwards and backwards.
 
-    The way consists of arcs within the turning limits of the body, of turns on the spot and of straight lines to any
-    side, as its drive has them, and its own outline touches nothing on them. It leads to a place, or with
-    ``arrive_mode: state`` to a place and a heading, and takes little time, changes of direction included. What moves is
-    not on the map: the body waits for what is close ahead, and does not go around it.
+    The path consists of arcs within the turning limits of the body, turns on the spot and straight lines in any
+    direction, as its drive allows, along which the body's own outline touches nothing. It leads to a position, or with
+    ``arrive_mode: state`` to a position and a heading, and takes little time, including changes of direction. Moving
+    bodies are not part of the plan: the body waits for those close ahead, and does not drive around them.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -52,17 +52,17 @@ class HybridAstar(RenewsGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room for the ways, and work out what ways cost where nothing is in the way."""
+        """Allocate memory for the paths, and compute path costs without obstacles."""
         group.tables = PoseTables.reserve(group, model, n_slots)
 
     @staticmethod
     def begin(group: Group, shard: Shard) -> None:
-        """Forget the ways of worlds that begin."""
+        """Clear the paths of worlds that begin."""
         forget_poses(shard.worlds, group.tables)
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Options that local planners share: their goals, what they see, which path they follow, and what a way costs."""
+"""Options that local planners share: goals, perception, path and costs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from irsim_gym.scenario.options import kind, option
 
 @kind
 class LocalPlanner(RenewsGoals):
-    """What ``dwa`` and ``mppi`` have in common."""
+    """The common options of ``dwa`` and ``mppi``."""
 
     path: Literal["straight", "map", "seen"] = option(
         "seen",

@@ -1,4 +1,4 @@
-"""Finding the paths that local planners follow: over the map, or around what scans have shown."""
+"""Computes the paths that local planners follow: on the map, or around what scans have shown."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from irsim_gym.world.state import WorldState
 MAP, SEEN = 1, 2
 """Kinds of paths, in the order of the option ``path``."""
 PATIENCE = 0.5
-"""A path around what was seen is found anew after this time [s] at the earliest."""
+"""Minimum time between two computations of a path around seen obstacles [s]."""
 SHARES = (1.0, 0.5, 0.0)
-"""Shares of the distance that a path keeps from obstacles, one after the other until there is a way."""
+"""Shares of a path's distance from obstacles that are tried in order until there is a path."""
 
 
 def find_paths(group: Group, model: WorldModel, state: WorldState, shard: Shard, tables: LocalTables) -> None:

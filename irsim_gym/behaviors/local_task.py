@@ -1,4 +1,4 @@
-"""What a local planner has to do at one moment: where to go, and what is in the way."""
+"""The task of a local planner at one moment: its goal, path and obstacles."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from irsim_gym.world.state import WorldState
 LETHAL = 253.0
 """Cost of touching the padded footprint, as in ROS's cost maps."""
 CLOSE = 1e-9
-"""Less than this is rounding."""
+"""Tolerance for rounding."""
 
 
 @dataclass(repr=False)
 class LocalTables(Struct):
-    """What a body sees and follows. Memory of one shard.
+    """The tables of what bodies see and follow, with scratch memory of one shard.
 
     Attributes:
-        by_rate: Bodies that are commanded by a turn rate although they steer, shape ``(n_bodies,)``.
-        hits: Scratch: x and y of what the scan hits [m], shape ``(2, n_beams)``.
+        by_rate: Flags of steered bodies that are commanded by a turn rate, shape ``(n_bodies,)``.
+        hits: Scratch: x and y of the scan's hits [m], shape ``(2, n_beams)``.
         poses: Scratch: a record of type ``POSES``, shape ``(1,)``.
         way: Scratch: x and y of the path ahead [m], shape ``(2, MOST_POINTS + 1)``.
         ways: The paths.
@@ -56,20 +56,20 @@ class LocalTables(Struct):
 
 
 class LocalTask(NamedTuple):
-    """What a body has to do, in its own frame.
+    """The task of a body, in its own frame.
 
     Attributes:
-        wheels: How it moves.
+        wheels: Its motion.
         outline: Its outline.
-        reach: Radius that holds it [m].
+        reach: Radius of the disc that encloses it [m].
         n_hits: Number of points that it sees, in ``LocalTables.hits``.
-        bearable: Nearer to something than this a way touches it [m]: the padding, or less if the body is nearer now.
+        bearable: Distance below which a motion counts as touching [m]: the padding, or less if the body is closer now.
         n_way: Number of points of the path, in ``LocalTables.way``.
         length: Length of the path [m].
-        goal_x: The goal [m].
-        goal_y: The goal [m].
-        goal_radius: Nearer to the goal than this it has arrived [m].
-        forward: The end of a way is measured so far ahead of the body [m].
+        goal_x: x of the goal [m].
+        goal_y: y of the goal [m].
+        goal_radius: Distance from the goal below which it has arrived [m].
+        forward: Distance ahead of the body at which the end of a motion is measured [m].
     """
 
     wheels: Wheels

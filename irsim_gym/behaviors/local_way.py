@@ -1,4 +1,4 @@
-"""The path that a local planner follows: straight to the goal, or the shortest around what never moves."""
+"""The path of a local planner: straight to the goal, or the shortest path around everything that never moves."""
 
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 MOST_POINTS = 256
-"""Points of a path that are kept, CELL apart or more; beyond the last but one it is straight."""
+"""Maximum number of stored points of a path, CELL apart or more; beyond the last but one, the path is straight."""
 CELL = 0.1
-"""Side of the cells [m] in which ways are looked for."""
+"""Cell size of the path search [m]."""
 FINEST = 200
-"""Most cells along the longer side of the world."""
+"""Maximum number of cells along the longer side of the world."""
 ASTRAY = 1.0
-"""A body that is farther from its path than this [m] gets another one."""
+"""Distance from its path above which a body gets a new one [m]."""
 
 
 @dataclass(repr=False)
 class LocalWays(Struct):
-    """The paths of a group's members over the map, and what one shard finds them with.
+    """The paths of a group's members on the map, and scratch memory of one shard for computing them.
 
     Attributes:
         row: Number of each body among the members, shape ``(n_bodies,)``.
-        goal: Where each path leads [m], NaN without one, shape ``(n_worlds, n_members, 2)``.
+        goal: The goal of each path [m], NaN without one, shape ``(n_worlds, n_members, 2)``.
         points: Its points [m], shape ``(n_worlds, n_members, MOST_POINTS, 2)``.
-        count: Number of its points, 0 for the straight way, shape ``(n_worlds, n_members)``.
-        side: The side of it beside which the body was, as ``count``.
-        since: The step from which on it may be found anew, as ``count``.
+        count: Number of its points, 0 for the straight line, shape ``(n_worlds, n_members)``.
+        side: Segment of the path beside which the body was, shape ``(n_worlds, n_members)``.
+        since: First step at which it may be computed again, shape ``(n_worlds, n_members)``.
         seen: What the members' scans have shown.
         grid: The grid.
         blocked: Scratch: see ``Search``.
         field: Scratch: see ``Search``.
         queue: Scratch: see ``Search``.
-        path: Scratch: a path as it is found, shape ``(n, 2)``.
-        blocks: Scratch: what is in the way, shape ``(n_bodies,)``.
+        path: Scratch: a computed path, shape ``(n, 2)``.
+        blocks: Scratch: flags of bodies that are obstacles, shape ``(n_bodies,)``.
     """
 
     row: Ints
@@ -123,9 +123,9 @@ def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, length: float, w
     Writes: way.
 
     Args:
-        state: The moment.
+        state: Current state of the worlds.
         ways: The paths.
-        w: The world.
+        w: World.
         b: The body.
         length: Points farther ahead on the path are left out [m].
         way: Written: x and y [m], shape ``(2, MOST_POINTS + 1)``.

@@ -1,4 +1,4 @@
-"""What a body sees of an occupancy map: the walls of its cells, or the discs that stand in them."""
+"""The parts of an occupancy map for behaviours: the walls of its cells, or the discs in them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def map_walls(model: WorldModel, w: int, x: float, y: float, threshold: float, s
 
     Args:
         model: The map.
-        w: The world.
+        w: World.
         x: The point [m].
         y: The point [m].
         threshold: Borders of cells that are nearer than this [m].
@@ -111,7 +111,7 @@ def map_discs(model: WorldModel, w: int, x: float, y: float, threshold: float, d
 
     Args:
         model: The map.
-        w: The world.
+        w: World.
         x: The point [m].
         y: The point [m].
         threshold: Centres that are nearer than this [m].

@@ -21,13 +21,13 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Mppi(LocalPlanner):
-    """Plan the average of random command sequences around the last plan, weighted by exp(-cost / temperature).
+    """Plan the average of random command sequences around the previous plan, weighted by exp(-cost / temperature).
 
     The body sees what its first range sensor hits, and assumes that it stands still. Each sequence is simulated within
     the limits of the drive. Its cost is the integral over ``horizon`` [s] of
     ``goal_weight * g + path_weight * p + obstacle_weight * c``, with g, p and c as for ``dwa`` at each moment. Two of
-    the sequences are not random: the last plan, and a stop. The first command of the average is executed; the rest is
-    the plan for the next decision. The noise comes from the world's random stream.
+    the sequences are not random: the previous plan, and a stop. The first command of the average is executed; the rest
+    is the plan for the next decision. The noise comes from the world's random stream.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -56,12 +56,12 @@ class Mppi(LocalPlanner):
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Reserve memory for what the members see, follow, plan and try."""
+        """Allocate memory for the members' scans, paths, plans and samples."""
         n_steps = max(1, round(max(options.horizon for options in group.options) / float(model.step_time[0])))
         n_samples = max(options.samples for options in group.options)
         nominal = np.zeros((len(model.present), len(group.members), n_steps, 2))
@@ -72,7 +72,7 @@ class Mppi(LocalPlanner):
 
     @staticmethod
     def begin(group: Group, shard: Shard) -> None:
-        """Forget paths and plans."""
+        """Clear paths and plans."""
         tables, samples = group.tables[shard.slot]
         forget_ways(shard.worlds, tables.ways)
         forget_plans(shard.worlds, samples)

@@ -23,12 +23,12 @@ from irsim_gym.world.state import WorldState
 
 @dataclass(repr=False)
 class Samples(Struct):
-    """The planned commands of a group's members, and what one shard tries.
+    """The planned commands of a group's members, and scratch memory of one shard for samples.
 
     Attributes:
-        nominal: What each member means to ask for in the steps to come, shape ``(n_worlds, n_members, n_steps, 2)``.
-        asked: Scratch: what is tried, shape ``(n_samples, n_steps, 2)``.
-        cost: Scratch: what each of these costs, shape ``(n_samples,)``.
+        nominal: Planned commands of each member for the coming steps, shape ``(n_worlds, n_members, n_steps, 2)``.
+        asked: Scratch: sampled commands, shape ``(n_samples, n_steps, 2)``.
+        cost: Scratch: cost of each sample, shape ``(n_samples,)``.
     """
 
     nominal: Floats
@@ -37,13 +37,13 @@ class Samples(Struct):
 
 
 class Motion(NamedTuple):
-    """What a body does and what it can do, in the numbers of its command; rows of shape ``(3,)``.
+    """The motion and limits of a body, in the coordinates of its command; rows of shape ``(3,)``.
 
     Attributes:
-        now: What it executes.
+        now: Executed velocities.
         low: Lower limits.
         high: Upper limits.
-        sharpest: Greatest accelerations.
+        sharpest: Maximum accelerations.
         steering: Steering angle [rad].
         step: Duration of a step [s].
     """
@@ -58,7 +58,7 @@ class Motion(NamedTuple):
 
 @kernel
 def forget_plans(worlds: Ints, samples: Samples) -> None:
-    """Let the members of some worlds mean to stand.
+    """Reset the plans of members in some worlds to standing still.
 
     Writes: samples (nominal).
     """

@@ -41,12 +41,12 @@ class OrcaGroup(RenewsMembersGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Mark who is avoided, and make scratch memory."""
+        """Mark the bodies to avoid, and allocate scratch memory."""
         n_bodies, n_parts = len(model.role), model.local_segments.shape[1] + model.local_discs.shape[1]
         is_member, plans = np.zeros(n_bodies, np.bool_), np.zeros(n_bodies, np.bool_)
         is_member[group.members] = True

@@ -1,7 +1,7 @@
-"""The members of an ORCA group where they are now, laid side by side by square, and the search for the nearest ones.
+"""The members of an ORCA group sorted by the squares of a grid, and the search for the nearest ones.
 
-A square grid lies over the world. What lies outside of it is put into the nearest square at its border, so nothing is
-ever missed. A search looks at a ring of squares about its own, and at wider ones until it has found enough.
+A square grid covers the world. Members outside of it are put into the nearest square at its border, so none is missed.
+A search looks at a ring of squares about its own, and at wider ones until it has found enough members.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 FEW = 32
-"""So few members are looked through one by one."""
+"""Number of members up to which they are searched one by one."""
 
 ROUNDING = 1.0 + 1e-9
-"""By this much a square is wider than what a ring of squares promises to hold."""
+"""Factor by which a square is wider than the range that a ring of squares must cover."""
 
 
 MOVE = record_type("vx vy radius")
-"""How a member moves [m/s], and its radius [m]."""
+"""Velocity [m/s] and radius [m] of a member."""
 
 
 class Squares(NamedTuple):
-    """The squares that members are sorted by.
+    """The squares into which members are sorted.
 
     Attributes:
         x: Lower left corner [m].
@@ -54,24 +54,24 @@ class Squares(NamedTuple):
 
 @dataclass
 class Crowd(Struct):
-    """The members of a group, and memory of one shard for those of one world.
+    """The members of a group, and scratch memory of one shard for those of one world.
 
     Attributes:
         members: Bodies that see or are seen, shape ``(n_members,)``.
-        squares: The squares that they are sorted by.
-        seen: Who can be seen, shape ``(body,)``.
-        plans: Who plans, shape ``(body,)``.
-        x: Abscissa of each member that is there, square by square; infinite for one that nobody sees [m].
-        y: Its ordinate [m].
-        moves: How it moves, records of type ``MOVE``.
-        body: Which body it is.
-        square: Square of each member of the group, -1 for one that is absent.
-        starts: First of the members in each square.
-        found: Members that a search found.
+        squares: The squares into which they are sorted.
+        seen: Flags of bodies that can be seen, shape ``(body,)``.
+        plans: Flags of bodies that plan, shape ``(body,)``.
+        x: x of each present member, square by square; infinite for members that no body sees [m].
+        y: y of each present member, likewise [m].
+        moves: Motion of each present member, records of type ``MOVE``.
+        body: Body of each present member.
+        square: Square of each member of the group, -1 for absent members.
+        starts: First member in each square.
+        found: Members found by a search.
         gap2: Their squared distances [m2].
         nearest: The nearest of them, nearest first.
-        nearest_gap: Their squared distances [m2].
-        lanes: What ``disc_planes`` reads and writes, shape ``(1,)``.
+        nearest_gap: Squared distances of the nearest ones [m2].
+        lanes: Input and output of ``disc_planes``, shape ``(1,)``.
     """
 
     members: Ints
@@ -174,7 +174,7 @@ def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> 
 
 @kernel
 def find_nearest(model: WorldModel, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
-    """Write the nearest members that a member sees, nearest first; return how many there are.
+    """Write the nearest members that a member sees, nearest first; return their number.
 
     The circle in which it looks for them grows until it holds enough of them.
 
@@ -231,7 +231,7 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
 
 @kernel
 def keep_visible(model: WorldModel, b: int, n_found: int, crowd: Crowd) -> int:
-    """Keep those of the members that were found which body b sees; return their number.
+    """Keep those found members that body b sees; return their number.
 
     Reads: model (seen_row, watchers), crowd (body, found, gap2).
     Writes: crowd (found, gap2).

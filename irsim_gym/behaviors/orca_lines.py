@@ -13,17 +13,17 @@ from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
 
 HALF, WHOLE = 0.5, 1.0
-"""Part of a change of velocity that falls to a body: among equals, and where the other does not give way."""
+"""Share of a change of velocity that a body takes: among equals, and if the other body does not yield."""
 
 LANES = 16
-"""So many discs are treated in one go: a loop of fixed length without branches becomes vector instructions."""
+"""Number of discs that are treated at once: a loop of fixed length without branches becomes vector instructions."""
 
 DISC_LANES = record_type("x y vx vy radius nx ny least", LANES)
 """LANES discs, as ``Other`` has them, and the half-planes of velocities that avoid them."""
 
 
 class Other(NamedTuple):
-    """A disc to be avoided.
+    """A disc to avoid.
 
     Attributes:
         x: Its centre, relative to that of the body that decides [m].

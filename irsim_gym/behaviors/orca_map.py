@@ -15,7 +15,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 
 SIGHT = 3.0
-"""A map is seen up to here [m]: it has very many walls or discs, and far ones matter later."""
+"""Range of view for maps [m], which have many walls or discs, of which distant ones matter only later."""
 
 
 @kernel
@@ -38,7 +38,7 @@ def add_map(
 
     Args:
         model: The map.
-        w: The world.
+        w: World.
         ego: The body that decides.
         horizon: Collisions later than this are ignored [s].
         within: Walls and discs this far away or farther are left out [m].

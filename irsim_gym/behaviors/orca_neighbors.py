@@ -1,4 +1,4 @@
-"""What stands in the way of an ORCA body: walls and discs of bodies that never move."""
+"""Static obstacles of an ORCA body: walls and discs of bodies that never move."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 FEW_WALLS = 64
-"""So many bodies without motion are looked through one by one; more are looked up in the buckets."""
+"""Number of static bodies up to which they are searched one by one; more are looked up in the buckets."""
 
 
 @dataclass
 class OrcaObstacles(Struct):
-    """What never moves. Memory of one shard.
+    """The static obstacles, with scratch memory of one shard.
 
     Attributes:
-        walls: Bodies that never move and are avoided, shape ``(n_walls,)``.
-        is_wall: The same as flags, shape ``(body,)``.
+        walls: Bodies that never move and must be avoided, shape ``(n_walls,)``.
+        is_wall: Flags of these bodies, shape ``(body,)``.
         nearby: Scratch for a search of bodies, shape ``(body,)``.
         parts: Sides and discs in reach, nearest first: the row of a side in the table of segments, or that of a disc
             behind all of that table. Shape ``(segment + disc,)``.
@@ -91,9 +91,9 @@ def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: flo
     Writes: obstacles (nearby, owners, parts, parts_gap).
 
     Args:
-        model: What there is.
-        state: Where it is.
-        w: The world.
+        model: Constants of the worlds.
+        state: Current state of the worlds.
+        w: World.
         b: The body that looks.
         within: Sides this far away or farther are left out [m].
         obstacles: ``parts`` and ``owners`` are written.

@@ -1,4 +1,4 @@
-"""How the members of an ORCA group choose their velocities."""
+"""The choice of velocities by the members of an ORCA group."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 AT_GOAL = 0.1
-"""An omnidirectional body this near to its goal wants to stand still [m]."""
+"""Distance from its goal below which an omnidirectional body prefers to stand still [m]."""
 
 TOLERANCE = 0.1
-"""A differential body does not turn for a smaller angle [rad]."""
+"""Angle below which a differential body does not turn [rad]."""
 
 SLOW = 0.02
-"""A differential body does not move for a lower speed [m/s]."""
+"""Speed below which a differential body does not move [m/s]."""
 
 HELD = 0.1
-"""Whose plan is slower than this part of its greatest speed is held up by others."""
+"""Share of its maximum speed below which a body's plan counts as held up by others."""
 
 
 @dataclass
 class OrcaTables(Struct):
-    """What the members of a group need to decide. Memory of one shard.
+    """The tables for the decisions of a group, with scratch memory of one shard.
 
     Attributes:
         deciding: The members whose commands are written, shape ``(n_deciding,)``.
         crowd: The members.
-        obstacles: What never moves.
-        planes: Half-planes of permitted velocities, records of type ``HALF_PLANE``: the hard ones first.
+        obstacles: The static obstacles.
+        planes: Half-planes of permitted velocities, records of type ``HALF_PLANE``, hard ones first.
         spare: Scratch, as many half-planes.
     """
 

@@ -1,7 +1,7 @@
 """Half-planes of velocities that avoid walls (van den Berg et al. 2011, section 5: static obstacles).
 
-A wall is a directed edge from a to b that is seen from its right, the outer side of an outline that runs
-counter-clockwise; a thin wall is seen from both sides. All points are relative to the body that looks.
+A wall is a directed edge from a to b that is seen from its right, the outer side of a counter-clockwise outline; a thin
+wall is seen from both sides. All points are relative to the observing body.
 The velocities that lead to a collision within the horizon are the edge, divided by the horizon and grown by the body's
 disc, and all that lies behind it: a blunt cone with a left leg through a, a right leg through b, and a front.
 """
@@ -25,8 +25,8 @@ class Edge(NamedTuple):
     """An edge as a body sees it.
 
     Attributes:
-        is_seen: Its front is turned to the body; if not, nothing else counts.
-        ax: Its beginning, relative to the body [m].
+        is_seen: Whether its front faces the body; if not, the other fields are unused.
+        ax: Its start, relative to the body [m].
         ay: Likewise.
         bx: Its end [m].
         by: Likewise.
@@ -55,16 +55,16 @@ UNSEEN = Edge(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Front(NamedTuple):
-    """What of an edge a blunt cone begins with.
+    """The front of a blunt cone.
 
     Attributes:
-        ax: Where its left leg begins, relative to the body [m].
+        ax: Start of its left leg, relative to the body [m].
         ay: Likewise.
-        bx: Where its right leg begins [m].
+        bx: Start of its right leg [m].
         by: Likewise.
-        convex_a: The left leg is a tangent; if not, it runs along the edge.
-        convex_b: The right leg is a tangent; if not, it runs along the edge.
-        is_point: Both legs begin at one end of the edge.
+        convex_a: Whether the left leg is a tangent; if not, it runs along the edge.
+        convex_b: Whether the right leg is a tangent; if not, it runs along the edge.
+        is_point: Whether both legs begin at the same end of the edge.
     """
 
     ax: float

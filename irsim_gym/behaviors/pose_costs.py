@@ -1,7 +1,7 @@
-"""The cost of the way to a goal where nothing is in the way, by place and heading relative to the goal.
+"""Costs of paths to a goal without obstacles, by position and heading relative to the goal.
 
-What Dolgov, Thrun, Montemerlo and Diebel (2008) call the heuristic without obstacles: a car that stands beside its goal
-is far from it. Dijkstra's search goes from the goal backwards over the moves of the body.
+This is the obstacle-free heuristic of Dolgov, Thrun, Montemerlo and Diebel (2008): a car that stands beside its goal is
+far from it. Dijkstra's search starts at the goal and follows the moves of the body backwards.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ COARSE = 2
 """The cells of the table are so many times as large as those of the search, and as many times fewer headings differ."""
 N_TURNS = N_HEADINGS // COARSE
 LEAST_HALF, FARTHEST = 1, 16
-"""Least and most cells from the goal to the edge of the table."""
+"""Minimum and maximum number of cells from the goal to the edge of the table."""
 STEERING = 0.3
 """Cost of a change of how far moves turn [s/rad]."""
 TURNS_AWAY = 4.0
-"""The table reaches so many radii of the sharpest arc."""
+"""Extent of the table, in radii of the sharpest arc."""
 
 
 class Aim(NamedTuple):
-    """Where a body is to arrive.
+    """The goal of a search.
 
     Attributes:
-        x: The goal [m].
-        y: The goal [m].
-        heading: Its heading [rad]; NaN for any.
-        radius: It has arrived nearer than this: metres, and radians with a heading, together.
+        x: x of the goal [m].
+        y: y of the goal [m].
+        heading: Heading at the goal [rad]; NaN for any.
+        radius: Distance below which the body has arrived; with a heading, metres and radians combined.
     """
 
     x: float

@@ -1,4 +1,4 @@
-"""One body on its way over poses: how fast it may go on, and when it looks for another way."""
+"""Drives one body along its path over poses: its speed, and when it plans again."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.world.state import WorldState
 
 PARTS = 4
-"""Speeds that are tried, each half of the one before."""
+"""Number of speeds that are tried, each half of the previous one."""
 CLOSE = 0.01
-"""So near to the end of a gear the next one begins [m or rad]."""
+"""Distance from the end of a gear at which the next one begins [m or rad]."""
 DRIFT = 0.05
-"""So far from its way a body gets at the speed that it chooses [m], unless it is farther already."""
+"""Maximum distance from its path at the chosen speed [m], unless the body is farther away already."""
 ASTRAY = 0.5
-"""A body that is farther from its way looks for another one [m]."""
+"""Distance from its path above which a body plans again [m]."""
 PATIENCE, SOON = 100, 10
-"""Steps after which a body looks for a way again where it found none, or cannot follow the one that it found."""
+"""Number of steps after which a body plans again if it found no path, or cannot follow it."""
 KEPT = 0.005
-"""Distance from obstacles that a body keeps on its way [m], unless it is nearer now."""
+"""Distance from obstacles that a body keeps on its path [m], unless it is closer now."""
 
 
 @kernel
@@ -50,7 +50,7 @@ def stops_in_time(
     drift: float,
     room: float,
 ) -> bool:
-    """Return whether a body keeps away from everything in a step along its way, and as it comes to a stop on it.
+    """Return whether a body stays clear in a step along its path, and while it brakes to a stop on the path.
 
     Args:
         obstacles: What is in the way, where it is now.

@@ -1,4 +1,4 @@
-"""Following a way over poses: where a body is on it, and the command that goes on along it, forwards or backwards."""
+"""Follows a path over poses: the body's place on it, and the command along it, forwards or backwards."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from irsim_gym.jit import kernel
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
 
 SETTLE, SETTLE_STEPS = 0.2, 5.0
-"""Within so many metres, or steps at its speed if that is more, a body is back on its way."""
+"""Distance [m], or number of steps at its speed if that is more, within which a body returns to its path."""
 FAR = 4.0
-"""What is left of the way is looked at so far [m or rad]."""
+"""Distance up to which the rest of the path is considered [m or rad]."""
 ONWARD = 4
-"""Most moves that a body gets on in a step."""
+"""Maximum number of moves that a body passes in a step."""
 SLOWEST = 0.1
-"""Least share of the speed while a body cannot turn yet as it should."""
+"""Minimum share of the speed while a body cannot turn as required yet."""
 
 
 class PoseMotion(NamedTuple):
-    """A moment of a body that moves.
+    """The motion of a body at one moment.
 
     Attributes:
         pose: x, y, heading [m, m, rad].
@@ -45,11 +45,11 @@ class PoseMotion(NamedTuple):
 
 
 class OnWay(NamedTuple):
-    """A place on a way.
+    """A place on a path.
 
     Attributes:
-        piece: The move.
-        share: How much of it lies behind.
+        piece: Number of the move.
+        share: Completed share of the move.
     """
 
     piece: int

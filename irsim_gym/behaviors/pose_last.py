@@ -1,4 +1,4 @@
-"""The move that leads from a pose straight to the goal: one arc, one slide, or one turn on the spot."""
+"""The last move, from a pose straight to the goal: an arc, a slide, or a turn on the spot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 
 THERE = 1e-6
-"""Nearer than this a body is at the place [m]."""
+"""Distance below which a body is at the position [m]."""
 
 
 @kernel

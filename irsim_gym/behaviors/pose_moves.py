@@ -1,4 +1,4 @@
-"""The moves of which a way over poses consists: arcs, turns on the spot, and slides, within a drive's limits."""
+"""The moves of a path over poses: arcs, turns on the spot, and slides, within a drive's limits."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ and its gear. Speed ahead, speed to the left and turn rate are in the same propo
 BACKWARD, FORWARD, SPIN, SLIDE = -1, 1, 2, 3
 """Gears; turning on the spot to the right is -SPIN. Between moves of different gears a body stops."""
 SPARE = 0.9
-"""Arcs take this share of what a body can turn; the rest is for following them."""
+"""Share of a body's turning limits that arcs use; the rest is reserved for following them."""
 SHARPEST = 0.6
-"""Most that an arc turns [rad]."""
+"""Maximum turn of an arc [rad]."""
 BENDS = 2
-"""Arcs to either side."""
+"""Number of arcs to either side."""
 DIRECTIONS = 16
-"""Directions of slides."""
+"""Number of directions of slides."""
 MOST_MOVES = 24
-"""Room for moves; the last place is that of the move that leads to the goal."""
+"""Maximum number of moves; the last entry is reserved for the move to the goal."""
 
 
 @kernel

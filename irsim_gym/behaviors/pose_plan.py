@@ -1,4 +1,4 @@
-"""Finding a member's way over poses, and writing it into the tables."""
+"""Plans a member's path over poses, and writes it into the tables."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 PADDING = 0.02
-"""Least distance that ways keep from obstacles [m], or what a body has where it begins."""
+"""Minimum distance of paths from obstacles [m], unless the body starts closer."""
 TIGHT = 0.999
-"""A body that begins nearer to something keeps this share of the distance."""
+"""Share of its distance from an obstacle that a body keeps if it starts closer."""
 ATTEMPTS = 2
-"""Where no way is found it is looked for again, over cells half as large."""
+"""If no path is found, the search is repeated with cells of half the size."""
 
 
 @kernel

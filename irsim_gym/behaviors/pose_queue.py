@@ -1,4 +1,4 @@
-"""Memory of a search over poses: the poses that were found, which is next, and which cells are done."""
+"""Memory of a search over poses: found poses, the queue, and closed cells."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ MOST_CLOSED = 1 << 17
 PLACES = 262_139
 """Places of the table of cells that are done: a prime, twice as many as are ever taken."""
 SCATTER = 7919
-"""Neighbouring cells lie so many places apart."""
+"""Distance between the entries of neighbouring cells."""
 NOBODY = -1
 UNKNOWN = -1.0
 
 
 class PoseNodes(NamedTuple):
-    """Poses that a search has found; the first axis is the slot, unless they are those of one slot.
+    """The poses that a search has found; the first axis is the slot, except in a slot's own memory.
 
     Attributes:
         pose: x, y, heading [m, m, rad], shape ``(MOST_NODES, 3)``.
-        cost: Cost of the way there [s], shape ``(MOST_NODES,)``, as all that follow.
-        room: Least distance of the body on the move that leads there [m], ``UNKNOWN`` until it is looked at.
-        parent: The pose that it was reached from, ``NOBODY`` for the start.
-        move: The move that led there.
-        key: The queue: what was to be paid at least, in the order of a binary heap.
+        cost: Cost of the path to the pose [s], shape ``(MOST_NODES,)``, like the following arrays.
+        room: Minimum distance of the body from obstacles on the move to the pose [m], ``UNKNOWN`` until computed.
+        parent: The previous pose, ``NOBODY`` for the start.
+        move: The move from the previous pose.
+        key: The queue: lower bounds of total costs, as a binary heap.
         item: The queue: the poses.
-        closed: Numbers of the cells that are done, ``NOBODY`` in a free place, shape ``(PLACES,)``.
+        closed: Numbers of the closed cells, ``NOBODY`` in free entries, shape ``(PLACES,)``.
     """
 
     pose: Floats
@@ -121,7 +121,7 @@ def is_closed(closed: Ints, cell: int) -> bool:
 
 @kernel
 def close_cell(closed: Ints, cell: int) -> None:
-    """Note that a cell, which is not, is done.
+    """Mark a cell that is not yet done as done.
 
     Writes: closed.
     """

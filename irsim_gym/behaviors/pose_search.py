@@ -1,8 +1,8 @@
-"""Hybrid A* (Dolgov, Thrun, Montemerlo, Diebel 2008): a way over poses on which a body's own outline touches nothing.
+"""Hybrid A* (Dolgov, Thrun, Montemerlo, Diebel 2008): a path over poses on which a body's outline touches nothing.
 
-The search goes over cells of place and heading and keeps in each the pose that it reached. What is left to the goal is
-the longer of two ways: that of a point around what is in the way, and that of the body where nothing is in the way.
-Moves are looked at when their poses are next in the queue, not before.
+The search runs over cells of position and heading, and keeps the pose that it reached in each cell. The heuristic is
+the higher cost of two paths: that of a point around the obstacles, and that of the body without obstacles. Moves are
+tested only when their poses are next in the queue.
 """
 
 from __future__ import annotations
@@ -37,25 +37,25 @@ NEAR = 2.0
 GREED = 1.3
 """What is left counts so many times: ways cost little more than the least, and are found much sooner."""
 LAST_CELLS = 6.0
-"""From so many cells away a move may lead straight to the goal."""
+"""Maximum distance from which a move may lead straight to the goal [cells]."""
 LEAST_STEP = 1e-3
-"""Poses along a move are looked at no closer together than this [m]."""
+"""Minimum distance between tested poses along a move [m]."""
 
 
 class PoseTask(NamedTuple):
-    """What a search is about.
+    """The task of a search.
 
     Attributes:
-        obstacles: What is in the way.
+        obstacles: The obstacles.
         shape: The body's outline.
-        padding: Least distance that is kept [m].
+        padding: Minimum distance from obstacles [m].
         aim: The goal.
         moves: The body's moves, shape ``(n_moves,)``.
-        last: Scratch: the move that leads straight to the goal.
-        fastest: Its greatest speed [m/s].
-        cell: Side of a cell of the search [m].
-        costs: Costs of the way to the goal where nothing is in the way, see ``pose_costs``.
-        costs_cell: Side of their cells [m].
+        last: Scratch: the move straight to the goal.
+        fastest: The body's maximum speed [m/s].
+        cell: Cell size of the search [m].
+        costs: Costs of paths to the goal without obstacles, see ``pose_costs``.
+        costs_cell: Cell size of ``costs`` [m].
         grid: The grid of ``field``.
         field: Distance of a disc within the body from the goal [m].
         options: Those of ``HybridAstar``.

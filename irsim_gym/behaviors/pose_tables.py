@@ -1,4 +1,4 @@
-"""The ways over poses of the members of a group, and what they are found with."""
+"""The paths over poses of the members of a group, and the tables for planning them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from irsim_gym.world.model import STATE, WorldModel
 from irsim_gym.world.rows import row_of
 
 MOST_PIECES = 256
-"""Moves of a way that are kept; a longer one is found anew where they end."""
+"""Maximum number of stored moves of a path; a longer path is planned again at their end."""
 X, Y, HEADING, AHEAD, LEFT, TURN, GEAR = 0, 1, 2, 3, 4, 5, 6
 CELL = 0.75
 """Side of the cells of the search, as a share of the radius of the largest disc about the origin within the body."""
@@ -36,7 +36,7 @@ NEARER = 0.6
 
 
 class PoseWay(NamedTuple):
-    """A way over poses.
+    """A path over poses.
 
     Attributes:
         pieces: Its moves: where each begins, x, y, heading [m, m, rad], how far it leads ahead and to the left [m], how
@@ -50,7 +50,7 @@ class PoseWay(NamedTuple):
 
 @dataclass(repr=False)
 class PoseTables(Struct):
-    """The ways of the members over poses, and what they are found with.
+    """The paths of the members over poses, and the tables for planning them.
 
     Attributes:
         cell: Side of a member's cells [m], shape ``(n_members,)``.

@@ -1,4 +1,4 @@
-"""Pursuit: the shortest way on the map, followed by regulated pure pursuit."""
+"""Pursuit: the shortest path on the map, followed by regulated pure pursuit."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Pursuit(RenewsGoals):
-    """Find the shortest way to the goal past all that stands, and follow it by regulated pure pursuit.
+    """Plan the shortest path to the goal around all standing obstacles, and follow it by regulated pure pursuit.
 
-    A body counts as the disc about its origin that holds it. What moves is not on the map: the body waits for what is
-    close ahead, and does not go around it. With ``known: seen`` it sees by its scans alone, remembers what they hit,
-    also what has moved since, and finds its way anew when something new is in it; where no way is left it forgets all
-    but its latest scan.
+    A body counts as the disc about its origin that encloses it. Moving bodies are not part of the plan: the body waits
+    for those close ahead, and does not drive around them. With ``known: seen``, it knows only what its scans have hit,
+    including bodies that have moved since, and plans again if a new obstacle blocks its path; without a path, it
+    forgets all but its latest scan.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -84,7 +84,7 @@ class Pursuit(RenewsGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
         if self.lookahead_max is not None and self.lookahead_max < self.lookahead_min:
             yield "lookahead_max", f"must be >= lookahead_min, {self.lookahead_min:g}, got {self.lookahead_max:g}"
@@ -96,14 +96,14 @@ class Pursuit(RenewsGoals):
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room for the ways, and fill in what is not given."""
+        """Allocate memory for the paths, and fill in default options."""
         speed = group.params["speed"]
         group.params["speed"] = np.where(np.isnan(speed), np.inf, speed)
         group.tables = PursuitTables.reserve(group, model, n_slots)
 
     @staticmethod
     def begin(group: Group, shard: Shard) -> None:
-        """Forget the ways of worlds that begin."""
+        """Clear the paths of worlds that begin."""
         forget_ways(shard.worlds, group.tables)
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""The commands that bring a body to a point ahead, for each drive."""
+"""The commands of each drive towards a point ahead."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
 
 STEEPEST = 1.5
-"""Greatest steering angle that is reckoned with [rad]: a car that turns by rate has no other limit."""
+"""Maximum assumed steering angle [rad], since a car commanded by a turn rate has no other limit."""
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""One body in pursuit: whether it is under way, what is in its way, and its command."""
+"""Drives one body in pursuit: whether it has to drive, its obstacles, and its command."""
 
 from __future__ import annotations
 

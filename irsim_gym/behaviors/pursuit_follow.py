@@ -1,4 +1,4 @@
-"""Following a way: the command that goes on along it and can still be stopped before anything is touched."""
+"""Follows a path by commands after which the body can still stop before it touches anything."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
 
 TRIES = 5
-"""Points ahead that are tried, each half as far away as the one before."""
+"""Number of points ahead that are tried, each half as far away as the previous one."""
 SLOWEST = 0.05
-"""The least share of the regulated speed that is tried."""
+"""Minimum share of the regulated speed that is tried."""
 STRAIGHT = 1e-3
 """A body that is to turn on the spot before it goes on looks ahead up to this [rad]."""
 BEHIND, AHEAD = 0.5 * np.pi, 0.1
@@ -32,14 +32,14 @@ SIGHT = 1.0
 
 
 class Course(NamedTuple):
-    """A way and where the body is on it.
+    """A path, and the body's place on it.
 
     Attributes:
-        points: Points of the way [m], shape ``(n_points, 2)``.
+        points: Points of the path [m], shape ``(n_points, 2)``.
         n_points: Number of points, at least 2.
-        side: The side on which the body was.
-        margin: How far from what stands the way keeps the body's surface [m].
-        goes_on: The way leads on behind its end: there is no slowing down.
+        side: Segment of the path on which the body was.
+        margin: Clearance of the body's surface from standing obstacles along the path [m].
+        goes_on: Whether the path continues beyond its last point, so that the body does not slow down.
     """
 
     points: Floats

@@ -1,4 +1,4 @@
-"""Where a command leads: one step with it, and then a stop as soon as the body's limits allow."""
+"""Predicts the motion of a command: one step, and then a stop as soon as the body's limits allow."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ Command = tuple[float, float, float]
 
 
 class Moving(NamedTuple):
-    """What a body does and what it can do.
+    """The motion and limits of a body.
 
     Attributes:
-        drive: How its command reads, see ``world.model``.
-        by_rate: The second number of an Ackermann drive's command is a turn rate, no steering angle.
+        drive: Its drive, see ``world.model``.
+        by_rate: Whether the second number of an Ackermann drive's command is a turn rate instead of a steering angle.
         wheelbase: Axle distance [m].
         step: Duration of a step [s].
         pose: x, y, heading [m, m, rad], shape ``(3,)``.
@@ -75,7 +75,7 @@ def executed(moving: Moving, axis: int, asked: float, now: float) -> float:
 
 @kernel
 def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, command: Command) -> bool:
-    """Return whether a body touches nothing in a step with a command and on the way on which it comes to a stop.
+    """Return whether a body touches nothing in a step with a command and while it brakes to a stop.
 
     A body that turns as it drives keeps its curvature as it brakes.
 

@@ -1,4 +1,4 @@
-"""Pursuit on what a body's own scans have shown: points that it remembers, and unknown space taken as free."""
+"""Pursuit by a body's own scans: it remembers hit points, and assumes that unknown space is free."""
 
 from __future__ import annotations
 
@@ -65,10 +65,10 @@ def note_scan(scan: OwnScan, w: int, k: int, b: int, state: WorldState, points: 
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         b: Its body.
-        state: Where it is.
+        state: Current state of the worlds.
         points: Changed.
         hits: Scratch, shape ``(2, n_beams)``.
     """

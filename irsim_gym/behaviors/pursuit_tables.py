@@ -1,4 +1,4 @@
-"""The ways of the members of a group, and what they are found with."""
+"""The paths of the members of a group, and the tables for planning them."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 
 MOST_POINTS = 256
-"""Points of a way that are kept; a longer one is found anew where they end."""
+"""Maximum number of stored points of a path; a longer path is planned again at their end."""
 COARSE, FINE = 0.5, 0.25
-"""Side of the cells in which ways are looked for, as a share of the smallest member's reach."""
+"""Cell size of the path search, as a share of the smallest member's reach."""
 SEEN = 0.25
-"""Side of the cells that hold a point each of what was seen, as a share of the smallest member's reach."""
+"""Cell size of the maps of seen points, as a share of the smallest member's reach."""
 PATIENCE = 10
-"""Steps after which a body looks for a way again where it found none, or could not follow it."""
+"""Number of steps after which a body plans again if it found no path, or could not follow it."""
 TIGHT = 0.999
-"""Where a body stands too near to something, it keeps this share of the distance."""
+"""Share of its distance from an obstacle that a body keeps if it is too close."""
 RINGS, DIRECTIONS = 8, 16
-"""Places that are looked at around an end of a way that is too near to something."""
+"""Number of places that are tried around an end of a path that is too close to an obstacle."""
 HALVINGS = 3
-"""How often the distance to keep is halved where there is no way, first on the coarse cells, then on the fine ones."""
+"""How often the clearance is halved if there is no path, first on the coarse cells, then on the fine ones."""
 
 
 class WayGrid(NamedTuple):
-    """A grid on which ways are looked for, and its memory; the first axis is the slot.
+    """A grid for searching paths, and its memory; the first axis is the slot.
 
     Attributes:
         grid: The grid.
         blocked: See ``paths.grid.Search``.
         field: See ``paths.grid.Search``.
         queue: See ``paths.grid.Search``.
-        path: Points of a way as it is found [m], shape ``(n_slots, n_points, 2)``.
+        path: Points of a computed path [m], shape ``(n_slots, n_points, 2)``.
     """
 
     grid: Grid
@@ -53,7 +53,7 @@ class WayGrid(NamedTuple):
 
     @classmethod
     def over(cls, bounds: Floats, cell: float, n_slots: int) -> Self:
-        """Return a grid over the world with cells of some side [m]; memory is claimed from the system when used."""
+        """Return a grid over the world with a cell size [m]; memory is claimed from the system when used."""
         grid = Grid.over(bounds, cell)
         n_cells = grid.rows * grid.columns
         shape = (n_slots, grid.rows, grid.columns)
@@ -63,7 +63,7 @@ class WayGrid(NamedTuple):
 
 @dataclass(repr=False)
 class PursuitTables(Struct):
-    """The ways of the members, and what they are found with.
+    """The paths of the members, and the tables for planning them.
 
     Attributes:
         coarse: Where ways are looked for.
@@ -218,9 +218,9 @@ def way_between(
 
 @kernel
 def place_beside(obstacles: Obstacles, radius: float, end: Point) -> Point:
-    """Return a point [m], or one near it where a body of some radius may stand, to which it can go straight.
+    """Return the point ``end`` [m], or a nearby one in a straight line if a body of the radius does not fit there.
 
-    On the way it comes no nearer to anything than at the point itself. The point itself if there is none.
+    On this line the body comes no nearer to anything than at ``end``. Return ``end`` if there is no such point.
 
     Reads: obstacles (blocks, cells, model, state, w).
     """

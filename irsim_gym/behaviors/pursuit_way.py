@@ -1,4 +1,4 @@
-"""Where a body is on its way, and the point on it that is so far ahead."""
+"""The place of a body on its path, and points ahead on the path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recorded: walk as a person of a file did."""
+"""Recorded: replay the path of a recorded person."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ STRAIGHT = Turning(1.0, 0.0, 0.0, 0.0)
 
 @kind
 class Recorded:
-    """Replay the way of a recorded person; the body is there only while the person is.
+    """Replay the path of a recorded person; the body is present only while the person is.
 
-    Between rows it walks in straight lines, each step to where its person is by then. What stops it makes it late.
+    Between the rows of the file it walks in straight lines, in each step to the person's next position. If it is
+    stopped, it falls behind.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -50,7 +51,7 @@ class Recorded:
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Lay out where each person is at each step."""
+        """Compute the position of each person at each step."""
         ways = [sampled(options, float(model.step_time[0])) for options in group.options]
         points = np.full((len(ways), max(map(len, ways)) + 1, 2), np.nan)
         for row, way in zip(points, ways, strict=True):
@@ -59,7 +60,7 @@ class Recorded:
 
     @staticmethod
     def appear(group: Group, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
-        """Let the members come and go with their persons."""
+        """Make members present or absent as their recorded persons come and go."""
         come_and_go(shard.worlds, group.members, ahead, model, state, group.tables)
 
     @staticmethod
@@ -70,10 +71,10 @@ class Recorded:
 
 @dataclass
 class RecordedTables(Struct):
-    """Where persons are.
+    """The positions of persons.
 
     Attributes:
-        points: At each step [m], NaN where they are absent, shape ``(n_members, n_steps, 2)``.
+        points: Positions at each step [m], NaN while they are absent, shape ``(n_members, n_steps, 2)``.
     """
 
     points: Floats

@@ -1,4 +1,4 @@
-"""What bodies do at their goals: options that all behaviours share; a member's own come before those of its group."""
+"""Options of all behaviours for what bodies do at their goals; a member's own precede those of its group."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class RenewsMembersGoals:
 
 
 def renewal_problems(options: Any) -> Iterator[tuple[str, str]]:
-    """Yield key and message of what cannot be."""
+    """Yield key and message of invalid or conflicting options."""
     yield from crossed_bounds(options.range_low, options.range_high)
     goals = options.wander_goals
     if goals != defaults(WanderGoals) and not options.wander:

@@ -1,6 +1,6 @@
-"""Where constant commands lead, and how near that comes to what a scan shows: what local planners share.
+"""Rollouts of constant commands, and their distances from a scan's points, for local planners.
 
-All is in the frame of the body as it stands: x ahead, y to the left [m].
+All coordinates are in the body's present frame: x ahead, y to the left [m].
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 LANES = 16
-"""So many poses are compared with a point side by side."""
+"""Number of poses that are compared with a point at once."""
 
 ROUNDING = 1e-9
-"""Relative difference of squared distances that is rounding."""
+"""Relative tolerance of squared distances for rounding."""
 
 POSES = record_type("x y cosine sine near", LANES)
 """Poses [m], and the squared distance of each from the nearest point [m2]."""
@@ -31,7 +31,7 @@ Twist = tuple[float, float, float]
 
 
 class Wheels(NamedTuple):
-    """What tells how a body moves with a command.
+    """How a body moves with a command.
 
     Attributes:
         drive: How the command reads, see ``world.model``.
@@ -85,8 +85,8 @@ def command_window(model: WorldModel, state: WorldState, w: int, b: int, axis: i
 
     Args:
         model: What the body can do.
-        state: The moment.
-        w: The world.
+        state: Current state of the worlds.
+        w: World.
         b: The body.
         axis: Which number of the command.
     """

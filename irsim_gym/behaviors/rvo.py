@@ -1,4 +1,4 @@
-"""RVO: the sampled velocity nearest to the wanted one that leads to no collision (van den Berg et al. 2008)."""
+"""RVO: the collision-free sampled velocity nearest to the preferred one (van den Berg et al. 2008)."""
 
 from __future__ import annotations
 
@@ -55,12 +55,12 @@ class Rvo(RenewsGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Reserve scratch memory for what one body sees and tries."""
+        """Allocate scratch memory for the perception and samples of one body."""
         n_rounds = len(model.role) + model.local_discs.shape[1]
         sight = max(options.neighbor_threshold for options in group.options)
         n_sides, n_discs = model.local_segments.shape[1] + most_map_walls(model, sight), most_map_discs(model, sight)
@@ -84,7 +84,7 @@ class Rvo(RenewsGoals):
 
 
 def _most_samples(params: Any) -> int:
-    """Return an upper bound of the number of velocities that any member tries along an axis."""
+    """Return an upper bound of the number of velocities that any member samples along an axis."""
     widest = np.minimum(params["acce"], np.maximum(params["vxmax"], params["vymax"])).max()
     return int(2.0 * widest / PITCH) + 3
 
@@ -93,7 +93,7 @@ def _most_samples(params: Any) -> int:
 def decide_rvo(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: RvoTables
 ) -> None:
-    """Write the commands of bodies that avoid what they see.
+    """Write the commands of bodies that avoid the bodies they see.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal, heedless, map_disc,
         map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid,
@@ -130,7 +130,7 @@ def choose_velocity(
 ) -> tuple[float, float]:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty.
 
-    Along each axis they are no faster than ``most`` [m/s].
+    Along each axis the samples are no faster than ``most`` [m/s].
 
     Reads: rounds (shape), tables (cones, order, rows, samples, seen).
     Writes: tables (cones, order, rows, samples, seen, spans).

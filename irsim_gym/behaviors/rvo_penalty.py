@@ -1,4 +1,4 @@
-"""The sampled velocity with the least penalty, where every one of them leads to a collision."""
+"""The sampled velocity with the least penalty, if every sample leads to a collision."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def least_penalty(
 ) -> int:
     """Return the sample with the least ``factor / time to the first collision + distance from the wanted velocity``.
 
-    The penalty is that of van den Berg et al. (2008). Samples are looked at from the wanted velocity
-    outwards, as ``tables.order`` has them; of several that are equally good the first counts.
+    The penalty is that of van den Berg et al. (2008). Samples are tried from the wanted velocity outwards, in the order
+    of ``tables.order``; of several equally good samples the first one counts.
 
     Reads: tables (order, samples).
     """
@@ -55,7 +55,7 @@ def least_penalty(
 
 @kernel
 def time_to_collision(ego: Ego, velocity: Vector, rounds: Records, sides: Floats) -> float:
-    """Return when a body with a velocity [m/s] runs into what it sees [s].
+    """Return the time [s] until a body with a velocity [m/s] collides with a body or wall that it sees.
 
     A reciprocal body moves as if it took twice the change: relative to a disc it has the velocity 2 v - v_now - u.
     """
@@ -70,7 +70,7 @@ def time_to_collision(ego: Ego, velocity: Vector, rounds: Records, sides: Floats
 
 @kernel
 def time_to_side(ego: Ego, velocity: Vector, side: Floats) -> float:
-    """Return when a body with a velocity [m/s] meets a segment [s]: its line, up to its radius beyond its ends."""
+    """Return the time [s] until a body with a velocity [m/s] meets a segment, or a radius beyond its ends."""
     x, y, vx, vy, r = ego.x, ego.y, velocity[0], velocity[1], ego.radius
     along_x, along_y = side[2] - side[0], side[3] - side[1]
     length = np.sqrt(along_x * along_x + along_y * along_y)

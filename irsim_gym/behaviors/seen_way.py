@@ -1,4 +1,4 @@
-"""Ways around what the scans of a body have shown so far; what it has not seen counts as free."""
+"""Paths around everything that a body's scans have shown so far; unseen space counts as free."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
 
 
 class SeenCells(NamedTuple):
-    """When cells were last found to be too near to something, in steps of the episode from 1 on; 0: never.
+    """Steps of the episode, counted from 1, in which cells were last found blocked; 0 for never.
 
     Attributes:
-        hard: The body touches something at the cell's centre, shape ``(n_worlds, n_members, rows, columns)``.
-        soft: It does not keep its distance there, shaped as ``hard``.
+        hard: A body at the cell's centre would collide, shape ``(n_worlds, n_members, rows, columns)``.
+        soft: A body at the cell's centre would be closer than its distance, same shape as ``hard``.
     """
 
     hard: Labels
@@ -26,7 +26,7 @@ class SeenCells(NamedTuple):
 
     @classmethod
     def reserve(cls, n_worlds: int, n_members: int, grid: Grid) -> Self:
-        """Return memory for the members of a group that has seen nothing."""
+        """Allocate memory for the members of a group that has seen nothing yet."""
         shape = (n_worlds, n_members, grid.rows, grid.columns)
         return cls(np.zeros(shape, np.int32), np.zeros(shape, np.int32))
 
@@ -35,19 +35,19 @@ class SeenCells(NamedTuple):
 def note_hit(
     x: float, y: float, reach: float, distance: float, grid: Grid, now: int, hard: Labels, soft: Labels
 ) -> None:
-    """Write which cells are too near to a point that was hit.
+    """Mark the cells that are too close to a point that a beam hit.
 
     Writes: hard, soft.
 
     Args:
-        x: The point [m].
-        y: The point [m].
+        x: X coordinate of the point [m].
+        y: Y coordinate of the point [m].
         reach: Radius of the body [m].
-        distance: How far its surface is to keep [m].
+        distance: Distance that the body's surface has to keep [m].
         grid: The grid.
-        now: The step.
-        hard: See ``SeenCells``, of one member.
-        soft: Likewise.
+        now: Current step.
+        hard: ``SeenCells.hard`` of one member.
+        soft: ``SeenCells.soft`` of one member.
     """
     far = reach + distance
     column, row = (x - grid.origin_x) / grid.cell - 0.5, (y - grid.origin_y) / grid.cell - 0.5
@@ -66,16 +66,16 @@ def note_hit(
 def find_seen_way(
     start: Point, goal: Point, grid: Grid, seen: Labels, oldest: int, search: Search, path: Floats
 ) -> int:
-    """Write a short way over cells that are free as far as is known; return its number of points, 0 without one.
+    """Write a short path over cells that are not known to be blocked; return its number of points, 0 if there is none.
 
     Writes: search, path.
 
     Args:
-        start: Where it begins [m]; beside a free cell, if its own is none.
-        goal: Where it leads [m], likewise.
+        start: Start of the path [m]; if its cell is blocked, the path begins with a free cell near it.
+        goal: End of the path [m]; likewise.
         grid: The grid.
-        seen: When cells were last found blocked, shape ``(rows, columns)``.
-        oldest: What was found earlier is forgotten.
+        seen: Step in which each cell was last found blocked, shape ``(rows, columns)``.
+        oldest: Cells found blocked in this step or earlier count as free again.
         search: Scratch.
         path: Written: points [m], shape ``(n_cells + 64, 2)``.
     """
@@ -101,7 +101,7 @@ def find_seen_way(
 
 @kernel
 def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
-    """Leave out points of a path that can be passed by straight over free cells; return how many are left.
+    """Remove the points of a path that a straight line over free cells can skip; return how many are left.
 
     Writes: path.
     """
@@ -119,7 +119,7 @@ def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
 
 @kernel
 def is_still_free(points: Floats, first: int, count: int, grid: Grid, seen: Labels, oldest: int) -> bool:
-    """Return whether the sides of a path from one on lead over no cell that has been found blocked."""
+    """Return whether a path, from point ``first`` on, crosses no cell that has been found blocked."""
     for s in range(first, count - 1):
         ax, ay, dx, dy = points[s, 0], points[s, 1], points[s + 1, 0] - points[s, 0], points[s + 1, 1] - points[s, 1]
         parts = int(np.ceil(2.0 * np.sqrt(dx * dx + dy * dy) / grid.cell)) + 1

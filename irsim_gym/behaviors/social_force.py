@@ -1,4 +1,4 @@
-"""Social forces (Moussaid et al. 2009): a body is pulled to its goal and pushed by others and by walls."""
+"""Social forces (Moussaid et al. 2009): a goal pulls a body, and other bodies and walls push it."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class SocialForce(RenewsGoals):
     interaction_range: float = RANGE
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Reserve scratch memory for what one body sees."""
+        """Allocate scratch memory for the bodies and walls that one body sees."""
         group.tables = [SocialTables.reserve(group, model, together=False) for _ in range(n_slots)]
 
     @staticmethod
@@ -82,7 +82,7 @@ class SocialForce(RenewsGoals):
 def decide_social_force(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: SocialTables
 ) -> None:
-    """Write the commands of bodies that follow social forces; those without a goal stand.
+    """Write the commands of bodies that follow social forces; bodies without a goal stand still.
 
     Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal,
         heedless, map_disc, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count,

@@ -1,4 +1,4 @@
-"""Social forces as a group: all members from one moment, and forces that keep small groups together.
+"""Social forces of a group: all members decide from the same moment, and further forces keep parties together.
 
 The forces within a party are those of Moussaid et al. (2010), as in IR-SIM: coherence, repulsion and gaze.
 """
@@ -68,7 +68,7 @@ class SocialForceGroup(RenewsMembersGoals):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         listed = [member for party in self.social_groups for member in party]
         for member in sorted({one for one in listed if listed.count(one) > 1}):
             yield "social_groups", f"member {member} is listed twice"
@@ -77,16 +77,16 @@ class SocialForceGroup(RenewsMembersGoals):
         yield from renewal_problems(self)
 
     def without_member(self, member: int) -> Self:
-        """Return the same for a group that has lost a member; those after it move up by one."""
+        """Return these options for a group that has lost a member; later members move up by one."""
         parties = (tuple(one - (one > member) for one in party if one != member) for party in self.social_groups)
         return replace(self, social_groups=tuple(party for party in parties if party))
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Reserve scratch memory and number the parties of members.
+        """Allocate scratch memory and number the parties of members.
 
         Raises:
-            IrsimGymError: A party names a member that the group does not have.
+            IrsimGymError: If a party names a member that the group does not have.
         """
         party = np.full(len(group.members), -1)
         for number, listed in enumerate(group.options[0].social_groups):
@@ -109,12 +109,12 @@ class SocialForceGroup(RenewsMembersGoals):
 
 @dataclass
 class PartyTables(Struct):
-    """What the members of a group need to decide. Memory of one shard.
+    """Tables for the decisions of a group's members; each shard has its own.
 
     Attributes:
-        decides: Members whose commands are written, shape ``(n_members,)``.
-        party: The number of the party that each member walks in, -1 for none, shape ``(n_members,)``.
-        forces: What the forces need.
+        decides: Whether each member's command is written, shape ``(n_members,)``.
+        party: Number of each member's party, -1 for none, shape ``(n_members,)``.
+        forces: Tables for the forces.
     """
 
     decides: Flags
@@ -126,7 +126,7 @@ class PartyTables(Struct):
 def decide_social_group(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: PartyTables
 ) -> None:
-    """Write the commands of the members; those without a goal stay, but give way.
+    """Write the commands of the members; members without a goal stay, but give way.
 
     Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal,
         heedless, map_disc, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count,
@@ -151,7 +151,7 @@ def decide_social_group(
 def force_of_party(
     model: WorldModel, state: WorldState, w: int, k: int, members: Ints, party: Ints, options: Any
 ) -> tuple[float, float]:
-    """Return what keeps member k with the others of its party: coherence, repulsion and gaze [m/s2].
+    """Return the force that keeps member k with the others of its party: coherence, repulsion and gaze [m/s2].
 
     Reads: model (present, radius), state (pose, twist).
     """
@@ -189,7 +189,7 @@ def force_of_party(
 
 @kernel
 def head_turn(velocity: Vector, offset: Vector, sight: float) -> float:
-    """Return by how much a walker has to turn its head [rad] to see a point at an offset [m]."""
+    """Return the angle [rad] by which a walker has to turn its head to see a point at an offset [m]."""
     vx, vy, dx, dy = velocity[0], velocity[1], offset[0], offset[1]
     speed, distance = np.hypot(vx, vy), np.hypot(dx, dy)
     if speed <= 1e-9 or distance <= 1e-9:

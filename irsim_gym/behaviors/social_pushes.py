@@ -1,4 +1,4 @@
-"""Social forces: what pushes a body that walks among others.
+"""Social forces: the pushes on a body that walks among others.
 
 The push of other bodies is that of Moussaid et al. (2009), the push of walls and the pull to the goal those of Helbing
 and Molnar (1995), with IR-SIM's constants and roundings.
@@ -57,7 +57,7 @@ def planned_velocity(
     extra: tuple[float, float],
     tables: SocialTables,
 ) -> tuple[float, float]:
-    """Return the velocity that follows from all forces in one step [m/s], no faster than ``vmax`` or a drawn speed.
+    """Return the velocity after one step under all forces [m/s], no faster than ``vmax`` or a drawn speed.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, heedless, map_disc, map_frame,
         map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid, step_time,
@@ -66,14 +66,14 @@ def planned_velocity(
     Writes: tables (discs, nearby, nearest, sides).
 
     Args:
-        model: What there is.
-        state: Where it is.
-        w: The world.
-        b: The body that is pushed.
-        options: Its parameters.
-        wanted: Velocity towards the goal; its direction counts.
+        model: Constants of the worlds.
+        state: Current state of the worlds.
+        w: World.
+        b: Body that is pushed.
+        options: Parameters of the body.
+        wanted: Velocity towards the goal; only its direction counts.
         extra: Another force [m/s2].
-        tables: What the forces need.
+        tables: Tables for the forces.
     """
     vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
     fastest = min(options.vmax, model.drawn_speed[row_of(model.drawn_speed, w), b])
@@ -119,10 +119,10 @@ def follow(model: WorldModel, state: WorldState, w: int, b: int, velocity: tuple
 def push_of_bodies(
     model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
 ) -> tuple[float, float, float, float]:
-    """Return the push of what moves or is a disc (x, y), and that of what stands and has sides (x, y).
+    """Return the push of moving bodies and discs (x, y), and that of standing bodies with sides (x, y).
 
-    The first is seen up to ``neighbor_threshold`` from centre to centroid; the second pushes once for each body, from
-    the nearest point of its outline.
+    The former push up to ``neighbor_threshold`` from centre to centroid; the latter push once for each body, from the
+    nearest point of its outline.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, movable, present, radius, reach, role,
         seen_row, segment_count, segment_start, solid, watchers), state (bucket_first, bucket_next, discs, pose,

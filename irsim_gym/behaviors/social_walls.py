@@ -1,4 +1,4 @@
-"""What walls, and the discs of a map, do to a body that follows social forces.
+"""Social forces: the pushes of walls and of a map's discs on a body.
 
 The push of a wall is that of Helbing and Molnar (1995).
 """
@@ -33,11 +33,11 @@ WALL_POINT = record_type("gap2 x y")
 
 @dataclass
 class SocialTables(Struct):
-    """What the forces on the members of a group need. Memory of one shard.
+    """Tables for the forces on the members of a group; each shard has its own.
 
     Attributes:
-        by_hypot: Round lengths as IR-SIM's group does, not as its single body.
-        among: The bodies that walk in the group, whatever their role, shape ``(body,)``.
+        by_hypot: Whether to round lengths like IR-SIM's group rather than like its single body.
+        among: Whether each body walks in the group, whatever its role, shape ``(body,)``.
         lines: Bodies that are chains of segments, shape ``(n_lines,)``.
         nearby: Scratch for a search of bodies, shape ``(body,)``.
         sides: Scratch for the walls of a map: x0, y0, x1, y1 [m], shape ``(n, 4)``.
@@ -55,7 +55,7 @@ class SocialTables(Struct):
 
     @classmethod
     def reserve(cls, group: Group, model: WorldModel, *, together: bool) -> Self:
-        """Return memory for one shard; ``together``: the members are one group."""
+        """Allocate memory for one shard; ``together`` means that the members are one group."""
         reach = FADED * max(options.sigma_obstacle for options in group.options) + float(model.reach.max()) + MARGIN
         among = np.zeros(len(model.role), np.bool_)
         among[group.members] = together
@@ -87,7 +87,7 @@ def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, f
 def push_of_lines(
     model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
 ) -> tuple[float, float]:
-    """Return the push of all segments of linestrings: each pushes by itself.
+    """Return the push of the segments of all linestrings; each segment pushes on its own.
 
     Reads: model (heedless, movable, present, radius, role, seen_row, segment_count, segment_start, watchers), state
         (pose, segments), tables (among, lines).
@@ -112,12 +112,12 @@ def push_of_lines(
 def push_of_map(
     model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
 ) -> tuple[float, float]:
-    """Return the push of an occupancy map: of the nearest wall that looks in each of its four directions.
+    """Return the push of an occupancy map: that of the nearest wall that faces each of the four directions.
 
-    Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. So do walls
-    that push the same way, such as the two of a corner and the steps of a slanted wall: of all pushes to one of the
-    four sides the strongest holds. Discs are walls too: that which is nearest among those to one side of the body, up
-    to half a right angle from it, pushes from its nearest point.
+    Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. Walls that
+    push the same way, such as the two of a corner or the steps of a slanted wall, count once too: only the strongest
+    push to each of the four sides acts. Discs count as walls: the nearest disc on each side of the body, up to half a
+    right angle from it, pushes from its nearest point.
 
     Reads: model (map_disc, map_frame, map_squares, radius), state (pose), tables (discs, nearest, sides).
     Writes: tables (discs, nearest, sides).
@@ -139,7 +139,7 @@ def push_of_map(
 
 @kernel
 def find_nearest_walls(model: WorldModel, w: int, x: float, y: float, reach: float, tables: SocialTables) -> None:
-    """Note the nearest points of a map's walls within ``reach`` [m], one for each way that they look.
+    """Note the nearest points of a map's walls within ``reach`` [m], one for each direction that walls face.
 
     Reads: model (map_disc, map_frame, map_squares), tables (nearest, sides).
     Writes: tables (nearest, sides).
@@ -153,7 +153,7 @@ def find_nearest_walls(model: WorldModel, w: int, x: float, y: float, reach: flo
 
 @kernel
 def find_nearest_discs(model: WorldModel, w: int, x: float, y: float, reach: float, tables: SocialTables) -> None:
-    """Note the nearest points of a map's discs within ``reach`` [m], one for each side; none of one that holds (x, y).
+    """Note the nearest points of a map's discs within ``reach`` [m], one for each side; skip discs that hold (x, y).
 
     Reads: model (map_disc, map_frame, map_squares), tables (discs, nearest).
     Writes: tables (discs, nearest).
@@ -170,7 +170,7 @@ def find_nearest_discs(model: WorldModel, w: int, x: float, y: float, reach: flo
 
 @kernel
 def note_nearest(body: Point, point: Point, nearest: Record) -> None:
-    """Note a point if it is nearer to a body [m] than the one that is known."""
+    """Note a point if it is nearer to a body [m] than the noted one."""
     dx, dy = body[0] - point[0], body[1] - point[1]
     gap2 = dx * dx + dy * dy
     if gap2 < nearest.gap2:

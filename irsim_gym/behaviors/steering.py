@@ -1,4 +1,4 @@
-"""From the goal to a velocity in the world frame, and from that to the command of a drive."""
+"""Compute the velocity to a goal in the world frame, and a drive's command from a velocity."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class Turning(NamedTuple):
     """How a differential drive follows a velocity.
 
     Attributes:
-        time: Time in which it wants to face the velocity [s].
-        tolerance: It does not turn for less than this [rad].
+        time: Time in which it turns to face the velocity [s].
+        tolerance: It does not turn for a smaller angle than this [rad].
         slow: It stands still for velocities up to this [m/s].
-        limit: Its greatest turn rate [rad/s].
+        limit: Maximum turn rate [rad/s].
     """
 
     time: float
@@ -35,7 +35,7 @@ class Turning(NamedTuple):
 
 
 def commanded_by_rate(group: Group) -> Flags:
-    """Return whose second number of a command is a turn rate of a car, no steering angle, shape ``(n_members,)``."""
+    """Return for each member whether its command has a turn rate, not a steering angle; shape ``(n_members,)``."""
     bodies = () if group.context is None else group.context.bodies
     modes = [getattr(bodies[b].kinematics, "mode", "") if bodies else "" for b in group.members.tolist()]
     return np.array([mode == "angular" for mode in modes], np.bool_)
@@ -43,7 +43,7 @@ def commanded_by_rate(group: Group) -> Flags:
 
 @kernel
 def goal_offset(state: WorldState, w: int, b: int) -> tuple[float, float]:
-    """Return where a body's goal is relative to the body, in the directions of the world's axes [m].
+    """Return the vector from a body to its goal in the world frame [m].
 
     Reads: state (goal, pose).
     """
@@ -52,7 +52,7 @@ def goal_offset(state: WorldState, w: int, b: int) -> tuple[float, float]:
 
 @kernel
 def clear_command(state: WorldState, w: int, b: int) -> None:
-    """Write a command of zeros.
+    """Write a zero command.
 
     Writes: state (command).
     """
@@ -61,7 +61,7 @@ def clear_command(state: WorldState, w: int, b: int) -> None:
 
 @kernel
 def wanted_velocity(model: WorldModel, state: WorldState, w: int, b: int) -> tuple[float, float]:
-    """Return the velocity straight to the goal [m/s], 0 where it is reached.
+    """Return the velocity straight to the goal [m/s], 0 at the goal.
 
     An omnidirectional drive has a speed for each axis of the world.
 
@@ -80,16 +80,16 @@ def wanted_velocity(model: WorldModel, state: WorldState, w: int, b: int) -> tup
 def to_command(drive: int, heading: float, vx: float, vy: float, turning: Turning, command: Floats) -> None:
     """Write the command that makes a drive follow a velocity; zero for a drive that cannot (Ackermann, none).
 
-    Omnidirectional drives execute the velocity as it is and do not turn. A differential drive turns towards its
-    direction within ``turning.time`` and drives forward with what of it lies ahead, as IR-SIM's does.
+    Omnidirectional drives execute the velocity as it is and do not turn. A differential drive turns towards the
+    direction of the velocity within ``turning.time`` and drives at its forward component, as in IR-SIM.
 
     Args:
-        drive: How the command reads, see ``world.model``.
+        drive: Drive of the body; see ``world.model``.
         heading: Direction of the body's x axis [rad].
-        vx: Velocity in the world frame [m/s].
-        vy: Velocity in the world frame [m/s].
+        vx: X component of the velocity in the world frame [m/s].
+        vy: Y component of the velocity in the world frame [m/s].
         turning: How a differential drive turns.
-        command: Written, shape ``(3,)``; components that the drive does not have are 0.
+        command: Command to write, shape ``(3,)``; components that the drive does not have are 0.
     """
     command[0], command[1], command[2] = 0.0, 0.0, 0.0
     if drive == OMNI_WORLD:
@@ -109,16 +109,16 @@ def to_command(drive: int, heading: float, vx: float, vy: float, turning: Turnin
 
 @kernel
 def braked_rate(fastest: float, acceleration: float, step: float, angle: float) -> float:
-    """Return the turn rate [rad/s] from which a body can come to rest within an angle, at most its greatest.
+    """Return the greatest turn rate [rad/s] from which a body can stop within an angle, at most ``fastest``.
 
     With the acceleration a and steps of length dt, a body that turns at the rate r covers r^2 / (2 a) + r dt until it
     stands; the rate is the root of this for the angle.
 
     Args:
-        fastest: Its greatest turn rate [rad/s].
-        acceleration: How fast the rate changes [rad/s2]; infinite, or 0, for no limit.
+        fastest: Maximum turn rate of the body [rad/s].
+        acceleration: Maximum change of the turn rate [rad/s2]; infinite or 0 for no limit.
         step: Duration of a step [s].
-        angle: The angle that is left [rad].
+        angle: Remaining angle [rad].
     """
     if not (np.isfinite(acceleration) and acceleration > 0.0):
         return fastest

@@ -1,4 +1,4 @@
-"""What a body sees of the others: discs that move, walls that stand, and the walls of an occupancy map."""
+"""Collect the surroundings that a body sees: moving discs, standing walls, and the walls of an occupancy map."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ DISC = record_type("x y vx vy radius touch_way")
 
 
 class Ego(NamedTuple):
-    """The disc that looks around and decides.
+    """The body that decides, as a disc.
 
     Attributes:
-        x: Its centre [m].
-        y: Its centre [m].
-        vx: Its velocity [m/s].
-        vy: Its velocity [m/s].
-        radius: Its radius, with what is added to it [m].
+        x: X coordinate of the centre [m].
+        y: Y coordinate of the centre [m].
+        vx: X component of the velocity [m/s].
+        vy: Y component of the velocity [m/s].
+        radius: Radius with any margin [m].
     """
 
     x: float
@@ -54,7 +54,7 @@ class Ego(NamedTuple):
 
 @dataclass
 class Surroundings(Struct):
-    """What one body sees: discs that move or stand, and walls. Memory of one shard.
+    """Discs and walls that one body sees; each shard has its own.
 
     Attributes:
         lines: Bodies that are chains of segments, shape ``(n_lines,)``.
@@ -72,22 +72,22 @@ class Surroundings(Struct):
 
     @classmethod
     def reserve(cls, model: WorldModel, n_rounds: int, n_sides: int, n_discs: int) -> Self:
-        """Return memory for so many discs and walls of bodies and of a map, and so many discs of a map."""
+        """Allocate memory for the given numbers of discs and walls of bodies and a map, and of discs of a map."""
         nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds + n_discs, DISC)
         return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
 
 
 def wall_bodies(model: WorldModel) -> Ints:
-    """Return the bodies that are chains of segments without area."""
+    """Return the bodies that are chains of segments without an area."""
     return np.flatnonzero(~model.solid & (model.segment_count.max(axis=0) > 0))
 
 
 @kernel
 def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> bool:
-    """Return whether body b pays heed to body q, unobstructed or not.
+    """Return whether body b takes body q into account, whether or not it is hidden behind others.
 
-    It does if q is another one that is there, has the role, and is seen by b; one that ignores what moves only sees
-    what never does.
+    It does if q is another body that is present, has the target role, and is visible to b. A body that ignores moving
+    bodies only sees those that never move.
 
     Reads: model (heedless, movable, present, role, seen_row, watchers).
     """
@@ -100,7 +100,7 @@ def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> boo
 
 @kernel
 def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
-    """Return whether there is an occupancy map to pay heed to; its body has no outline to look at.
+    """Return whether there is an occupancy map to take into account; the map's body has no outline.
 
     Reads: model (map_frame, present, role).
     """
@@ -112,7 +112,7 @@ def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
 
 @kernel
 def look_of(model: WorldModel, w: int, q: int) -> int:
-    """Return how a body looks: one that never moves and is more than a disc shows its outline.
+    """Return how others see a body; one that never moves and is more than a disc shows its outline.
 
     Reads: model (disc_count, movable, segment_count, solid).
     """
@@ -141,18 +141,18 @@ def centroid_of(model: WorldModel, state: WorldState, w: int, q: int) -> tuple[f
 
 @kernel
 def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: float, nearby: Ints) -> int:
-    """Write the bodies that may reach into a circle around a body, ascending; return how many there are.
+    """Write the bodies that may reach into a circle around a body, in ascending order; return their number.
 
     Reads: model (bucket_frame), state (bucket_first, bucket_next, pose).
     Writes: nearby.
 
     Args:
-        model: What there is.
-        state: Where it is.
-        w: The world.
-        b: The body.
+        model: Constants of the worlds.
+        state: Current state of the worlds.
+        w: World.
+        b: Body at the centre of the circle.
         radius: Radius of the circle [m].
-        nearby: Written, shape ``(body,)``.
+        nearby: Numbers of bodies to write, shape ``(body,)``.
     """
     x, y, frame = state.pose[w, b, 0], state.pose[w, b, 1], model.bucket_frame[0]
     return find_nearby(x, y, radius + frame.reach, frame, state.bucket_first[w], state.bucket_next[w], nearby)
@@ -160,7 +160,7 @@ def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: fl
 
 @kernel
 def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius: float) -> bool:
-    """Return whether body q certainly does not reach into a circle around body b, given its radius [m].
+    """Return whether body q certainly does not reach into a circle of the radius [m] around body b.
 
     Reads: model (reach), state (pose).
     """
@@ -173,11 +173,11 @@ def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius:
 def look_around(
     model: WorldModel, state: WorldState, w: int, b: int, target_roles: int, sight: float, seen: Surroundings
 ) -> tuple[int, int]:
-    """Write the discs and the segments that a body avoids; return how many of each.
+    """Write the discs and segments that a body avoids; return the number of each.
 
-    A body is the disc around its centroid, seen when that is nearer than ``sight`` [m]. One that stands and has sides
-    is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
-    The discs of a map are seen as bodies that stand.
+    Most bodies count as the disc around their centroid, and are seen if the centroid is closer than ``sight`` [m].
+    Bodies that never move and have sides count as their outline, and are seen if any part of it is closer. Chains of
+    segments are always seen, the walls of a map only nearby. Discs of a map count as standing discs.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_disc, map_frame, map_squares, movable,
         present, radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first,
@@ -185,13 +185,13 @@ def look_around(
     Writes: seen (discs, nearby, rounds, sides).
 
     Args:
-        model: What there is.
-        state: Where it is.
-        w: The world.
-        b: The body that looks.
-        target_roles: ALL_ROLES, or the role that it sees plus 1.
-        sight: How far it sees [m].
-        seen: ``rounds`` and ``sides`` are written.
+        model: Constants of the worlds.
+        state: Current state of the worlds.
+        w: World.
+        b: Body that looks.
+        target_roles: ALL_ROLES, or the role that the body sees plus 1.
+        sight: Range of sight [m].
+        seen: Surroundings; ``rounds`` and ``sides`` are written.
     """
     x, y, rounds = state.pose[w, b, 0], state.pose[w, b, 1], seen.rounds
     n_rounds, n_sides = 0, 0
@@ -223,13 +223,13 @@ def look_around(
 
 @kernel
 def write_disc(disc: Record, x: float, y: float, vx: float, vy: float, radius: float) -> None:
-    """Write a disc that is seen; arguments as the fields of ``DISC``."""
+    """Write a visible disc; the arguments are the fields of ``DISC``."""
     disc.x, disc.y, disc.vx, disc.vy, disc.radius = x, y, vx, vy, radius
 
 
 @kernel
 def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Records, n_rounds: int) -> int:
-    """Append the discs of a body that stands to ``rounds``; return how many those are now.
+    """Append the discs of a standing body to ``rounds``; return the new number of discs.
 
     Reads: model (disc_count, disc_start), state (discs).
     """
@@ -242,7 +242,7 @@ def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Rec
 
 @kernel
 def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floats, n_sides: int) -> int:
-    """Append the segments of a body to ``sides``; return how many those are now.
+    """Append the segments of a body to ``sides``; return the new number of segments.
 
     Reads: model (segment_count, segment_start), state (segments).
     Writes: sides.

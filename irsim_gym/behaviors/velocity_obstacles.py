@@ -1,7 +1,7 @@
 """Velocity obstacles: cones of velocities that lead to a collision, and the choice among sampled velocities.
 
-Velocity obstacles after Fiorini and Shiller (1998), reciprocal ones after van den Berg et al. (2008), hybrid ones
-after Snape et al. (2011), sampled and weighed as IR-SIM does.
+Velocity obstacles follow Fiorini and Shiller (1998), reciprocal ones van den Berg et al. (2008), hybrid ones Snape et
+al. (2011). Velocities are sampled and weighed as in IR-SIM.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class Axis(NamedTuple):
     """The velocities to try along one axis.
 
     Attributes:
-        first: The lowest of them [m/s].
-        step: From one to the next [m/s].
-        n: How many there are.
-        wanted: The velocity that is wanted [m/s].
+        first: Lowest velocity [m/s].
+        step: Difference between neighbouring velocities [m/s].
+        n: Number of velocities.
+        wanted: Wanted velocity [m/s].
     """
 
     first: float
@@ -47,7 +47,7 @@ class Axis(NamedTuple):
 
 @kernel
 def disc_cones(mode: int, ego: Ego, rounds: Records, cones: Records) -> None:
-    """Write the cone and the way to a touch of each disc; arguments as below."""
+    """Write the cone of each disc and the length of the tangent to it; arguments as for ``disc_cone``."""
     for k in range(rounds.shape[0]):
         disc_cone(mode, ego, rounds[k], cones[k])
 
@@ -56,15 +56,15 @@ def disc_cones(mode: int, ego: Ego, rounds: Records, cones: Records) -> None:
 def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
     """Write the cone of a disc.
 
-    Its edges are the tangents from the body's centre to a disc with the sum of both radii. Its apex is the velocity
-    of the disc (VO), or the mean of both velocities (RVO). HRVO moves the latter along one edge until the other edge is
-    that of VO, on the side on which the body should not pass (Snape et al. 2011).
+    The cone's edges are the tangents from the body's centre to a disc with the sum of both radii. The apex is the
+    velocity of the disc (VO), or the mean of both velocities (RVO). HRVO moves the latter along one edge until the
+    other edge is that of VO, on the side on which the body should not pass (Snape et al. 2011).
 
     Args:
         mode: RVO, HRVO or VO.
         ego: The body that decides.
         disc: The disc; ``touch_way`` is written.
-        cone: Written.
+        cone: Cone to write.
     """
     dx, dy, ux, uy, vx, vy = disc.x - ego.x, disc.y - ego.y, disc.vx, disc.vy, ego.vx, ego.vy
     sum_r = ego.radius + disc.radius
@@ -91,10 +91,10 @@ def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
 
 @kernel
 def side_cones(ego: Ego, sides: Floats, cones: Records, n_cones: int) -> int:
-    """Append one cone for each standing segment: the directions in which the body's disc runs into it.
+    """Append a cone for each standing segment: the directions in which the body's disc collides with it.
 
     Returns:
-        How many cones there are now; segments that are a point have none.
+        New number of cones; a segment of length 0 adds none.
     """
     for k in range(sides.shape[0]):
         ax, ay, bx, by = sides[k, 0] - ego.x, sides[k, 1] - ego.y, sides[k, 2] - ego.x, sides[k, 3] - ego.y
@@ -131,7 +131,7 @@ def write_cone(cone: Record, apex: Vector, left: float, right: float) -> None:
 def set_cone(
     cone: Record, apex_x: float, apex_y: float, left_x: float, left_y: float, right_x: float, right_y: float
 ) -> None:
-    """Write a cone from its apex [m/s] and the unit vectors along its edges; it counts as rough."""
+    """Write a cone from its apex [m/s] and the unit vectors along its edges, and mark it as rough."""
     cone.apex_x, cone.apex_y, cone.is_exact = apex_x, apex_y, 0
     cone.left_x, cone.left_y, cone.right_x, cone.right_y = left_x, left_y, right_x, right_y
     cone.left_slope, cone.right_slope = left_y / left_x, right_y / right_x
@@ -139,10 +139,10 @@ def set_cone(
 
 @kernel
 def lay_samples(current: float, change: float, limit: float, wanted: float) -> Axis:
-    """Return the velocities to try along one axis.
+    """Return the velocities to sample along one axis.
 
-    They begin at the lower end of what is within ``change`` of ``current`` and within ``limit``, and stop before the
-    upper one; where there is nothing the admissible velocity nearest to the current one is left.
+    They range from the lower end of the interval within ``change`` of ``current`` and within ``limit``, inclusive, to
+    the upper end, exclusive. If the interval is empty, only the admissible velocity nearest to the current one is left.
 
     Args:
         current: Velocity now [m/s].
@@ -159,7 +159,7 @@ def lay_samples(current: float, change: float, limit: float, wanted: float) -> A
 
 @kernel
 def write_samples(axis: Axis, samples: Floats, order: Ints) -> None:
-    """Write the velocities to try along an axis, ascending, and their indices by distance from the wanted one [m/s]."""
+    """Write the samples along an axis in ascending order, and their indices by distance from the wanted one [m/s]."""
     for k in range(axis.n):
         samples[k] = axis.first + k * axis.step
     order_samples(samples, axis.n, axis.wanted, order)
@@ -167,7 +167,7 @@ def write_samples(axis: Axis, samples: Floats, order: Ints) -> None:
 
 @kernel
 def order_samples(samples: Floats, count: int, wanted: float, order: Ints) -> None:
-    """Write the indices of ascending samples in the order of their distance from the wanted velocity [m/s]."""
+    """Write the indices of ascending samples, ordered by their distance from the wanted velocity [m/s]."""
     above = 0
     while above < count and samples[above] < wanted:
         above += 1

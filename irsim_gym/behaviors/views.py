@@ -1,4 +1,4 @@
-"""What a behaviour written in Python sees of a body: read-only views on the arrays."""
+"""Read-only views of bodies for behaviours in Python."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ INSTEAD: dict[str, str] = {
     "plot": _SCRIPT,
     "step": _ANSWER,
 }
-"""For names of ``world.robot`` and of IR-SIM's objects that views do not have: what to use."""
+"""Replacements for names of ``world.robot`` and of IR-SIM's objects that views do not have."""
 
 
 class BodyView(IrSimReadings):
-    """A body at the moment. Arrays are copies: writing into them changes nothing.
+    """A view of a body's current state. Arrays are copies: writing to them changes nothing.
 
-    The names of ``world.robot`` that have a meaning here work as well, IR-SIM's among them. Arrays are flat; a function
-    of ``irsim_gym.register_behavior`` gets columns of shape ``(n, 1)`` under the names that IR-SIM has too.
+    Most names of ``world.robot`` work here too, including those of IR-SIM. Arrays are flat; a function of
+    ``irsim_gym.register_behavior`` gets columns of shape ``(n, 1)`` under the names that IR-SIM has too.
 
     Args:
         group: The behaviour's group.
@@ -116,26 +116,26 @@ class BodyView(IrSimReadings):
 
     @property
     def spec(self) -> Any:
-        """What the file says about it."""
+        """The body's options in the file."""
         return self._context.bodies[self._b]
 
     @property
     def id(self) -> int:
-        """Its number."""
+        """The body's number."""
         return self._b
 
     @property
     def velocity(self) -> Floats:
         """Executed velocity in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0.
 
-        As a column it has only the numbers that the drive uses.
+        A column has only the numbers that the drive uses.
         """
         executed = self._state.velocity[self._w, self._b]
         return self._vector(executed[: self._command_size] if self._columns else executed)
 
 
 class EgoView(BodyView):
-    """The body that decides: its readings, its memory, and its world's random numbers.
+    """A view of the body that decides, with its readings, its memory, and its world's random numbers.
 
     Args:
         group: The behaviour's group.
@@ -155,14 +155,14 @@ class EgoView(BodyView):
         self.memory = memory
 
     def reading(self, name: str, index: int = 0) -> Any:
-        """Return a copy of the latest reading of one of its sensors.
+        """Return a copy of the latest reading of one of the body's sensors.
 
         Args:
-            name: What the sensor reads: ``ranges``, or the name of a sensor of one's own.
-            index: Which of its sensors that read this, in the order of the file.
+            name: Name of the reading: ``ranges``, or the name of a custom sensor.
+            index: Index among the body's sensors with this reading, in the order of the file.
 
         Raises:
-            UnknownNameError: It has no such sensor.
+            UnknownNameError: If the body has no such sensor.
         """
         found = find_sensor(self._context.bodies, self._context.sensors, self._b, name, index)
         if found is None:
@@ -171,7 +171,7 @@ class EgoView(BodyView):
         return group.arrays[name][self._w, member].copy()
 
     def uniform(self, low: float, high: float) -> float:
-        """Draw a number, in the unit of its bounds, from the world's own stream; a seed gives the same episode again.
+        """Draw a uniform number from low to high from the world's own stream, so that a seed reproduces the episode.
 
         Args:
             low: Lower end, in the [unit] of the number.
@@ -180,7 +180,7 @@ class EgoView(BodyView):
         return float(rng.uniform(self._state.random, self._w, low, high))
 
     def normal(self, mean: float, deviation: float) -> float:
-        """Draw a number from a normal distribution, likewise in the unit of the arguments.
+        """Draw a normally distributed number from the world's own stream.
 
         Args:
             mean: Mean, in the [unit] of the number.
@@ -190,12 +190,12 @@ class EgoView(BodyView):
 
 
 def reserve_memory(group: Group, model: WorldModel) -> None:
-    """Make room for a memory for each world and body, which ``ego_view`` fills and the engine empties."""
+    """Allocate a memory for each world and body, which ``ego_view`` fills and the engine clears."""
     group.arrays["memory"] = np.full(model.present.shape, None, dtype=object)
 
 
 def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> EgoView:
-    """Return the view of a body that decides, with its memory; see ``reserve_memory``."""
+    """Return the view of a deciding body, with its memory; see ``reserve_memory``."""
     memories = group.arrays["memory"]
     if memories[world, body] is None:
         memories[world, body] = {}
@@ -203,16 +203,16 @@ def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, bod
 
 
 def others(group: Group, model: WorldModel, state: WorldState, world: int, looking: Ints, role: int) -> list[BodyView]:
-    """Return views of the bodies that a behaviour looks at, by their numbers.
+    """Return views of the other bodies that a behaviour sees, in the order of their numbers.
 
-    Absent bodies are left out, and an occupancy map, which is no outline.
+    Absent bodies are left out, and so is an occupancy map, which has no outline.
 
     Args:
         group: The group that decides.
-        model: The constants.
-        state: The moment.
-        world: The world.
-        looking: The bodies that look; they are left out, and so is whom none of them sees.
+        model: Constants of the worlds.
+        state: Current state of the worlds.
+        world: World.
+        looking: Bodies that look; they are left out, and so are bodies that none of them sees.
         role: Role of the others, -1 for any.
     """
     seen = model.present[world].copy()
@@ -229,14 +229,14 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, looki
 
 
 def name_of(group: Group, body: int) -> str:
-    """Return a body's name, or its number where a group was made without names."""
+    """Return a body's name, or ``body`` and its number if the group was made without names."""
     return group.names[body] if group.names else f"body {body}"
 
 
 def tell_missing(error: AttributeError) -> None:
-    """Let an error about a name that a view does not have say what to use.
+    """Add a replacement to the error about a name that views do not have.
 
-    Views have no ``__getattr__`` for it, which would make each of their names slower.
+    Views have no ``__getattr__`` for this, because it would slow down every attribute.
     """
     view, name = error.obj, error.name
     if not isinstance(view, BodyView) or name is None or name in dir(type(view)):

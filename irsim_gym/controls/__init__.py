@@ -1,4 +1,4 @@
-"""What a person does with keyboard and mouse, for worlds by hand and for learners' environments."""
+"""Keyboard and mouse control, for worlds by hand and for learners' environments."""
 
 from irsim_gym.controls.driver import Driver
 

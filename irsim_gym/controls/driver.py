@@ -1,4 +1,4 @@
-"""The window on a world, with the keyboard and the mouse that belong to it."""
+"""A window that shows a world, with its keyboard and mouse."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 
 class Driver:
-    """Shows pictures to a person and asks what is to be done.
+    """Show frames to a user and return their commands.
 
     Args:
-        title: What stands above the window.
-        picture: What it shows at first, uint8, shape ``(height, width, 3)``.
+        title: Title of the window.
+        picture: The first frame, uint8, shape ``(height, width, 3)``.
         gui: The section ``gui``.
-        seen: Returns where the world is on the picture that is shown.
+        seen: Returns the layout of the frame that is shown.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works.
+        NoWindowError: If there is no display or no working toolkit.
     """
 
     def __init__(self, title: str, picture: Bytes, gui: Any, seen: Callable[[], Layout]) -> None:
@@ -37,28 +37,28 @@ class Driver:
 
     @property
     def closed(self) -> bool:
-        """The person closed the window."""
+        """Whether the user closed the window."""
         return self.window.closed
 
     def show(self, picture: Bytes) -> None:
-        """Show a picture, and take in what was done."""
+        """Show a frame, and process the user's input."""
         self.picture = picture
         self.window.show(picture)
 
     def wait(self, seconds: float) -> None:
-        """Let a time pass [s], and take in what is done; shorter when the window is closed."""
+        """Wait for a time [s] while processing the user's input; return early if the window is closed."""
         self.window.wait(seconds)
 
     def poll(self, *, drives: bool, turns: bool) -> list[str]:
-        """Return what the world is asked to do, in order; a window that was closed asks to quit."""
+        """Return the user's commands in order, see ``Keyboard.poll``; a closed window adds ``quit``."""
         asked = self.keyboard.poll(drives=drives, turns=turns)
         return [*asked, "quit"] if self.closed else asked
 
     def new_limits(self) -> tuple[bool, Limits | None]:
-        """Return whether another part of the world is to be shown than before, and which; None for the whole."""
+        """Return whether the visible part of the world has changed, and its limits; None for the whole world."""
         return self.mouse.new_limits()
 
     def close(self) -> None:
-        """Close the window and listen no longer. May be called twice."""
+        """Close the window and stop listening. Calling it again has no effect."""
         self.keyboard.close()
         self.window.close()

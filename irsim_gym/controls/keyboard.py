@@ -1,4 +1,4 @@
-"""What keys mean: how fast the chosen robot is to drive, and what the world is asked to do."""
+"""The meaning of keys: velocities of the selected robot, and commands to the world."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from irsim_gym.render.window import Window
 
 SPEED_STEP = 0.2
-"""What one press adds to or takes from a greatest speed [m/s or rad/s]."""
+"""Change of a maximum speed per key press [m/s or rad/s]."""
 
 AXES = {"ahead": ("w", "s"), "aside": ("a", "d"), "turn": ("q", "e")}
-"""The keys of each way to move: the one that makes it positive, and the one that makes it negative."""
+"""The keys of each direction of motion: the positive one and the negative one."""
 
 COMMANDS = {
     "r": "reset",
@@ -38,35 +38,35 @@ COMMANDS = {
 
 
 class Keyboard:
-    """Turns strokes into the command of a drive and into what is asked of the world.
+    """Turns strokes into velocity commands of a drive and commands to the world.
 
-    A held key means full speed, a released one 0; of two opposite keys the later one counts.
+    A held key means full speed, a released one 0; of two opposite keys, the one pressed last counts.
 
     Args:
         options: The section ``gui.keyboard``.
-        source: Where strokes come from.
+        source: Source of strokes.
     """
 
     def __init__(self, options: Any, source: KeySource) -> None:
         self.key_lv_max, self.key_ang_max = float(options.key_lv_max), float(options.key_ang_max)
         self.key_id = int(options.key_id)
-        self._begin = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}
+        self._initial = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}
         self._source, self._held = source, HeldKeys()
 
     @property
     def backend(self) -> str:
-        """Where strokes come from: ``pynput`` or ``mpl``."""
+        """Source of strokes: ``pynput`` or ``mpl``."""
         return self._source.name
 
     def poll(self, *, drives: bool = True, turns: bool = False) -> list[str]:
-        """Take the strokes since the last call.
+        """Process the strokes since the last call.
 
         Args:
-            drives: Keys choose robots and speeds; commands to the world are taken in either case.
-            turns: q and e turn the robot, so they do not change its greatest speed.
+            drives: Whether keys select robots and speeds; commands to the world are processed in either case.
+            turns: Whether q and e turn the robot; then they do not change its maximum speed.
 
         Returns:
-            What the world is asked to do, of the values of ``COMMANDS``, in order.
+            Commands to the world, values of ``COMMANDS``, in order.
         """
         asked = []
         now = time.perf_counter()
@@ -76,13 +76,13 @@ class Keyboard:
             if stroke.key in COMMANDS and not stroke.alt:
                 asked.append(COMMANDS[stroke.key])
             elif drives:
-                self._begin.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
+                self._initial.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
                 self._set(stroke, turns)
         self._held.settle(now)
         return asked
 
     def _set(self, stroke: Stroke, turns: bool) -> None:
-        """Choose a robot, or change a greatest speed."""
+        """Select a robot, or change a maximum speed."""
         if stroke.alt:
             if stroke.key.isdecimal() and len(stroke.key) == 1:
                 self.key_id = int(stroke.key)
@@ -91,15 +91,15 @@ class Keyboard:
         if sign is None:
             return
         if stroke.key in ("z", "c") and not stroke.shift:
-            self.key_ang_max = _changed(self.key_ang_max, sign)
+            self.key_ang_max = _changed_speed(self.key_ang_max, sign)
         elif stroke.key in ("z", "c") or not turns:
-            self.key_lv_max = _changed(self.key_lv_max, sign)
+            self.key_lv_max = _changed_speed(self.key_lv_max, sign)
 
-    def _way(self, name: str, full: float) -> float:
-        """Return how fast to go one way, of ``AXES``: full or 0, and what it begins with before its first key."""
+    def _axis_speed(self, name: str, full: float) -> float:
+        """Return the speed along one of ``AXES``: plus or minus full, 0, or the initial one before its first key."""
         more, less = AXES[name]
         key = self._held.latest(more, less)
-        return float(self._begin[name]) if key is None else full if key == more else -full
+        return float(self._initial[name]) if key is None else full if key == more else -full
 
     @property
     def key_vel(self) -> Floats:
@@ -107,23 +107,23 @@ class Keyboard:
         return self.command(("linear", "angular", "angular"))
 
     def command(self, command_names: Sequence[str]) -> Floats:
-        """Return the command of a drive, shape ``(n_components,)``; limits are the step's business.
+        """Return the command of a drive, shape ``(n_components,)``; the step enforces limits.
 
         Args:
-            command_names: What its components are. A drive that goes sideways does so with a and d, as fast as it
-                goes ahead; one that turns by itself as well does so with q and e.
+            command_names: Names of its components. If the second one is sideways motion, a and d command it, as fast
+                as motion ahead; if there is a third component, q and e command it.
         """
         sideways = self.key_lv_max if command_names[1] in ("y", "left") else self.key_ang_max
         full = {"ahead": self.key_lv_max, "aside": sideways, "turn": self.key_ang_max}
-        return np.array([self._way(name, full[name]) for name in AXES][: len(command_names)])
+        return np.array([self._axis_speed(name, full[name]) for name in AXES][: len(command_names)])
 
     def close(self) -> None:
-        """Listen no longer. May be called twice."""
+        """Stop listening. Calling it again has no effect."""
         self._source.close()
 
 
 def open_keyboard(options: object, window: Window) -> Keyboard:
-    """Return a keyboard for a window: pynput's keys if the options ask for them and it works, else the window's own."""
+    """Return a keyboard for a window, with the keys of pynput if selected and working, else those of the window."""
     return Keyboard(options, _source(options, window))
 
 
@@ -146,6 +146,6 @@ def _source(options: Any, window: Window) -> KeySource:
         return WindowKeys(window)
 
 
-def _changed(speed: float, sign: int) -> float:
-    """Return a greatest speed that is one step faster or slower; rounded, as 0.2 is no binary number."""
+def _changed_speed(speed: float, sign: int) -> float:
+    """Return a maximum speed that is one step faster or slower, rounded because 0.2 has no exact binary form."""
     return max(round(speed + sign * SPEED_STEP, 6), 0.0)

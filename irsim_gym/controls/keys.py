@@ -1,4 +1,4 @@
-"""Keys that go down and up, and which of them are held."""
+"""Key strokes, and the keys that are held."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 REPEAT_S = 0.03
-"""A key that is down again within this time after it went up was held: so do keyboards repeat [s]."""
+"""A key that goes down again within this time after going up counts as held, since keyboards repeat so [s]."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """A key that went down or up.
+    """The press or release of a key.
 
     Attributes:
-        key: Its name without modifiers: ``w``, ``1``, ``space``, ``escape``, ``f5``.
-        down: Whether it went down.
-        time: When [s], by any clock that all strokes of a source share.
-        alt: An alt key was down.
-        shift: A shift key was down.
+        key: Name of the key without modifiers: ``w``, ``1``, ``space``, ``escape``, ``f5``.
+        down: Whether the key was pressed.
+        time: Time of the stroke [s], by any clock that all strokes of a source share.
+        alt: Whether an alt key was down.
+        shift: Whether a shift key was down.
     """
 
     key: str
@@ -29,7 +29,7 @@ class Stroke:
 
 
 class KeySource(ABC):
-    """Where strokes come from."""
+    """A source of strokes."""
 
     name: str
 
@@ -39,13 +39,13 @@ class KeySource(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Listen no longer. May be called twice."""
+        """Stop listening. Calling it again has no effect."""
 
 
 class HeldKeys:
     """The keys that are down, in the order in which they were pressed.
 
-    A held key repeats as pairs of up and down, so one that goes up counts as down until it stays up for ``REPEAT_S``.
+    A held key repeats as pairs of up and down, so a key counts as down until it stays up for ``REPEAT_S``.
     """
 
     def __init__(self) -> None:
@@ -53,7 +53,7 @@ class HeldKeys:
         self._up_since: dict[str, tuple[float, float]] = {}
 
     def take(self, stroke: Stroke, now: float) -> bool:
-        """Take a stroke that arrives now [s]; return whether a key was pressed that was not down before."""
+        """Process a stroke that arrives now [s]; return whether it newly presses a key."""
         if not stroke.down:
             if stroke.key in self._down:
                 self._up_since[stroke.key] = stroke.time, now
@@ -67,17 +67,17 @@ class HeldKeys:
         return True
 
     def settle(self, now: float) -> None:
-        """Let go of keys that have been up for long enough; the time is that of ``take`` [s]."""
+        """Release keys that have been up for long enough, by the clock of ``take`` [s]."""
         for key, (_, since) in list(self._up_since.items()):
             if now - since > REPEAT_S:
                 self._down.remove(key)
                 del self._up_since[key]
 
     def release_all(self) -> None:
-        """Let go of all keys, as when another window gets them."""
+        """Release all keys, for example when the window loses the focus."""
         self._down.clear()
         self._up_since.clear()
 
     def latest(self, *keys: str) -> str | None:
-        """Return which of some keys was pressed last and is still down; None where none is."""
+        """Return the key among ``keys`` that was pressed last and is still down; None if none is down."""
         return next((key for key in reversed(self._down) if key in keys), None)

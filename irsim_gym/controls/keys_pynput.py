@@ -14,14 +14,14 @@ ENDING_S = 2.0
 
 
 class PynputKeys(KeySource):
-    """Strokes at the keyboard, whichever window gets them; they arrive in a thread of pynput's.
+    """Strokes of the keyboard in any window; they arrive in a thread of pynput.
 
     Args:
-        is_focused: Says whether keys are meant for us. It is asked by ``strokes``, in the caller's thread; while it
-            says no, keys that go down are passed over.
+        is_focused: Returns whether the program has the focus; while it is false, key presses are ignored. ``strokes``
+            calls it, in the caller's thread.
 
     Raises:
-        ImportError: pynput is not installed, or finds no keyboard.
+        ImportError: If pynput is not installed, or finds no keyboard.
     """
 
     name = "pynput"
@@ -38,13 +38,13 @@ class PynputKeys(KeySource):
         self._listener.wait()
 
     def strokes(self) -> list[Stroke]:
-        """Return the strokes since the last call that were meant for us, in order."""
+        """Return the strokes since the last call in order, without presses if the program lacks the focus."""
         focused = self._is_focused()
         came = [self._came.popleft() for _ in range(len(self._came))]
         return [stroke for stroke in came if focused or not stroke.down]
 
     def close(self) -> None:
-        """End the thread."""
+        """Stop the thread."""
         if not self._listener.is_alive():
             return
         connection, context = (getattr(self._listener, name, None) for name in ("_display_stop", "_context"))
@@ -52,8 +52,8 @@ class PynputKeys(KeySource):
             self._listener.stop()
             self._listener.join(ENDING_S)
             return
-        # Under X pynput's own stop() takes effect with the next key only: its thread waits on the connection that is
-        # told to end. Another connection can end its record at once, though not before it has quite begun.
+        # Under X, stop() of pynput takes effect only at the next key, since its thread blocks on the connection that
+        # should end. A second connection can end the recording at once, but not before it has fully started.
         another = type(connection)()
         for _ in range(20):
             another.record_disable_context(context)
@@ -79,7 +79,7 @@ class PynputKeys(KeySource):
 
 
 def _plain_name(key: object) -> str:
-    """Return the name of one of pynput's keys: a character in lower case, or what it is called."""
+    """Return the name of one of pynput's keys: its character in lower case, or else its name."""
     char = getattr(key, "char", None)
     if char is not None:
         return str(char).lower()

@@ -13,7 +13,7 @@ SPELT = {" ": "space", "enter": "return", "": "unknown"}
 
 
 class WindowKeys(KeySource):
-    """Strokes in a window that has the focus. They come in while it shows pictures or waits."""
+    """Strokes in a window with the focus. They arrive while the window shows frames or waits."""
 
     name = "mpl"
 
@@ -29,7 +29,7 @@ class WindowKeys(KeySource):
         return came
 
     def close(self) -> None:
-        """Do nothing: the window's end is theirs too."""
+        """Do nothing: closing the window ends them."""
 
     def _pressed(self, event: WindowEvent) -> None:
         self._take(event.key, event.time, down=True)
@@ -38,7 +38,7 @@ class WindowKeys(KeySource):
         self._take(event.key, event.time, down=False)
 
     def _take(self, name: str, time: float, *, down: bool) -> None:
-        """Take a key as matplotlib names it: ``w``, ``W`` with shift, ``alt+1``."""
+        """Record a key by matplotlib's name of it: ``w``, ``W`` with shift, ``alt+1``."""
         *modifiers, key = [name] if name in ("+", "") else name.replace("++", "+plus").split("+")
         if key in ("alt", "alt_l", "alt_r"):
             self._alt = down  # on some toolkits it is not among the modifiers of other keys

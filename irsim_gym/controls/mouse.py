@@ -1,4 +1,4 @@
-"""The mouse in a window that shows a world: where it is and was pressed, and zooming."""
+"""The mouse in a window that shows a world: positions, clicks and zooming."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ Point = tuple[float, float]
 
 
 class Mouse:
-    """Positions in the world, and the part of the world that is to be seen.
+    """Tracks positions in the world, and the visible part of the world.
 
-    Pressing the left or right button stores where, rounded to 2 decimals; it stays until the next press, so that
-    a loop that asks now and then misses no click. The wheel zooms about the cursor, the middle button shows the
-    whole again.
+    A press of the left or right button stores its position, rounded to 2 decimals, until the next press, so that a
+    loop that polls now and then misses no click. The wheel zooms about the cursor, and the middle button shows the
+    whole world again.
 
     Args:
         window: The window.
         zoom_factor: Factor of the view for one step of the wheel.
-        seen: Returns where the world is on the picture that the window shows.
+        seen: Returns the layout of the frame that the window shows.
     """
 
     def __init__(self, window: Window, zoom_factor: float, seen: Callable[[], Layout]) -> None:
@@ -41,16 +41,16 @@ class Mouse:
 
     @property
     def position(self) -> Point | None:
-        """Where it points to now [m]; None outside of the world's drawing area."""
+        """Position of the cursor in the world [m]; None outside of the drawing area."""
         return None if self._pixel is None else _point(self._layout(), *self._pixel)
 
     def new_limits(self) -> tuple[bool, Limits | None]:
-        """Return whether another part of the world is to be seen since the last call, and which; None for the whole."""
+        """Return whether the visible part has changed since the last call, and its limits; None for the whole world."""
         changed, self._changed = self._changed, False
         return changed, self._limits
 
     def _layout(self) -> Layout:
-        """Return what is to be seen, where the picture does not show it yet."""
+        """Return the layout with any new limits, which the shown frame may not have yet."""
         seen = self._seen()
         return seen if self._limits is None or not self._changed else seen.showing(self._limits)
 

@@ -1,15 +1,14 @@
-"""Behaviours of the language in the place of learners: baselines that have nothing to learn.
+"""Behaviours of the scenario language as policies: baselines that need no training.
 
-They see the whole state of the world, as a simulated body does, and not the learners' observations. All agents decide
-from the same moment, the beginning of the step, as learners do, whereas bodies that have such a behaviour by themselves
-move one after another unless the file says ``world: {update: simultaneous}``. What they ask for becomes commands of the
-drives as in the simulation.
+They see the whole state of the world, as simulated bodies do, not the learners' observations. Like learners, all agents
+decide at the beginning of the step, whereas bodies with such a behaviour move one after another unless the file sets
+``world: {update: simultaneous}``. Their decisions become commands of the drives as in the simulation.
 
-An agent's options are those of its own behaviour where the scenario gives it one of that kind. Otherwise they are the
-defaults, but for two things, because what is to be beaten should be at its best. All may drive as fast as their drive
-allows: ``vxmax`` and ``vymax`` of ``rvo`` are the greatest speeds of the drive, as ``maxSpeed`` of ``orca`` is by
-default. And ``orca`` looks 5 s ahead (2 s at walls) and steps aside: looking 20 s ahead as IR-SIM does by default,
-robots crawl, and four of them fail in 27 % of 1,000 levels of ``circle_swap`` instead of in none.
+An agent has the options of its own behaviour if the scenario gives it one of that kind. Otherwise it has the defaults
+with two exceptions, since a baseline should be at its best. First, ``vxmax`` and ``vymax`` of ``rvo`` are the maximum
+speeds of the drive, as ``maxSpeed`` of ``orca`` is by default. Second, ``orca`` looks 5 s ahead (2 s at walls) and
+steps aside: if it looks 20 s ahead, IR-SIM's default, robots crawl, and four of them fail in 27 % of 1,000 levels of
+``circle_swap`` instead of in none.
 """
 
 from __future__ import annotations
@@ -38,23 +37,23 @@ from irsim_gym.world.group import Group
 from irsim_gym.world.model import DIFFERENTIAL, NO_DRIVE
 
 AT_THEIR_BEST = MappingProxyType({"orca": {"timeHorizon": 5.0, "timeHorizonObst": 2.0, "sidestep": True}})
-"""Options in place of the defaults, found on ``dev`` levels of circle_swap and random_swap with 4 to 16 robots."""
+"""Options that replace the defaults, tuned on ``dev`` levels of circle_swap and random_swap with 4 to 16 robots."""
 
 
 class UnfitBehaviorError(IrsimGymError, ValueError):
-    """A behaviour that cannot command the drive of an agent."""
+    """A behaviour that cannot drive an agent."""
 
 
 class BehaviorPolicy:
-    """Commands the agents as a registered behaviour does: each for itself, or all together as a group.
+    """Drives the agents by a registered behaviour: each for itself, or all together as a group.
 
-    In a group, agents whose episode has ended no longer decide but are seen, and so is everything else that can move;
-    all decide with the options of the first agent.
+    In a group, agents whose episode has ended do not decide but are still seen, as is everything else that can move.
+    All decide with the options of the first agent.
 
     Args:
-        name: The behaviour's or group behaviour's name in YAML, with options if wished: ``pursuit:known=seen``.
-        driven: Indices of the agents that it drives; None for all. It sees the others as bodies that move, and its
-            actions for them mean nothing.
+        name: Name of the behaviour or group behaviour in YAML, optionally with options: ``pursuit:known=seen``.
+        driven: Indices of the agents that it drives; None for all. It sees the others as moving bodies, and its
+            actions for them are meaningless.
     """
 
     def __init__(self, name: str, driven: Sequence[int] | None = None) -> None:
@@ -67,10 +66,10 @@ class BehaviorPolicy:
         self._groups: list[Group] = []
 
     def check(self, episodes: Episodes) -> None:
-        """Refuse agents that the behaviour cannot command.
+        """Check that the behaviour can drive all agents.
 
         Raises:
-            UnfitBehaviorError: There is one.
+            UnfitBehaviorError: If the behaviour cannot command the drive of an agent, or lacks the scan that it reads.
         """
         for body in self._bodies(episodes).tolist():
             spec = episodes.simulation.scenario.bodies[body]
@@ -85,10 +84,10 @@ class BehaviorPolicy:
                 raise UnfitBehaviorError(f"'{self.name}' reads a scan, but {place} has no range sensor; {SCANNER}")
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Look at the drives, and at the sizes of the bodies.
+        """Prepare for the drives and sizes of the bodies.
 
         Raises:
-            UnfitBehaviorError: The behaviour cannot command the drive of an agent.
+            UnfitBehaviorError: If the behaviour cannot command the drive of an agent.
         """
         simulation = episodes.simulation
         if self._episodes is not episodes:
@@ -108,7 +107,7 @@ class BehaviorPolicy:
             measure(worlds, simulation.parts.everyone, simulation.model)
 
     def _bodies(self, episodes: Episodes) -> Ints:
-        """Return the bodies that it drives."""
+        """Return the driven bodies."""
         agents = episodes.simulation.agents
         return agents if self.driven is None else agents[np.array(self.driven, np.int64)]
 
@@ -127,7 +126,7 @@ class BehaviorPolicy:
 
 
 def _groups_by_drive(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list[Group]:
-    """Return the driven bodies in groups of one drive each, as behaviours want them."""
+    """Return the driven bodies in groups that share a drive, as behaviours need them."""
     simulation = episodes.simulation
     drives, groups = simulation.model.drive[driven], []
     for drive in np.unique(drives):
@@ -139,7 +138,7 @@ def _groups_by_drive(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -
 
 
 def _one_group(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list[Group]:
-    """Return everything that can move as one group, in which the driven bodies decide."""
+    """Return one group of everything that can move, in which the driven bodies decide."""
     simulation = episodes.simulation
     options = _options(episodes, int(driven[0]), "group_behavior", policy)
     members = np.flatnonzero(simulation.model.movable)
@@ -155,7 +154,7 @@ def _one_group(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list
 
 
 def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy) -> object:
-    """Return a body's options: those given, beside its own or the best defaults with the speeds of its drive."""
+    """Return a body's options: given ones over its own, or over the best defaults with the speeds of its drive."""
     own, kind = getattr(episodes.simulation.scenario.bodies[body], family), policy.kind
     if isinstance(own, kind):
         return replace(own, **policy.options) if policy.options else own
@@ -171,7 +170,7 @@ def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy)
 
 
 def _show_who_stands(episodes: Episodes, worlds: Ints) -> None:
-    """Let the others see agents whose episode has ended as they move, not as they last planned to."""
+    """Show agents whose episode has ended with their actual velocities, not with their last planned ones."""
     simulation = episodes.simulation
     row, agent = np.nonzero(episodes.view.infos["outcome"][worlds] != Outcome.RUNNING)
     places = worlds[row], simulation.agents[agent]

@@ -1,4 +1,4 @@
-"""What a level asks of a robot, measured on the level itself: whether there is a way, how long, how wide, how soon."""
+"""What a level demands of a robot: whether a path exists, its length, its width, and the minimum time."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE, WorldModel
 from irsim_gym.world.state import WorldState
 
 PRECISION = 1e-3
-"""The widest way is bisected to this [m]."""
+"""Precision to which the clearance of the widest path is bisected [m]."""
 ROUNDING = 1e-9
-"""By so many steps a robot may be early in ``least_steps``, so that rounding never adds one."""
+"""Tolerance of ``least_steps`` [steps], so that rounding never adds a step."""
 
 
 @dataclass(frozen=True)
 class LevelMeasures:
-    """What a level asks of one robot.
+    """What a level demands of one robot.
 
     Attributes:
-        reachable: A free way leads from the start through all goals in turn.
-        length: Length of the shortest one that was found [m], infinite without one.
-        straight: Length of the straight way through all goals [m].
-        clearance: Least distance from what stands on the widest way [m], which ends may bound; NaN without a way,
-            infinite where nothing stands.
-        least_time: No robot with these limits of speed and acceleration takes less time [s]; infinite without a way.
+        reachable: Whether a free path leads from the start through all goals in order.
+        length: Length of the shortest path found [m]; infinite without one.
+        straight: Length of the straight lines from the start through all goals [m].
+        clearance: Clearance to standing obstacles along the widest path [m], which start and goals may bound; NaN
+            without a path, infinite without obstacles.
+        least_time: Lower bound of the time for the limits of speed and acceleration [s]; infinite without a path.
     """
 
     reachable: bool
@@ -42,29 +42,29 @@ class LevelMeasures:
 
     @property
     def tortuosity(self) -> float:
-        """Length of the shortest way over the straight one, at least 1; 1 where start and goals are one point."""
+        """Length of the shortest path divided by the straight length, at least 1; 1 if start and goals coincide."""
         return max(self.length / self.straight, 1.0) if self.straight > 0.0 else 1.0
 
 
 def measure_level(
     model: WorldModel, state: WorldState, world: int, body: int, *, radius: float | None = None, cell: float = FINE
 ) -> LevelMeasures:
-    """Measure the level that a world plays, for a disc around the origin of one body.
+    """Measure the level of a world for a disc around the origin of one body.
 
-    What stands is in the way, bodies and the map; what moves is not. Ways are sought over cells, so that a gap hardly
-    wider than the disc may be missed (see ``paths.reachability``), and all that is found is free, tested exactly.
+    Standing bodies and the map are obstacles; moving bodies are not. Paths are searched on a grid, so that a gap hardly
+    wider than the disc may be missed (see ``paths.reachability``). All paths found are tested exactly to be free.
 
     Args:
         model: Constants of the episode.
-        state: Its beginning: outlines, and goals that are not reached yet.
-        world: Which world.
-        body: Who drives.
-        radius: Radius of the disc [m]; by default the one about the body's origin that holds its footprint.
+        state: State at the start of the episode: outlines, and goals that are not reached yet.
+        world: Index of the world.
+        body: Index of the body.
+        radius: Radius of the disc [m]; by default that of the disc about the body's origin that encloses its footprint.
         cell: Side of the cells [m].
 
     Returns:
-        The measures. ``length`` is that of a path that exists, some 0.1 % above the shortest and up to 3 % where ways
-        on different sides of something are nearly equally long; ``least_time`` is that of a way of this length.
+        The measures. ``length`` is that of an existing path, about 0.1 % above the shortest, and up to 3 % if paths on
+        different sides of an obstacle have nearly equal lengths; ``least_time`` is that of a path of this length.
     """
     own = float(model.reach[world % len(model.reach), body]) if radius is None else float(radius)
     stops = np.concatenate([state.pose[world, body, None, :2], _goals(model, state, world, body)])
@@ -93,7 +93,7 @@ def is_disc(model: WorldModel, body: int) -> bool:
 
 
 def _goals(model: WorldModel, state: WorldState, world: int, body: int) -> Floats:
-    """Return the goals that are not reached yet, in turn, shape ``(n, 2)`` [m]."""
+    """Return the goals that are not reached yet, in order, shape ``(n, 2)`` [m]."""
     if not model.has_goal[body]:
         return np.zeros((0, 2))
     return model.waypoints[world, body, int(state.waypoint[world, body]) : int(state.waypoint_end[world, body]), :2]
@@ -102,7 +102,7 @@ def _goals(model: WorldModel, state: WorldState, world: int, body: int) -> Float
 def _widest(
     model: WorldModel, state: WorldState, world: int, radius: float, stops: Floats, blocks: Flags, cell: float
 ) -> float:
-    """Return by how much a disc may grow before one of the ways is closed to it [m]: the bottleneck path of all."""
+    """Return by how much a disc can grow until one of the paths is blocked [m]: the clearance of the widest paths."""
 
     def are_open(ways: Iterable[tuple[Floats, Floats]], more: float) -> bool:
         own = radius + more
@@ -112,13 +112,13 @@ def _widest(
     farthest = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
     if are_open(stands, farthest):
         return math.inf
-    # Where the disc may stand costs little, and often nothing on the way is narrower.
+    # Testing start and goals is cheap, and often no place on the path is narrower.
     room = _bisect(partial(are_open, stands), farthest)
     return room if are_open(ways, room) else _bisect(partial(are_open, ways), room)
 
 
 def _bisect(holds: Callable[[float], bool], high: float) -> float:
-    """Return the greatest number for which something holds, less up to ``PRECISION``; it holds for 0 if at all."""
+    """Return the largest number up to ``high`` for which ``holds`` is true, less at most ``PRECISION``."""
     low = 0.0
     while high - low > PRECISION:
         middle = 0.5 * (low + high)
@@ -127,11 +127,18 @@ def _bisect(holds: Callable[[float], bool], high: float) -> float:
 
 
 def least_steps(model: WorldModel, state: WorldState, world: int, body: int, legs: Sequence[float]) -> float:
-    """Return how many steps a body needs at least for ways from goal to goal [m], infinite if it cannot drive them.
+    """Return the least number of steps in which a body can drive paths from goal to goal; infinite if it cannot.
 
-    It speeds up from its present velocity as fast as it may and never slows down, and each goal is reached at its
-    threshold, where it is left too: n steps of acceleration a cover n v dt + a dt^2 n (n + 1) / 2. Nothing is known of
-    drives of plugins, for which one step is enough.
+    The body accelerates from its present velocity as fast as possible and never brakes, and it reaches and leaves each
+    goal at its threshold: n steps of acceleration a cover n v dt + a dt^2 n (n + 1) / 2. The limits of drives from
+    plugins are unknown, so one step counts as enough for them.
+
+    Args:
+        model: Constants of the episode.
+        state: State at the start.
+        world: Index of the world.
+        body: Index of the body.
+        legs: Lengths of the paths [m].
     """
     row, dt = world % len(model.velocity_max), float(model.step_time[0])
     threshold = float(model.goal_threshold[world % len(model.goal_threshold), body])

@@ -1,4 +1,4 @@
-"""From the commands of drives to the actions that ask for them."""
+"""Converts commands of drives to actions."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from irsim_gym.world.model import OMNI_WORLD
 
 
 def decided_commands(episodes: Episodes, worlds: Ints) -> Floats:
-    """Return the commands that were decided for the agents, within their limits, ``(n, n_agents, n_components)``."""
+    """Return the agents' decided commands, clipped to their limits, ``(n, n_agents, n_components)``."""
     low, high = velocity_limits(episodes, worlds)
     decided = episodes.simulation.state.command[worlds[:, None], episodes.simulation.agents]
     return np.asarray(np.clip(decided[..., : low.shape[2]], low, high))
 
 
 def to_actions(episodes: Episodes, worlds: Ints, command: Floats) -> NDArray[np.float64] | Ints:
-    """Return the actions that ask for commands: exact in [-1, 1], or the nearest choices.
+    """Return the actions that produce commands: exact ones in [-1, 1], or the nearest choices.
 
     Args:
-        episodes: Their task says what an action is.
+        episodes: The episodes; their task defines the actions.
         worlds: Indices of the worlds, ``(n,)``.
         command: In drive coordinates [m/s, rad/s], ``(n, n_agents, n_components)``.
 
@@ -39,7 +39,7 @@ def to_actions(episodes: Episodes, worlds: Ints, command: Floats) -> NDArray[np.
 
 
 def velocity_limits(episodes: Episodes, worlds: Ints) -> tuple[Floats, Floats]:
-    """Return the least and greatest commands of the agents, ``(n, n_agents, n_components)`` each."""
+    """Return the minimum and maximum commands of the agents, ``(n, n_agents, n_components)`` each."""
     model, agents = episodes.simulation.model, episodes.simulation.agents
     size = len(episodes.action_low)
     limits = [field[worlds % len(field)][:, agents, :size] for field in (model.velocity_min, model.velocity_max)]
@@ -47,7 +47,7 @@ def velocity_limits(episodes: Episodes, worlds: Ints) -> tuple[Floats, Floats]:
 
 
 def _into_body_frame(command: Floats, turned: Ints, heading: Floats) -> Floats:
-    """Return commands with those of the ``turned`` agents, velocities in the world frame, in their bodies' frames."""
+    """Return commands, with the velocities of the ``turned`` agents rotated from the world frame to the body frame."""
     cosine, sine = np.cos(heading[:, turned]), np.sin(heading[:, turned])
     vx, vy = command[:, turned, 0], command[:, turned, 1]
     rotated = command.copy()
@@ -56,7 +56,7 @@ def _into_body_frame(command: Floats, turned: Ints, heading: Floats) -> Floats:
 
 
 def _nearest_choices(episodes: Episodes, action: Floats) -> Ints:
-    """Return the choices whose actions are nearest to given ones, component by component."""
+    """Return the choices whose actions are nearest to the given ones in each component."""
     options = episodes.task.action
     choices = np.zeros(action.shape[:2], np.int64)
     for a, size in enumerate(episodes.action_sizes.tolist()):

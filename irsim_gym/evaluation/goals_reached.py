@@ -1,4 +1,4 @@
-"""How many goals an agent with several, one after another, has reached."""
+"""Counts the goals that an agent with several successive goals has reached."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from irsim_gym.world.model import KEEP_GOAL
 
 
 def goals_reached(episodes: Episodes, world: int, agent: int) -> float:
-    """Return how many goals an agent has reached; NaN if it has one, or goals without end."""
+    """Return the number of goals that an agent has reached; NaN if it has only one, or an endless sequence."""
     model, state = episodes.simulation.model, episodes.simulation.state
     body = int(episodes.simulation.agents[agent])
     if model.waypoint_count[world, body] < 2 or model.goal_renewal[body] != KEEP_GOAL:
@@ -19,9 +19,9 @@ def goals_reached(episodes: Episodes, world: int, agent: int) -> float:
 
 
 def goals_per_minute(episodes: Episodes, world: int, agent: int) -> float:
-    """Return how many goals an agent has reached per minute; NaN likewise.
+    """Return the number of goals that an agent has reached per minute; NaN as for ``goals_reached``.
 
-    An agent that has not reached all of its goals counts as being busy until the time limit, also after a collision.
+    The time of an agent that has not reached all of its goals is the time limit, even after a collision.
     """
     reached = goals_reached(episodes, world, agent)
     if math.isnan(reached):

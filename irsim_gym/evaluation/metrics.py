@@ -1,4 +1,4 @@
-"""What is counted: one row per episode, and the summary of many rows."""
+"""Metrics: one row per episode, and summaries of many rows."""
 
 from __future__ import annotations
 
@@ -21,20 +21,21 @@ class EpisodeRow:
     Attributes:
         level: Index of the level in its split.
         outcome: One of ``OUTCOMES``.
-        hit: What a collision was with, one of ``HITS``; empty without a collision.
+        hit: What the robot collided with, one of ``HITS``; empty without a collision.
         steps: Number of steps.
         time: Duration [s].
         path_length: Distance driven [m].
-        optimum: Length of the shortest collision-free path from start to goal past the bodies that stand
-            still [m]; infinite when none was found.
-        min_clearance: Smallest distance between the robot's outline and another body's [m].
-        least_time: No robot with these limits of speed and acceleration takes less [s]; NaN where it was not measured.
-        acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN where it was not measured.
+        optimum: Length of the shortest collision-free path from start to goal among standing obstacles [m]; infinite
+            if none was found.
+        min_clearance: Minimum distance between the robot's outline and another body's [m].
+        least_time: Lower bound of the time for the robot's limits of speed and acceleration [s]; NaN if not measured.
+        acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN if not measured.
         jerk: Mean size of its second derivative [m/s3], likewise.
-        intrusion_025: Share of steps with less than 0.25 m between it and a person; NaN where there are no people.
+        intrusion_025: Share of steps with less than 0.25 m to a person; NaN if there are no people.
         intrusion_045: The same for 0.45 m.
-        time_to_collision: Least time to collision with a person [s], see ``people``; likewise, infinite if it met none.
-        goals_reached: How many of its goals it reached, one after another; NaN where it has one.
+        time_to_collision: Minimum time to collision with a person [s], see ``people``; infinite if it met none, NaN if
+            there are no people.
+        goals_reached: Number of its successive goals that it reached; NaN if it has only one.
         goals_per_minute: The same per minute, of the time limit if it did not reach all; likewise.
     """
 
@@ -59,7 +60,7 @@ class EpisodeRow:
     def spl(self) -> float:
         """Success by path length: optimum / max(optimum, path length) (Anderson et al. 2018, arXiv:1807.06757).
 
-        A success whose optimum was not found counts as driven optimally; one that started at its goal too.
+        A success counts as optimal if no optimum was found, or if it started at its goal.
         """
         if self.outcome != "success":
             return 0.0
@@ -71,7 +72,7 @@ class EpisodeRow:
     def sct(self) -> float:
         """Success by completion time: least time / time (Yokoyama et al. 2021, arXiv:2103.08022).
 
-        NaN where the least time is not known.
+        NaN if the least time is not known.
         """
         if math.isnan(self.least_time):
             return math.nan
@@ -83,7 +84,7 @@ class EpisodeRow:
     def path_ratio(self) -> float:
         """Path length / optimum of a success, else NaN.
 
-        It may fall a little below 1: an episode ends within the goal's tolerance, the optimum at the goal itself.
+        It can be slightly below 1: an episode ends within the goal's tolerance, the optimum at the goal itself.
         """
         if self.outcome != "success" or not 0.0 < self.optimum < math.inf:
             return math.nan
@@ -92,11 +93,11 @@ class EpisodeRow:
 
 @dataclass(frozen=True)
 class Rate:
-    """A share with its 95 % interval, Wilson's unless something else is said.
+    """A share with its 95 % interval, which is Wilson's unless stated otherwise.
 
     Attributes:
-        count: How many were counted.
-        value: Their share of all.
+        count: Number of counted items.
+        value: Their share of all items.
         low: Lower end of the interval.
         high: Upper end of the interval.
     """
@@ -108,7 +109,7 @@ class Rate:
 
 
 def wilson(count: float, total: float, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """Return the score interval of a share (Wilson 1927): it stays inside [0, 1] and is right near its ends."""
+    """Return the score interval of a share (Wilson 1927), which stays inside [0, 1] and is accurate near its ends."""
     if total == 0:
         return 0.0, 1.0
     z = NormalDist().inv_cdf(0.5 + confidence / 2.0)
@@ -135,21 +136,21 @@ class Summary:
         episodes: Number of episodes.
         success: Share that reached the goal.
         collision: Share that ended in a collision; ``collision_with`` splits it by what was hit.
-        timeout: Share cut by the time limit.
+        timeout: Share ended by the time limit.
         left_world: Share that left the world's rectangle.
-        deadlock: Share that the task's ending ``deadlocked`` ended.
+        deadlock: Share ended by the task's ending ``deadlocked``.
         spl: Mean of success weighted by path length, over all episodes.
         sct: Mean of success weighted by completion time, over all episodes.
         time: Mean duration of the successes [s]; NaN without any.
-        path_length: Mean distance driven by the successes [m]; NaN without any.
+        path_length: Mean distance driven in the successes [m]; NaN without any.
         path_ratio: Mean of path length / optimum over the successes; NaN without any.
-        min_clearance: Mean over all episodes of the smallest clearance [m].
+        min_clearance: Mean over all episodes of the minimum clearance [m].
         acceleration: Mean of the mean sizes of acceleration [m/s2], over all episodes.
-        jerk: Mean of the mean sizes of its derivative [m/s3], likewise.
-        intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN where there are no people.
+        jerk: Mean of the mean sizes of jerk [m/s3], over all episodes.
+        intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN if there are no people.
         intrusion_045: The same for 0.45 m.
-        time_to_collision: Mean of the least times to collision with a person [s], over episodes that met one.
-        throughput: Mean of the goals per minute; NaN where a robot has one goal.
+        time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
+        throughput: Mean of the goals per minute; NaN if a robot has only one goal.
     """
 
     policy: str
@@ -209,6 +210,6 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
 
 
 def mean(values: Sequence[float]) -> float:
-    """Return the mean of the finite values, NaN when there are none."""
+    """Return the mean of the finite values; NaN if there are none."""
     finite = [value for value in values if math.isfinite(value)]
     return math.fsum(finite) / len(finite) if finite else math.nan

@@ -1,4 +1,4 @@
-"""How agents move, measured from outside: true derivatives of their velocity, and how near they come to people."""
+"""Measures how agents move: the derivatives of their true velocity, and how close they come to people."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from irsim_gym.tasks import Episodes, Outcome
 
 
 class MotionLog:
-    """Measures acceleration and jerk of the episodes that are under way: a `Watcher`.
+    """Measures acceleration and jerk in the running episodes: a `Watcher`.
 
-    Both are differences of the velocity vector in the world frame over a step, so turning at full speed counts, and
-    turning on the spot does not. A step that ends in a collision is left out: there the velocity is taken away.
+    Both are differences of the velocity vector in the world frame over a step, so that turning at full speed counts and
+    turning on the spot does not. Steps that end in a collision are excluded, since a collision removes the velocity.
 
     Args:
         episodes: The worlds.
 
     Attributes:
-        people: How near agents come to people.
+        people: Measures how close agents come to people.
     """
 
     def __init__(self, episodes: Episodes) -> None:
@@ -34,13 +34,13 @@ class MotionLog:
         self._sums: Floats = np.zeros((*shape, 2))
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Note the velocities at the start."""
+        """Record the velocities at the start."""
         self.people.began(worlds)
         self._count[worlds], self._sums[worlds] = 0, 0.0
         self._velocity[worlds] = self._velocities(episodes, worlds)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Add what agents did whose episode was running."""
+        """Add the motion of agents whose episode was running."""
         self.people.stepped(episodes, worlds)
         infos, dt = episodes.view.infos, float(episodes.simulation.model.step_time[0])
         count = self._count[worlds]
@@ -62,7 +62,7 @@ class MotionLog:
         return float(self._sums[world, agent, 0]) / count if count > 0 else math.nan
 
     def jerk(self, world: int, agent: int) -> float:
-        """Return the mean size of its derivative [m/s3]; NaN with fewer than two steps."""
+        """Return the mean size of an agent's jerk [m/s3]; NaN with fewer than two steps."""
         count = int(self._count[world, agent])
         return float(self._sums[world, agent, 1]) / (count - 1) if count > 1 else math.nan
 
@@ -76,23 +76,23 @@ class JoinedWatchers:
     """Several watchers as one: a `Watcher`.
 
     Args:
-        several: They are told in this order; None is left out.
+        several: The watchers, notified in this order; None is ignored.
     """
 
     def __init__(self, *several: Watcher | None) -> None:
         self._several = [each for each in several if each is not None]
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Tell all."""
+        """Notify all watchers."""
         for each in self._several:
             each.began(episodes, worlds, indices)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Tell all."""
+        """Notify all watchers."""
         for each in self._several:
             each.stepped(episodes, worlds)
 
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Tell all."""
+        """Notify all watchers."""
         for each in self._several:
             each.ended(episodes, worlds, indices)

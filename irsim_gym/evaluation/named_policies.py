@@ -15,19 +15,20 @@ TRUTHS = {"true": True, "false": False}
 
 
 class PolicyOptionError(IrsimGymError, ValueError):
-    """Options of a policy by name that are none of its behaviour's."""
+    """Options in a policy's name that its behaviour does not have."""
 
 
 def kind_name(source: str | Path) -> str:
-    """Return the name of the behaviour in ``NAME`` or ``NAME:OPTION=VALUE:...``; it may be none that is known."""
+    """Return the name of the behaviour in ``NAME`` or ``NAME:OPTION=VALUE:...``, which need not be registered."""
     return str(source).partition(":")[0]
 
 
 def read_options(source: str) -> dict[str, object]:
-    """Return the options in ``NAME:OPTION=VALUE:OPTION=VALUE``, with their types; none for a name alone.
+    """Return the options in ``NAME:OPTION=VALUE:OPTION=VALUE`` in their types; empty for a name alone.
 
     Raises:
-        PolicyOptionError: A text is no option, or a behaviour has no such option or value; the message has all of them.
+        PolicyOptionError: If the text cannot be parsed, or the behaviour has no such option or value; the message lists
+            all problems.
     """
     families.load()
     name, *texts = source.split(":")

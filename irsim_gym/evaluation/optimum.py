@@ -1,4 +1,4 @@
-"""The geodesic optimum of a level: what a driven path is measured against."""
+"""The geodesic optimum of a level, to which driven paths are compared."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from irsim_gym.tasks import Episodes
 
 
 class Optima:
-    """Lengths of the shortest collision-free paths of one split's levels, and the least times they take: a `Watcher`.
+    """Lengths and least times of the shortest collision-free paths in the levels of one split: a `Watcher`.
 
-    The path leads from the start through all goals in turn, past the bodies that stand still, for a disc that holds the
-    robot's footprint. It is the length of a path that exists: at most about 1 % above the true optimum. Each is found
-    once, however many policies play the level.
+    The path leads from the start through all goals in order, among the standing obstacles, for a disc that encloses the
+    robot's footprint. The result is the length of an existing path, at most about 1 % above the true optimum. It is
+    computed once per level, however many policies play it.
 
     Args:
         split: The split of the levels.
@@ -30,15 +30,15 @@ class Optima:
         self._times: dict[tuple[int, int], float] = {}
 
     def of(self, episodes: Episodes, world: int, level: int, agent: int = 0) -> float:
-        """Return the optimum [m] of an agent in the level that a world plays; infinite where no path is found."""
+        """Return the optimum [m] of an agent in the level that a world plays; infinite if no path is found."""
         return sum(self._legs_of(episodes, world, level, agent))
 
     def least_time(self, level: int, agent: int = 0) -> float:
-        """Return the least time [s] of an agent in a level that was watched when it began; NaN for any other."""
+        """Return the least time [s] of an agent in a level that was watched when it began; NaN for other levels."""
         return self._times.get((level, agent), math.nan)
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Find the least times from the velocities at the start, infinite where no path is found."""
+        """Compute the least times from the velocities at the start; infinite if no path is found."""
         simulation, levels = episodes.simulation, episodes.view.infos["level"]
         model, state = simulation.model, simulation.state
         for world in worlds.tolist():
@@ -55,7 +55,7 @@ class Optima:
         """Do nothing."""
 
     def _legs_of(self, episodes: Episodes, world: int, level: int, agent: int) -> list[float]:
-        """Return the lengths from goal to goal [m]."""
+        """Return the lengths of the paths from goal to goal [m]."""
         if (level, agent) not in self._legs:
             self._legs[level, agent] = self._measure(episodes, world, agent)
         return self._legs[level, agent]
@@ -70,7 +70,7 @@ class Optima:
 
 
 def stops(episodes: Episodes, world: int, agent: int) -> Floats:
-    """Return an agent's start and its goals in turn, ``(n_goals + 1, 2)`` [m]."""
+    """Return an agent's start and its goals in order, ``(n_goals + 1, 2)`` [m]."""
     model, state = episodes.simulation.model, episodes.simulation.state
     body = int(episodes.simulation.agents[agent])
     goals = model.waypoints[world, body, : int(state.waypoint_end[world, body]), :2]
@@ -78,6 +78,6 @@ def stops(episodes: Episodes, world: int, agent: int) -> Floats:
 
 
 def straight_distance(episodes: Episodes, world: int, agent: int) -> float:
-    """Return the length of the straight way from an agent's start through its goals [m]."""
+    """Return the length of the straight lines from an agent's start through its goals [m]."""
     steps = np.diff(stops(episodes, world, agent), axis=0)
     return float(np.hypot(steps[:, 0], steps[:, 1]).sum())

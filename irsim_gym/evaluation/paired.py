@@ -1,4 +1,4 @@
-"""Policies that played the same levels, two at a time."""
+"""Paired comparisons of policies that played the same levels."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ class PairedComparison:
         only_one: Number of levels that only the first solved.
         only_other: Number of levels that only the second solved.
         success: Success of the first minus that of the second.
-        spl: The same of the success weighted by path length.
-        p: Of McNemar's exact test: how likely counts as unequal as these are if both solve equally many levels.
-        p_adjusted: The same for all comparisons that are reported together (Benjamini and Hochberg 1995).
+        spl: Success weighted by path length of the first minus that of the second.
+        p: p value of McNemar's exact test: the probability of counts at least as unequal as these if both policies are
+            equally good.
+        p_adjusted: The p value, adjusted for all comparisons that are reported together (Benjamini and Hochberg 1995).
     """
 
     one: str
@@ -36,7 +37,7 @@ class PairedComparison:
 
 
 def compare_pairs(policies: Sequence[str], success: Flags, spl: Floats) -> list[PairedComparison]:
-    """Compare each policy with each one behind it.
+    """Compare each policy with each later one.
 
     Args:
         policies: Their names.

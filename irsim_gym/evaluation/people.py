@@ -1,4 +1,4 @@
-"""How near agents come to people: bodies that move by themselves and are no agents."""
+"""Measures how close agents come to people: bodies other than agents that move by themselves."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.tasks import Episodes
 
 INTRUSIONS = 0.25, 0.45
-"""Distances below which an agent intrudes [m]: that of CrowdNav++ (Liu et al., ICRA 2023, arXiv:2203.01821), and the
+"""Distances below which an agent intrudes [m]: the one of CrowdNav++ (Liu et al., ICRA 2023, arXiv:2203.01821), and the
 intimate distance (Hall, The Hidden Dimension, 1966).
 """
 
 HORIZON = 10.0
-"""A collision that is farther away than this counts as none [s]: hardly anybody keeps a velocity for longer."""
+"""Later collisions do not count [s], since people hardly keep a velocity for longer."""
 
 
 class PeopleLog:
-    """Measures intrusions and times to collision of the episodes that are under way.
+    """Measures intrusions and times to collision in the running episodes.
 
-    Every body counts as the disc around its origin that holds it, which for a disc is exact. Both measures are those of
-    Francis et al. (Principles and Guidelines for Evaluating Social Robot Navigation Algorithms, 2023,
-    arXiv:2306.16740): the share of steps with too little space, and the least time to collision.
+    Every body counts as the disc around its origin that encloses it, which is exact for discs. Both measures are those
+    of Francis et al. (Principles and Guidelines for Evaluating Social Robot Navigation Algorithms, 2023,
+    arXiv:2306.16740): the share of steps with too little space, and the minimum time to collision.
 
     Args:
         episodes: The worlds.
@@ -40,11 +40,11 @@ class PeopleLog:
         self._least: Floats = np.full(shape, np.inf)
 
     def began(self, worlds: Ints) -> None:
-        """Forget the episodes before."""
+        """Discard earlier episodes."""
         self._count[worlds], self._near[worlds], self._least[worlds] = 0, 0, np.inf
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Look at the agents whose episode was running."""
+        """Measure the agents whose episode was running."""
         if not len(self._people):
             return
         runs = episodes.view.infos["steps"][worlds] > self._count[worlds]
@@ -55,7 +55,7 @@ class PeopleLog:
         self._count[worlds] += runs
 
     def _look(self, episodes: Episodes, worlds: Ints) -> tuple[Floats, Floats]:
-        """Return the clearance [m] and the time to collision [s] with whoever is nearest in it, ``(n, n_agents)``."""
+        """Return the minimum clearance [m] and time to collision [s] over all people, ``(n, n_agents)`` each."""
         model, state, agents = episodes.simulation.model, episodes.simulation.state, episodes.simulation.agents
         rows = worlds[:, None]
         reach = model.reach[worlds if len(model.reach) > 1 else np.zeros_like(worlds)]
@@ -68,24 +68,24 @@ class PeopleLog:
         return gap.min(axis=-1), time.min(axis=-1)
 
     def intrusion(self, world: int, agent: int, k: int) -> float:
-        """Return the share of an agent's steps with less room than ``INTRUSIONS[k]``; NaN where there are no people."""
+        """Return the share of steps closer to a person than ``INTRUSIONS[k]``; NaN if there are no people."""
         count = int(self._count[world, agent])
         return int(self._near[world, agent, k]) / count if count > 0 else math.nan
 
     def time_to_collision(self, world: int, agent: int) -> float:
-        """Return an agent's least time to collision [s]: infinite if it met nobody, NaN where there are no people."""
+        """Return an agent's minimum time to collision [s]: infinite if it met nobody, NaN if there are no people."""
         return float(self._least[world, agent]) if self._count[world, agent] > 0 else math.nan
 
 
 def time_to_contact(away: Floats, speed: Floats, both: Floats) -> Floats:
-    """Return when discs would touch if all kept their velocities [s]; 0 where they do, infinite beyond ``HORIZON``.
+    """Return when discs touch if all keep their velocities [s]: 0 if they overlap, infinite beyond ``HORIZON``.
 
-    The root of |p + v t| = R.
+    It is the first root t of |p + v t| = R.
 
     Args:
-        away: Where the others are, p [m], shape ``(..., 2)``.
-        speed: How they move, seen from the first, v [m/s], shape ``(..., 2)``.
-        both: Sum of both radii, R [m], shape ``(...)``.
+        away: Relative positions of the others, p [m], shape ``(..., 2)``.
+        speed: Relative velocities of the others, v [m/s], shape ``(..., 2)``.
+        both: Sums of both radii, R [m], shape ``(...)``.
     """
     square, along = (speed * speed).sum(axis=-1), (away * speed).sum(axis=-1)
     beyond = (away * away).sum(axis=-1) - both * both

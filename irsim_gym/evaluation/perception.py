@@ -1,4 +1,4 @@
-"""What policies perceive: each by the observations of the task that it was trained with, whatever task is played."""
+"""What policies perceive: the observations of the task that each was trained with, whatever task is played."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from irsim_gym.tasks import Episodes, Task, load_task
 
 
 class UnfitPerceptionError(IrsimGymError, ValueError):
-    """A policy observes what a scenario does not have."""
+    """A policy needs observations that a scenario does not offer."""
 
 
 @dataclass(frozen=True)
 class Perception:
-    """What a policy observes and how it acts, as plain data in the words of a task.
+    """What a policy observes and how it acts, as plain data in the form of a task.
 
     Attributes:
         observations: The observations in order, each with all of its options: ``{"name": "scan", "sectors": 36, ...}``.
@@ -38,20 +38,20 @@ class Perception:
         return [str(item["name"]) for item in self.observations]
 
     def to_plain(self) -> dict[str, object]:
-        """Return it as JSON holds it."""
+        """Return the perception as JSON data."""
         return {**vars(self), "observations": [dict(item) for item in self.observations]}
 
 
 def perception_from(data: Mapping[str, Any]) -> Perception:
-    """Make it from what ``to_plain`` returned."""
+    """Make a perception from the result of ``to_plain``."""
     return Perception(tuple(data["observations"]), data["action"], data["observation_form"])
 
 
 def perception_differences(perceptions: Mapping[str, Perception]) -> list[str]:
-    """Return in words where perceptions differ from the first one; nothing where all are alike.
+    """Return descriptions of how perceptions differ from the first one; empty if all are equal.
 
     Args:
-        perceptions: What is compared, by the name of whoever perceives so.
+        perceptions: The perceptions, by name.
     """
     (first, one), *others = perceptions.items()
     return [f"{first} has {text}" for name, other in others for text in _differences(one, name, other)]
@@ -78,31 +78,31 @@ def _differences(one: Perception, name: str, other: Perception) -> Iterator[str]
 
 @runtime_checkable
 class Perceives(Protocol):
-    """A policy that decides by observations.
+    """A policy that acts on observations.
 
     Attributes:
-        perception: Those that it was trained with; None for those of the task that is played.
+        perception: The perception that it was trained with; None for that of the played task.
     """
 
     perception: Perception | None
 
 
 def perception_of(task: Task) -> Perception:
-    """Return what the learners of a task observe, with substitutes for missing sensors, and how they act."""
+    """Return the perception of a task's learners, with substitutes for missing sensors."""
     observations = tuple(_as_data(OBSERVATIONS, item) for item in task.observations)
     return Perception(observations, _as_data(ACTIONS, task.action), task.observation_form)
 
 
 def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Task:
-    """Return a task with other observations and another action: who learns, and what counts, stay the same.
+    """Return a task with other observations and another action, but the same learners, rewards and endings.
 
     Args:
-        scenario: Where it is played.
+        scenario: The scenario.
         task: The task.
-        perception: What takes the place of its observations and action.
+        perception: Replaces its observations and action.
 
     Raises:
-        UnfitPerceptionError: The learners lack what the observations or the action need.
+        UnfitPerceptionError: If the learners lack what the observations or the action need.
     """
     wanted = {
         "name": "blank",
@@ -123,10 +123,10 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
 
 
 class Perceived:
-    """The same worlds as policies of different perceptions see them, one after the other.
+    """The same worlds as seen by policies of different perceptions, one after another.
 
     Args:
-        episodes: The worlds with the task that is played.
+        episodes: The worlds with the played task.
     """
 
     def __init__(self, episodes: Episodes) -> None:
@@ -134,12 +134,12 @@ class Perceived:
         self._known = [(perception_of(episodes.task), episodes)]
 
     def of(self, policy: object) -> Episodes:
-        """Return the worlds for a policy: with its own observations and action, and all else as in the task.
+        """Return the worlds for a policy, with its own observations and action and everything else as in the task.
 
-        All of them share one simulation: in a world only those may go on that have begun its level.
+        All results share one simulation: only the episodes that began a world's level may step that world.
 
         Raises:
-            UnfitPerceptionError: The agents lack what the policy's observations or its action need.
+            UnfitPerceptionError: If the agents lack what the policy's observations or its action need.
         """
         wanted = policy.perception if isinstance(policy, Perceives) else None
         if wanted is None:
@@ -147,7 +147,7 @@ class Perceived:
         return self._find(wanted) or self._make(wanted)
 
     def observed_by(self, policy: object) -> list[str] | None:
-        """Return the names of what a policy observes; None for one that decides without observations."""
+        """Return the names of a policy's observations; None for a policy that acts without observations."""
         return perception_of(self.of(policy).task).names if isinstance(policy, Perceives) else None
 
     def _find(self, wanted: Perception) -> Episodes | None:
@@ -162,7 +162,7 @@ class Perceived:
 
 
 def _as_data(family: Registry, item: object) -> dict[str, object]:
-    """Return a kind as it is written in a task, with all options."""
+    """Return a kind as a task writes it, with all options."""
     options = {key: getattr(item, key) for key in option_fields(type(item))} | more_options(item)
     return {"name": family.name_of(type(item)), **{key: _as_list(value) for key, value in options.items()}}
 

@@ -1,4 +1,4 @@
-"""What drives the agents of many worlds."""
+"""Policies that drive the agents of many worlds."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ Actions = NDArray[Any]
 
 @runtime_checkable
 class Policy(Protocol):
-    """What drives the agents of many worlds."""
+    """A policy that drives the agents of many worlds."""
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Take note that levels begin in worlds, arrays ``(n,)``."""
+        """Prepare for the levels that begin in the given worlds, arrays ``(n,)``."""
 
     def act(self, episodes: Episodes, worlds: Ints) -> Actions:
         """Return the actions of worlds: ``(n, n_agents, action_dim)`` in [-1, 1], or ``(n, n_agents)`` integers.
 
-        Where a task has one agent its axis is left out: ``(n, action_dim)`` or ``(n,)``. Actions of agents whose
-        episode has ended are ignored.
+        If a task has one agent, its axis is omitted: ``(n, action_dim)`` or ``(n,)``. Actions of agents whose episode
+        has ended are ignored.
         """
 
 
 class ObservationPolicy:
-    """A policy that sees an agent's own observation alone; the agents of a team share it.
+    """A policy that acts on each agent's own observation; the agents of a team share it.
 
     Args:
-        function: Turns observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``; it gets
-            a row for each agent of each world. It gets what the environments give, stacked: where they give a dict a
-            dict of arrays, for a lone picture uint8 ``(n, height, width, n_channels)``.
-        perception: What it observes, and how it acts; None for what the task says that is played.
+        function: Maps observations, float32 ``(n, n_features)``, to actions ``(n, action_dim)`` or ``(n,)``, with a row
+            for each agent of each world. Observations have the form of the environments, stacked: a dict of arrays
+            for dicts, uint8 ``(n, height, width, n_channels)`` for a single image.
+        perception: Its observations and action; None for those of the played task.
     """
 
     def __init__(self, function: Callable[[Any], Actions], perception: Perception | None = None) -> None:
@@ -55,27 +55,27 @@ class ObservationPolicy:
 
 
 def percepts(episodes: Episodes, worlds: Ints) -> Percepts:
-    """Return a copy of what the agents of worlds perceive, a row for each agent: arrays ``(n * n_agents, ...)``."""
+    """Return a copy of what the agents of worlds perceive, one row per agent: arrays ``(n * n_agents, ...)``."""
     n_rows = len(worlds) * episodes.n_agents
     return episodes.view.percepts.each(lambda rows: rows[worlds].reshape(n_rows, *rows.shape[2:]))
 
 
 def by_world(actions: Actions, episodes: Episodes) -> Actions:
-    """Return actions that have a row for each agent, ``(n * n_agents, ...)``, as ``Policy.act`` returns them."""
+    """Convert actions with one row per agent, ``(n * n_agents, ...)``, to the shape that ``Policy.act`` returns."""
     found = np.asarray(actions)
     return without_lone_axis(found.reshape(-1, episodes.n_agents, *found.shape[1:]))
 
 
 def without_lone_axis(actions: Actions) -> Actions:
-    """Return actions ``(n, n_agents, ...)`` as ``Policy.act`` returns them: one agent has no axis."""
+    """Convert actions ``(n, n_agents, ...)`` to the shape that ``Policy.act`` returns: no axis for a single agent."""
     return actions[:, 0] if actions.shape[1] == 1 else actions
 
 
 def by_agent(actions: Actions, episodes: Episodes, worlds: Ints) -> Actions:
-    """Return what ``Policy.act`` returned as ``(n, n_agents, ...)``.
+    """Convert actions from ``Policy.act`` to shape ``(n, n_agents, ...)``.
 
     Raises:
-        ValueError: It is of another shape.
+        ValueError: If the actions have another shape.
     """
     found = np.asarray(actions)
     one = () if episodes.action_kind == "discrete" else episodes.action_low.shape

@@ -1,4 +1,4 @@
-"""The evaluation: a policy drives every level of a split once, many levels at a time."""
+"""The evaluation protocol: a policy drives each level of a split once, many levels in parallel."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ def evaluate(
     on_episodes: Callable[[int], None] | None = None,
     watcher: Watcher | None = None,
 ) -> list[EpisodeRow]:
-    """Drive levels of a split once each and return a row per episode, in the order of the levels.
+    """Drive each level of a split once, and return one row per episode, in the order of the levels.
 
-    A world whose episode ends goes on with the next level at once. A level's result depends neither on the
-    number of worlds nor on the other levels.
+    A world whose episode ends starts the next level at once. A level's result depends neither on the number of worlds
+    nor on other levels.
 
     Args:
         policy: A policy, or a function of the observation alone.
         episodes: Worlds with one agent each, see ``irsim_gym.tasks.Episodes``.
         levels: Their number (levels 0, 1, ...) or their indices.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        optima: Geodesic optima that earlier evaluations of the same split found; filled further.
+        optima: Geodesic optima of earlier evaluations of the same split; new ones are added.
         on_episodes: Called with the number of episodes that have just ended.
         watcher: Observes each step.
 
     Raises:
-        IrsimGymError: The task has several agents, see ``evaluate_team``.
+        IrsimGymError: If the task has several agents, see ``evaluate_team``.
     """
     if episodes.n_agents != 1:
         raise IrsimGymError(
@@ -66,7 +66,7 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
     """Return the given optima, or new ones.
 
     Raises:
-        ValueError: They are those of another split.
+        ValueError: If ``optima`` are those of another split.
     """
     if optima is not None and optima.split != split:
         raise ValueError(f"these optima are for split '{optima.split}', but the levels are of '{split}'")
@@ -74,10 +74,10 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
 
 
 def check_count(simulation: Simulation, split: str, count: int) -> None:
-    """Refuse to play more levels than a file has, since they would be the same ones again.
+    """Check that a file has at least ``count`` levels, since further ones would repeat them.
 
     Raises:
-        IrsimGymError: The levels come from a file that has fewer.
+        IrsimGymError: If the levels come from a file with fewer levels.
     """
     levels, (_, here) = simulation.scenario.levels, simulation.level_base(split)
     if levels is not None and count > here:
@@ -91,7 +91,7 @@ def drive(
     split: str,
     watcher: Watcher | None = None,
 ) -> Iterator[tuple[list[int], list[int], list[int]]]:
-    """Drive levels once each; whenever worlds have ended, because all of their agents have, yield them.
+    """Drive each level once, and yield worlds as soon as the episodes of all their agents have ended.
 
     Args:
         policy: A policy, or a function of the observation alone.
@@ -101,7 +101,7 @@ def drive(
         watcher: Observes each step.
 
     Yields:
-        The places of the levels among those asked for, the worlds that played them, and the levels.
+        Positions of the ended levels in ``levels``, the worlds that played them, and the levels.
     """
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
     check_count(episodes.simulation, split, int(chosen.max(initial=-1)) + 1)
@@ -153,7 +153,7 @@ def episode_row(
     agent: int = 0,
     hits: Sequence[str] = HIT_OF_KIND,
 ) -> EpisodeRow:
-    """Return the row of an agent whose episode has ended; ``hits`` are the words for each ``HitKind``."""
+    """Return the row of an agent whose episode has ended; ``hits`` are the names of the ``HitKind`` values."""
     infos = {name: values[world, agent] for name, values in episodes.view.infos.items()}
     steps = int(infos["steps"])
     outcome = Outcome(int(infos["outcome"]))

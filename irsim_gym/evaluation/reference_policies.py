@@ -1,4 +1,4 @@
-"""What every trained policy is compared with: acting at random, and the behaviours of the language."""
+"""Reference policies: random actions, and the behaviours of the scenario language."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from irsim_gym.tasks import Episodes
 DRAWS = 64
 REFERENCES = ("random", "dash", "rvo", "orca")
 ALWAYS_SHOWN = ("random", "dash")
-"""Those that stand beside every evaluated policy; the others see more of the world than a learner does."""
+"""Reference policies shown beside every evaluated policy; the others see more of the world than a learner does."""
 TEAM_SHOWN = REFERENCES
-"""Those that stand beside the policies of teams: what people would use in place of learning is the mark to beat."""
+"""Reference policies shown beside policies of teams, which should beat the usual alternatives to learning."""
 
 
 class RandomPolicy:
-    """Draws every action uniformly; a level's actions follow from its number alone.
+    """Draws actions uniformly; a level's actions depend only on its number and the seed.
 
     Args:
-        seed: Another seed gives other actions on the same levels.
+        seed: Seed of the actions.
     """
 
     def __init__(self, seed: int = 0) -> None:
@@ -38,7 +38,7 @@ class RandomPolicy:
         self._used: dict[int, int] = {}
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Start the levels' own random generators."""
+        """Seed a random generator for each level."""
         for world, level in zip(worlds.tolist(), levels.tolist(), strict=True):
             self._generators[world] = np.random.default_rng((self.seed, level))
             self._used[world] = DRAWS
@@ -53,7 +53,7 @@ class RandomPolicy:
         return without_lone_axis(np.asarray(scaled, np.float64))
 
     def _next(self, world: int, team: int, size: int) -> Floats:
-        """Return the world's next numbers from [0, 1), ``(team, size)``; they are drawn in blocks."""
+        """Return the world's next random numbers in [0, 1), ``(team, size)``; they are drawn in blocks."""
         if self._used[world] >= DRAWS:
             self._drawn[world] = self._generators[world].random((DRAWS, team, size))
             self._used[world] = 0
@@ -63,9 +63,9 @@ class RandomPolicy:
 
 
 def policy_kinds() -> tuple[str, ...]:
-    """Return the names of policies that need no file: ``random``, and every registered behaviour and group behaviour.
+    """Return the names of policies that need no file: ``random`` and all registered behaviours and group behaviours.
 
-    Those of plugins are among them once their modules are imported.
+    Behaviours of plugins are included once their modules are imported.
     """
     families.load()
     return tuple(dict.fromkeys((*REFERENCES, *BEHAVIORS.names(), *GROUP_BEHAVIORS.names())))
@@ -77,14 +77,14 @@ def is_named_policy(source: object) -> bool:
 
 
 def reference_policy(name: str) -> RandomPolicy | BehaviorPolicy:
-    """Make the policy that acts at random, or one that drives as a behaviour or group behaviour does.
+    """Make the random policy, or a policy that drives by a behaviour or group behaviour.
 
     Args:
-        name: ``"random"``, or a behaviour's name, with options if wished: ``"pursuit:known=seen"``.
+        name: ``"random"``, or the name of a behaviour, optionally with options: ``"pursuit:known=seen"``.
 
     Raises:
-        UnknownNameError: There is none of that name.
-        PolicyOptionError: It has no such options.
+        UnknownNameError: If no policy has that name.
+        PolicyOptionError: If the behaviour does not have the options.
     """
     known = policy_kinds()
     if kind_name(name) not in known:

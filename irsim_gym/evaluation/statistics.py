@@ -1,8 +1,8 @@
-"""What several runs of a method are worth: robust means, intervals, comparisons.
+"""Statistics over several runs of a method: robust means, intervals, comparisons.
 
-The recommendations of Agarwal et al. 2021 (Deep reinforcement learning at the edge of the statistical precipice,
-arXiv:2108.13264), by SciPy: a score is one number per run (a seed of a method) and task (a scenario); resampling draws
-runs within each task, so that every task keeps its weight.
+They follow Agarwal et al. 2021 (Deep reinforcement learning at the edge of the statistical precipice,
+arXiv:2108.13264), with SciPy. A score is one number per run (a seed of a method) and task (a scenario). Resampling
+draws runs within each task, so that every task keeps its weight.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from irsim_gym.evaluation.metrics import CONFIDENCE
 
 RESAMPLES = 2000
 CUT = 0.25
-"""Share of the scores that an interquartile mean leaves out at either end."""
+"""Share of the scores that an interquartile mean discards at either end."""
 BLOCK = 2**22
-"""Numbers that are resampled at a time."""
+"""Number of values that are resampled at a time."""
 
 Scores = Sequence[ArrayLike]
-"""One list of scores for each task, an entry for each run; the tasks may have different numbers of runs."""
+"""One list of scores per task with one entry per run; tasks may have different numbers of runs."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Estimate:
 
     Attributes:
         value: The figure.
-        low: Lower end of the interval; NaN where there are too few scores for one.
+        low: Lower end of the interval; NaN if there are too few scores for one.
         high: Upper end, likewise.
     """
 
@@ -48,7 +48,7 @@ def interquartile_mean(scores: Scores, confidence: float = CONFIDENCE) -> Estima
     """Return the mean of the middle half of all scores, with its stratified bootstrap interval.
 
     Args:
-        scores: One list for each task, e.g. the success of each seed.
+        scores: One list per task, e.g. the success of each seed.
         confidence: Probability of the interval.
     """
     from scipy.stats import trim_mean
@@ -65,17 +65,17 @@ def stratified_mean(scores: Scores, confidence: float = CONFIDENCE) -> Estimate:
 
 
 def probability_of_improvement(first: Scores, second: Scores, confidence: float = CONFIDENCE) -> Estimate:
-    """Return the probability that a run of the first method beats one of the second in a task, the mean over tasks.
+    """Return the probability that a run of the first method beats a run of the second, averaged over tasks.
 
-    A draw counts half (the statistic of Mann and Whitney over the number of pairs).
+    A draw counts half (the Mann-Whitney statistic divided by the number of pairs).
 
     Args:
-        first: One list of scores for each task; greater ones are better.
+        first: One list of scores per task; higher is better.
         second: Likewise, for the same tasks.
         confidence: Probability of the interval.
 
     Raises:
-        ValueError: They are of different numbers of tasks.
+        ValueError: If the methods have different numbers of tasks.
     """
     from scipy.stats import mannwhitneyu
 
@@ -93,7 +93,7 @@ def probability_of_improvement(first: Scores, second: Scores, confidence: float 
 
 
 def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """Return the mean of first - second over the levels that both played, with its bootstrap interval.
+    """Return the mean of first - second over levels that both played, with its bootstrap interval.
 
     Args:
         first: One number per level, such as its success.
@@ -101,7 +101,7 @@ def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = C
         confidence: Probability of the interval.
 
     Raises:
-        ValueError: They are of different numbers of levels.
+        ValueError: If the numbers of levels differ.
     """
     a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
     if a.shape != b.shape or a.ndim != 1:
@@ -121,7 +121,7 @@ def _mean_of_means(*samples: Floats, axis: int = -1) -> object:
 
 
 def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats], confidence: float) -> Estimate:
-    """Return a statistic with its percentile interval; the resamples are the same in each call."""
+    """Return a statistic with its percentile interval; the resampling is seeded."""
     from scipy.stats import bootstrap
 
     value = float(statistic(*samples, axis=-1))

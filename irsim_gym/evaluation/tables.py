@@ -1,4 +1,4 @@
-"""Results on the screen and in files; a file is either the old one or the whole new one."""
+"""Results on the terminal and in files, which are written atomically."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "sct", 
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file so that nobody ever sees half of it."""
+    """Write a text file atomically."""
     write_bytes(path, text.encode())
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file so that nobody ever sees half of it: to a temporary neighbour, which is then renamed."""
+    """Write a file atomically: to a temporary file in the same folder, which is then renamed."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
@@ -52,7 +52,7 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove what is left of attempts to write a file when the process was killed meanwhile."""
+    """Remove the temporary files of attempts to write a file during which the process was killed."""
     ours = re.compile(rf"\.{re.escape(path.name)}\.[a-z0-9_]{{8}}")  # as tempfile names them
     for neighbour in path.parent.glob(f".{glob.escape(path.name)}.*"):
         if ours.fullmatch(neighbour.name) and neighbour.is_file():
@@ -84,14 +84,14 @@ def write_episodes(path: Path, results: Mapping[str, Sequence[EpisodeRow]]) -> N
 
 
 def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
-    """Return the rows of a CSV file with a header line: where each is, for messages, and its cells by column.
+    """Return the rows of a CSV file with a header line: the place of each, for messages, and its cells by column.
 
     Args:
         path: The file.
-        *kinds: Dataclasses that ``read_cells`` shall make of them: what has no default has to be a column.
+        *kinds: Dataclasses that ``read_cells`` will make of the rows; fields without a default must be columns.
 
     Raises:
-        IrsimGymError: It cannot be read, or a column is missing.
+        IrsimGymError: If the file cannot be read, or a column is missing.
     """
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -106,10 +106,10 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
 
 
 def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
-    """Return what ``write_episodes`` has written; floats are as there, rounded.
+    """Return the rows that ``write_episodes`` wrote, with rounded floats.
 
     Raises:
-        IrsimGymError: The file cannot be read, or is of another kind.
+        IrsimGymError: If the file cannot be read, or holds other rows.
     """
     found: dict[str, list[EpisodeRow]] = {}
     for place, row in read_rows(path, EpisodeRow):
@@ -118,16 +118,16 @@ def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
 
 
 def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
-    """Return a dataclass of numbers, words and truth values from the cells of a row.
+    """Make a dataclass of numbers, strings and booleans from the cells of a row.
 
     Args:
         place: File and line, for messages.
         kind: The dataclass; fields with a default need no column.
         row: Its cells by column.
-        **given: Values of fields that are no columns.
+        **given: Values of fields that are not columns.
 
     Raises:
-        IrsimGymError: A column is missing, or a cell is none of its values.
+        IrsimGymError: If a column is missing, or a cell holds an invalid value.
     """
     every = _readers(kind)  # type: ignore[arg-type]  # every class can be hashed
     readers = {name: read for name, read in every.items() if name in row and name not in given}
@@ -139,12 +139,12 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
 
 @cache
 def _readers(kind: type) -> Mapping[str, Callable[[str], object]]:
-    """Return how the cell of each field of a dataclass is read, but for those that are no cells."""
+    """Return the function that reads the cell of each field of a dataclass, for fields of readable types."""
     return {name: _READERS[one] for name, one in get_type_hints(kind).items() if one in _READERS}
 
 
 def plain(data: object) -> Any:
-    """Turn dataclasses, paths, NumPy numbers and non-finite floats into what JSON can say."""
+    """Convert dataclasses, paths, NumPy values and non-finite floats to JSON data."""
     if is_dataclass(data) and not isinstance(data, type):
         return plain(asdict(data))
     if isinstance(data, Mapping):
@@ -196,17 +196,17 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
 
 
 def _social(summary: Summary) -> tuple[str, ...]:
-    """Return how near a policy comes to people, for the table."""
+    """Return the cells about people for the table."""
     shares = summary.intrusion_025, summary.intrusion_045
     return (*(number(100.0 * share, 1) for share in shares), number(summary.time_to_collision, 2))
 
 
 def worst_table(worst: Mapping[str, Mapping[str, float]], seeds: Mapping[str, Sequence[str]]) -> Table:
-    """Lay out the success on the worst levels, one row for each policy and for each method of several.
+    """Lay out the success on the worst levels, one row per policy, and one per method with several policies.
 
     Args:
-        worst: By policy or method and by share of the levels, see ``worst_of_policies``.
-        seeds: Names of its policies, for each method that has several.
+        worst: Success by policy or method and by share of the levels, see ``worst_of_policies``.
+        seeds: Names of the policies of each method that has several.
     """
     title = "success [%] on the worst levels: each policy on its own"
     title += "; a method on those that are worst for the other half of its policies" if seeds else ""
@@ -228,7 +228,7 @@ def table_text(table: Table) -> str:
 
 
 def print_table(table: Table) -> None:
-    """Print a table; where the output is no terminal, as wide as it needs."""
+    """Print a table, at full width if the output is not a terminal."""
     console = Console()
     if console.is_terminal:
         console.print(table)
@@ -242,7 +242,7 @@ def percent(share: Rate) -> str:
 
 
 def number(value: float, digits: int) -> str:
-    """Return a number, or a dash for none."""
+    """Return a number as text, or a dash if it is not finite."""
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 
@@ -257,7 +257,7 @@ _READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
 
 
 def _rounded(value: object) -> object:
-    """Shorten a float to the micrometre or microsecond; NaN becomes an empty cell."""
+    """Round a float to 6 decimals; NaN becomes an empty cell."""
     if not isinstance(value, float):
         return value
     return "" if math.isnan(value) else f"{value:.6g}" if math.isinf(value) else repr(round(value, 6))

@@ -1,8 +1,8 @@
-"""What is counted of a team: a row per agent and level, a row per level, and the summary of many levels.
+"""Metrics of teams: a row per agent and level, a row per level, and summaries of many levels.
 
-Vocabulary of Stern et al. 2019 (Multi-agent pathfinding, arXiv:1906.08291) and POGEMA (Skrynnik et al. 2024,
-arXiv:2407.14931): individual and cooperative success, makespan, flowtime ("sum of costs"). Extra time to goal as in
-Everett, Chen, How 2018 (arXiv:1805.01956).
+The terms are those of Stern et al. 2019 (Multi-agent pathfinding, arXiv:1906.08291) and POGEMA (Skrynnik et al. 2024,
+arXiv:2407.14931): individual and cooperative success, makespan, flowtime ("sum of costs"). Extra time to goal is that
+of Everett, Chen, How 2018 (arXiv:1805.01956).
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, Rate, mean, rate,
 TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
 PERCENTILES = (50, 75, 90)
 COMPARED = 0.5
-"""Extra times are compared on the levels that every policy solved; one that solves a smaller share of them than this is
-left out of that, because it would leave next to no level."""
+"""Least share of levels that a policy must solve to be compared. Extra times are compared on the levels that all
+compared policies solved, of which hardly any would be left otherwise."""
 
 
 @dataclass(frozen=True)
 class AgentRow:
-    """What became of one agent in one level.
+    """The result of one agent in one level.
 
     Attributes:
-        agent: Its name.
+        agent: Name of the agent.
         episode: Its own episode; the time [s] ends when it arrives, collides or gives up.
-        straight_distance: Length of the straight way from its start through its goals [m].
-        top_speed: Its greatest linear speed [m/s].
-        deadlocked: Its episode ended, by the time limit or as a deadlock, after it had stood still away from its goal.
+        straight_distance: Length of the straight lines from its start through its goals [m].
+        top_speed: Its maximum linear speed [m/s].
+        deadlocked: Whether its episode ended by the time limit or as a deadlock while it stood still away from its
+            goal.
     """
 
     agent: str
@@ -42,14 +43,14 @@ class AgentRow:
 
     @property
     def arrival_time(self) -> float:
-        """When it arrived [s]; NaN if it never did."""
+        """Time of arrival [s]; NaN if it never arrived."""
         return self.episode.time if self.episode.outcome == "success" else math.nan
 
     @property
     def extra_time(self) -> float:
-        """Arrival time beyond that of the straight way at the greatest speed [s]; NaN if it never arrived.
+        """Arrival time minus the time of the straight path at maximum speed [s]; NaN if it never arrived.
 
-        It may fall a little below 0, because an agent has arrived within the goal's tolerance.
+        It can be slightly below 0, because an agent arrives within the goal's tolerance.
         """
         return self.arrival_time - self.straight_distance / self.top_speed
 
@@ -61,7 +62,7 @@ class TeamRow:
     Attributes:
         level: Index of the level in its split.
         limit: The time limit [s].
-        agents: What became of each agent, in the order of the task.
+        agents: The result of each agent, in the order of the task.
     """
 
     level: int
@@ -75,12 +76,12 @@ class TeamRow:
 
     @property
     def is_success(self) -> bool:
-        """Whether all of them did."""
+        """Whether all agents arrived."""
         return self.arrived == len(self.agents)
 
     @property
     def makespan(self) -> float:
-        """When the last agent arrived [s]; the time limit if any never did."""
+        """Time at which the last agent arrived [s]; the time limit if any never arrived."""
         return max(self._costs())
 
     @property
@@ -90,7 +91,7 @@ class TeamRow:
 
     @property
     def throughput(self) -> float:
-        """Goals that the team reaches per minute, the sum over its agents; NaN where none has several goals."""
+        """Goals that the team reaches per minute, the sum over its agents; NaN if none has several goals."""
         rates = [row.episode.goals_per_minute for row in self.agents]
         return math.nan if all(map(math.isnan, rates)) else math.fsum(rate for rate in rates if not math.isnan(rate))
 
@@ -105,12 +106,12 @@ class TeamRow:
 
 @dataclass(frozen=True)
 class ExtraTime:
-    """Extra times to the goal of the agents that arrived [s].
+    """Extra times to the goal of agents that arrived [s].
 
     Attributes:
-        levels: Number of levels looked at.
+        levels: Number of levels considered.
         arrivals: Number of arrivals in them.
-        p50: Median; NaN without arrivals, as are all that follow.
+        p50: Median; NaN without arrivals, like the other percentiles.
         p75: 75th percentile.
         p90: 90th percentile.
     """
@@ -126,7 +127,7 @@ class ExtraTime:
 class TeamSummary:
     """The figures of one policy that drives teams through one set of levels.
 
-    Shares of agents have an interval of their own, see ``rate_of_agents``.
+    Shares of agents have a different interval, see ``rate_of_agents``.
 
     Attributes:
         policy: Name of the policy.
@@ -135,25 +136,27 @@ class TeamSummary:
         cooperative_success: CSR, the share of levels in which every agent arrived, with Wilson's interval.
         individual_success: ISR, the share of agents that arrived.
         collision: Share of agents that collided; ``collision_with`` splits it by what was hit.
-        timeout: Share of agents cut by the time limit.
+        timeout: Share of agents ended by the time limit.
         left_world: Share of agents that left the world's rectangle.
-        deadlock: Share of agents that the task's ending ``deadlocked`` ended.
-        deadlocked: Share of agents that stood still when the time limit or that ending came.
+        deadlock: Share of agents ended by the task's ending ``deadlocked``.
+        deadlocked: Share of agents that stood still when the time limit or that ending ended their episode.
         makespan: Mean over levels of the time of the last arrival, the limit if any agent never arrives [s].
         flowtime: Mean over levels of the sum of arrival times, the limit for each that never arrives [s].
-        extra_time: Over all levels.
-        common_extra_time: Over the levels that all compared policies solved; None where this one is not compared.
+        extra_time: Extra times over all levels.
+        common_extra_time: Extra times over the levels that all compared policies solved; None if this policy is not
+            compared.
         spl: Mean over agents of success weighted by path length.
         sct: Mean over agents of success weighted by completion time.
         path_length: Mean distance driven by the agents that arrived [m].
         path_ratio: Mean of path length / optimum over the agents that arrived.
-        min_clearance: Mean over agents of the smallest clearance [m].
+        min_clearance: Mean over agents of the minimum clearance [m].
         acceleration: Mean over agents of the mean size of acceleration [m/s2].
-        jerk: Mean over agents of the mean size of its derivative [m/s3].
-        intrusion_025: Mean over agents of the share of steps nearer than 0.25 m to a person; NaN without people.
+        jerk: Mean over agents of the mean size of jerk [m/s3].
+        intrusion_025: Mean over agents of the share of steps nearer than 0.25 m to a person; NaN if there are no
+            people.
         intrusion_045: The same for 0.45 m.
-        time_to_collision: Mean of the least times to collision with a person [s], over agents that met one.
-        throughput: Mean over levels of the goals that the team reaches per minute; NaN where agents have one goal.
+        time_to_collision: Mean of the minimum times to collision with a person [s], over agents that met one.
+        throughput: Mean over levels of the goals that the team reaches per minute; NaN if agents have only one goal.
     """
 
     policy: str
@@ -185,15 +188,15 @@ class TeamSummary:
 
 
 def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
-    """Return a share of agents with an interval for agents that share their levels.
+    """Return a share of agents with an interval that accounts for shared levels.
 
-    Agents of one level are not independent, so that levels are the unit: the interval is Wilson's for as many
-    independent agents as would make the mean over levels spread as it does (the effective sample size of cluster
-    samples, Kish 1965, Survey Sampling), not Wilson's for all agents. Where nobody or everybody is counted the spread
-    tells nothing, and it is Wilson's for as many agents as there are levels, as if all of a level fared alike.
+    The agents of one level are not independent, so the interval is not Wilson's for all agents. It is Wilson's for the
+    effective sample size of a cluster sample (Kish 1965, Survey Sampling): the number of independent agents whose mean
+    would vary as the mean over levels does. If no or all agents are counted, the variance is 0, and the sample size is
+    the number of levels, as if the agents of a level always fared alike.
 
     Args:
-        counts: How many agents are counted in each level.
+        counts: Number of counted agents in each level.
         team: Number of agents in each level.
     """
     levels, total = len(counts), sum(counts)
@@ -208,7 +211,7 @@ def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
 
 
 def summarize_teams(results: Mapping[str, Sequence[TeamRow]]) -> list[TeamSummary]:
-    """Summarise the levels of several policies, which all played the same ones."""
+    """Summarise several policies that all played the same levels."""
     solved = {policy: {row.level for row in rows if row.is_success} for policy, rows in results.items()}
     compared = [policy for policy, levels in solved.items() if len(levels) >= max(COMPARED * len(results[policy]), 1)]
     common = set.intersection(*(solved[policy] for policy in compared)) if len(compared) > 1 else None
@@ -220,8 +223,8 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
 
     Args:
         policy: Its name.
-        rows: The levels it played, all with as many agents.
-        common: Levels that all compared policies solved, this one among them; None where it is not compared.
+        rows: The levels that it played, all with the same number of agents.
+        common: Levels that all compared policies solved, including this one; None if it is not compared.
     """
     agents = [agent for row in rows for agent in row.agents]
     episodes = [agent.episode for agent in agents]
@@ -263,7 +266,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
 
 
 def _rates(rows: Sequence[TeamRow], names: Sequence[str], read: Callable[[AgentRow], str]) -> dict[str, Rate]:
-    """Return the share of agents for each thing that may have become of them."""
+    """Return the share of agents for each of ``names``, the values of ``read``."""
     team = len(rows[0].agents) if rows else 1
     counts = {name: [sum(read(agent) == name for agent in row.agents) for row in rows] for name in names}
     return {name: rate_of_agents(count, team) for name, count in counts.items()}

@@ -1,4 +1,4 @@
-"""Results of teams on the screen and in files."""
+"""Results of teams on the terminal and in files."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def write_agents(
     Args:
         path: The file.
         results: Levels by policy.
-        drivers: For each of them, where its agents are driven by several policies, who drives each agent; this makes a
-            column ``driver``.
+        drivers: Names of the policies that drive each agent, by the keys of ``results``, for a column ``driver``; None
+            without cross-play.
     """
     rows = (
         {"policy": policy, **_agent_cells(agent), **({} if drivers is None else {"driver": drivers[policy][a]})}
@@ -52,14 +52,14 @@ def write_agents(
 
 
 def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
-    """Return what ``write_agents`` has written; floats are as there, rounded.
+    """Return the levels that ``write_agents`` wrote, with rounded floats.
 
     Args:
         path: The file.
         limit: The time limit [s].
 
     Raises:
-        IrsimGymError: The file cannot be read, or is of another kind.
+        IrsimGymError: If the file cannot be read, or holds other rows.
     """
     rows: dict[str, list[PlacedRow]] = {}
     for place, row in read_rows(path, EpisodeRow, AgentRow):
@@ -68,14 +68,14 @@ def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
 
 
 def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
-    """Return the levels that rows of agents are of.
+    """Group rows of agents into levels.
 
     Args:
-        rows: One for each agent and level, as ``read_rows`` returns them.
-        **given: ``limit`` where it is no column.
+        rows: One row per agent and level, as ``read_rows`` returns them.
+        **given: ``limit``, if it is not a column.
 
     Raises:
-        IrsimGymError: A cell is none of its column's values.
+        IrsimGymError: If a cell holds an invalid value.
     """
     levels: dict[int, TeamRow] = {}
     for place, row in rows:
@@ -130,7 +130,7 @@ def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
 
 
 def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
-    """Lay out the extra times on the levels that all compared policies solved; None where none are compared."""
+    """Lay out the extra times on the levels that all compared policies solved; None if no policies are compared."""
     compared = [(summary.policy, summary.common_extra_time) for summary in summaries]
     times = [(policy, time) for policy, time in compared if time is not None]
     if not times:

@@ -1,4 +1,4 @@
-"""The evaluation of teams: all agents of a world are driven together, until the last one's episode has ended."""
+"""The evaluation of teams: all agents of a world are driven until the last one's episode has ended."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 
 HIT_NAMES = ("", "obstacle", "moving obstacle", "robot", "map")
-"""What a ``HitKind`` is called in rows."""
+"""Names of the ``HitKind`` values in rows."""
 STANDSTILLS = ("timeout", "deadlock")
-"""Outcomes that may come of standing still."""
+"""Outcomes that can result from standing still."""
 
 
 def evaluate_team(
@@ -30,17 +30,17 @@ def evaluate_team(
     on_episodes: Callable[[int], None] | None = None,
     watcher: Watcher | None = None,
 ) -> list[TeamRow]:
-    """Drive all agents through levels of a split, once each; return a row per level, in the order of the levels.
+    """Drive all agents through each level of a split once, and return one row per level, in the order of the levels.
 
-    Agents whose episode has ended wait for the others as the task says (``ended``). A level's result depends
-    neither on the number of worlds nor on the other levels.
+    Agents whose episode has ended wait for the others, see the task's option ``ended``. A level's result depends
+    neither on the number of worlds nor on other levels.
 
     Args:
-        policy: A policy, or a function that turns the agents' observations into their actions.
+        policy: A policy, or a function that maps the agents' observations to their actions.
         episodes: Worlds with any number of agents, see ``irsim_gym.tasks.Episodes``.
         levels: Their number (levels 0, 1, ...) or their indices.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        optima: Geodesic optima that earlier evaluations of the same split found; filled further.
+        optima: Geodesic optima of earlier evaluations of the same split; new ones are added.
         on_episodes: Called with the number of levels that have just ended.
         watcher: Observes each step.
     """
@@ -69,7 +69,7 @@ def _agent_row(episodes: Episodes, optima: Optima, motion: MotionLog, world: int
 
 
 def top_speed(episodes: Episodes, world: int, agent: int) -> float:
-    """Return an agent's greatest linear speed [m/s], in any direction in which it can move.
+    """Return an agent's maximum linear speed [m/s] in any direction.
 
     An omnidirectional drive has a limit for each axis and is fastest along the diagonal.
     """

@@ -1,4 +1,4 @@
-"""The trajectories of agents in evaluated levels, for figures."""
+"""Trajectories of agents in evaluated levels, for figures."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks import Episodes, Outcome
 
 KEPT_LEVELS = 200
-"""Number of levels, the first ones, whose whole trajectories are kept; of the others only the end."""
+"""Number of first levels whose whole trajectories are kept; of the others, only the end is kept."""
 
 
 class Watcher(Protocol):
-    """Observes an evaluation; it changes nothing."""
+    """Observes an evaluation without changing it."""
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Levels have begun in worlds; the indices are their places among those that are evaluated, all ``(n,)``."""
+        """Handle that levels have begun in worlds; ``indices`` are their positions among the evaluated levels."""
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Worlds have taken a step."""
+        """Handle that worlds have taken a step."""
 
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """All agents of worlds have ended."""
+        """Handle that the episodes of all agents of worlds have ended."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class AgentTrajectory:
     """The trajectory of one agent in one level.
 
     Attributes:
-        level: Place of the level among those that are evaluated.
-        points: Its positions from start to end [m], float32 ``(n, 2)``; its end alone where the way was not kept.
+        level: Position of the level among the evaluated ones.
+        points: Its positions from start to end [m], float32 ``(n, 2)``; only the end if the trajectory was not kept.
         goal: Its last goal [m], ``(2,)``; NaN without one.
         outcome: How its episode ended, e.g. ``"collision"``.
     """
@@ -50,10 +50,10 @@ class TrajectoryLog:
 
     Args:
         episodes: The worlds.
-        shown: Of how many levels whole ways are kept.
+        shown: Number of levels whose whole trajectories are kept.
 
     Attributes:
-        ways: Those of all levels that have ended, in any order.
+        ways: The trajectories of all levels that have ended, in any order.
     """
 
     episodes: Episodes
@@ -67,12 +67,12 @@ class TrajectoryLog:
         self._kept = np.zeros(shape[0], np.bool_)
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Note where agents start."""
+        """Record the start positions of agents."""
         self._count[worlds], self._kept[worlds] = 0, indices < self.shown
         self.stepped(episodes, worlds)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Note where agents are, in those worlds whose ways are kept."""
+        """Record the positions of agents, in worlds whose trajectories are kept."""
         kept = worlds[self._kept[worlds]]
         if not len(kept):
             return
@@ -81,7 +81,7 @@ class TrajectoryLog:
         self._count[kept] += 1
 
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Note the ways of worlds that have ended."""
+        """Store the trajectories of worlds that have ended."""
         infos, simulation = episodes.view.infos, episodes.simulation
         for w, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             for a, body in enumerate(simulation.agents.tolist()):

@@ -1,10 +1,10 @@
 """Success on the worst levels: the conditional value at risk (CVaR) of success.
 
 CVaR at a share is the mean over the worst share of all outcomes (Rockafellar and Uryasev 2000, Optimization of
-conditional value-at-risk). For navigation it is the success on the levels where a policy succeeds least (Rutherford et
-al. 2024, arXiv:2408.15099). Levels that are chosen and scored by the same episodes look worse than they are, wherever
-something is drawn anew: a failure by chance counts, and no success by chance makes up for it. So they are chosen by one
-half of the repetitions, and scored by the other half.
+conditional value-at-risk). In navigation, it is the success on the levels where a policy succeeds least (Rutherford et
+al. 2024, arXiv:2408.15099). If the same episodes chose and scored the levels, the estimate would be biased low wherever
+repetitions are random: failures by chance count, and no successes by chance offset them. Therefore one half of the
+repetitions chooses the levels, and the other half scores them.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 WORST = MappingProxyType({"5 %": 0.05, "1 %": 0.01})
-"""Shares of the levels that tables show, by their names."""
+"""Shares of the levels that tables show, by name."""
 
 
 def worst_share(success: ArrayLike, share: float) -> float:
     """Return the success on the worst levels.
 
-    They are chosen by one half of the repetitions and scored by the other, both ways round; the mean counts. Levels of
-    the same success are chosen in the order of their numbers. A lone repetition chooses and scores: for a policy that
-    draws nothing in a level without noise, a further one would be the same.
+    One half of the repetitions chooses them and the other half scores them, then vice versa; the result is the mean.
+    Among levels with equal success, lower numbers come first. A single repetition both chooses and scores: for a
+    deterministic policy in levels without noise, further ones would be identical.
 
     Args:
         success: One row per repetition (seeds of one method, or episodes of one policy), one column per level.
-        share: Which share of the levels, e.g. 0.05; at least one level is chosen.
+        share: Share of the levels, e.g. 0.05; at least one level is chosen.
 
     Returns:
         The success on them; NaN without levels.
@@ -51,11 +51,11 @@ def worst_shares(success: ArrayLike) -> dict[str, float]:
 def worst_of_policies(
     solved: Mapping[str, Sequence[bool]], seeds: Mapping[str, Sequence[str]]
 ) -> dict[str, dict[str, float]]:
-    """Return the success on the worst levels of each policy, and of each method that has several.
+    """Return the success on the worst levels of each policy, and of each method with several policies.
 
     Args:
         solved: Success in each level, by policy.
-        seeds: Names of its policies, for each method that has several.
+        seeds: Names of the policies of each method that has several.
     """
     own = {name: worst_shares([levels]) for name, levels in solved.items()}
     return own | {method: worst_shares([solved[name] for name in names]) for method, names in seeds.items()}

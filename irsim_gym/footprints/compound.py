@@ -36,7 +36,7 @@ class CompoundPart:
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         for name, keys in KEYS.items():
             for key in keys:
                 if name != self.name and getattr(self, key) is not None:

@@ -20,7 +20,7 @@ class Linestring(VertexShape):
     only_kernels: ClassVar[bool] = True
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from outline_problems(self)
         if self.vertices is not None and len(set(self.vertices)) < 2:
             yield "vertices", "all points are the same"

@@ -23,7 +23,7 @@ class Polygon(VertexShape):
     only_kernels: ClassVar[bool] = True
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from outline_problems(self)
         if self.vertices is not None and not self.random_shape and (flaw := flaw_of(self.vertices)):
             yield "vertices", flaw

@@ -38,7 +38,7 @@ class Rectangle:
         return self.random_shape
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from unordered_ranges(self, "length_range", "width_range", least=LEAST_SIZE)
 
     def outline(self) -> Outline:

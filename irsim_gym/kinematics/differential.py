@@ -43,7 +43,7 @@ class Differential:
         return motion_noise.growing(self.alpha)
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from motion_noise.negative_variances(self.alpha)
 
     @staticmethod

@@ -59,7 +59,7 @@ class Omni:
         return motion_noise.constant((self.alpha[0], self.alpha[-1]))
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from motion_noise.negative_variances(self.alpha)
         if len(self.alpha) == 3:
             yield "alpha", "must be 2 numbers, or 4 of which the first and the last count, got 3"

@@ -45,7 +45,7 @@ class OmniAngular:
         return motion_noise.constant(self.alpha)
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from motion_noise.negative_variances(self.alpha)
 
     @staticmethod

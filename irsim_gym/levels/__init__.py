@@ -1,1 +1,1 @@
-"""Levels as data: drawn into files, converted from other collections, measured and shown."""
+"""Levels as data: drawn into files, imported from other collections, measured and shown."""

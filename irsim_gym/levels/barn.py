@@ -1,7 +1,7 @@
-"""BARN's worlds (Perille et al. 2020) from a user's own copy: a folder of Gazebo files, or an .npz of cylinders.
+"""Imports BARN's worlds (Perille et al. 2020) from a user's copy: a folder of Gazebo files, or an .npz of cylinders.
 
-The cylinders of BARN stand in the middle of cells of 0.15 m, so each world is one level of the benchmark ``barn``: its
-cells, and BARN's start and goal.
+The cylinders of BARN stand in the middle of cells of 0.15 m, so each world becomes one level of the benchmark ``barn``:
+its cells, and BARN's start and goal.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ SCENARIO = "barn"
 RADIUS = 0.075
 """Radius of the cylinders [m]."""
 CELL, COLUMNS, ROWS, LEFT = 0.15, 30, 90, -4.5
-"""Cells of the benchmark: side [m], numbers, and where the first column begins [m]; the first row begins at 0."""
+"""Cells of the benchmark: side [m], numbers, and left edge of the first column [m]; the first row begins at 0."""
 START, GOAL = (-2.25, 3.0, np.pi / 2), (-2.25, 13.0, np.nan)
 CLOSE = 1e-3
-"""Less than this [m] is rounding of the file."""
+"""Tolerance for rounding in the file [m]."""
 
 
 def import_barn(path: Path) -> LevelSet:
@@ -37,7 +37,7 @@ def import_barn(path: Path) -> LevelSet:
             world i has the rows from ``world_start[i]`` to ``world_start[i + 1]``.
 
     Raises:
-        ScenarioError: It is neither, or a cylinder is on no cell; the error lists every problem.
+        ScenarioError: If the path is neither, or a cylinder fills no cell; the error lists every problem.
     """
     worlds = _from_folder(path) if path.is_dir() else _from_arrays(path)
     cells, problems = np.zeros((len(worlds), COLUMNS, ROWS), np.bool_), []
@@ -59,7 +59,7 @@ def import_barn(path: Path) -> LevelSet:
 
 
 def _occupy(cells: Flags, discs: Floats) -> Flags:
-    """Occupy the cells of cylinders x, y, radius [m]; return which cylinders fill no cell."""
+    """Occupy the cells of cylinders x, y, radius [m], and return which cylinders fill no cell."""
     place = (discs[:, :2] - (LEFT, 0.0)) / CELL - 0.5
     column, row = np.rint(place).astype(np.int64).T
     is_on = (np.abs(place - np.rint(place)) * CELL < CLOSE).all(axis=1) & (np.abs(discs[:, 2] - RADIUS) < CLOSE)

@@ -1,4 +1,4 @@
-"""Certificates: for each level of a set its hash, what it asks of a robot, and how reference policies do in it."""
+"""Certificates: the hash of each level of a set, what it demands of a robot, and results of reference policies."""
 
 from __future__ import annotations
 
@@ -24,25 +24,24 @@ QUARTERS = 4
 
 @dataclass(frozen=True)
 class Certificate:
-    """What is known of levels 0, 1, ... of one split of a scenario.
+    """Measures of the levels 0, 1, ... of one split of a scenario.
 
     Attributes:
         name: Name of the scenario, with the values of its parameters.
-        scenario_hash: Hash of what the scenario says about its levels.
-        split: Which split.
-        agents: Names of the robots that were measured, and driven by the policies.
+        scenario_hash: Hash of the parts of the scenario that define its levels.
+        split: Name of the split.
+        agents: Names of the robots that were measured, and that the policies drove.
         policies: Names of the reference policies.
         hash: Hash of everything drawn, shape ``(n_levels,)``.
-        reachable: A way leads from the start through all goals, shape ``(n_levels, n_agents)``.
-        length: Length of the shortest way that was found [m], likewise; infinite without one.
-        straight: Length of the straight way [m], likewise.
-        clearance: Least clearance on the widest way [m], likewise; NaN without a way.
-        least_time: No robot with these limits of speed and acceleration takes less [s], likewise.
-        density: Share of the world that bodies which stand, and the map, cover, shape ``(n_levels,)``.
+        reachable: Whether a path leads from the start through all goals, shape ``(n_levels, n_agents)``.
+        length: Length of the shortest path found [m], likewise; infinite without one.
+        straight: Length of the straight lines through all goals [m], likewise.
+        clearance: Clearance along the widest path [m], likewise; NaN without a path.
+        least_time: Lower bound of the time for the limits of speed and acceleration [s], likewise.
+        density: Share of the world that standing bodies and the map cover, shape ``(n_levels,)``.
         outcome: Outcome of each policy, an index of ``OUTCOMES``, shape ``(n_policies, n_levels, n_agents)``.
-        time: Duration of its episode [s], likewise; NaN where it fails.
-            Files of format 1 have it there, too.
-        versions: Versions of the packages that it was made with.
+        time: Duration of its episode [s], likewise; NaN if it fails. Files of format 1 have it there, too.
+        versions: Versions of the packages that made the certificate.
     """
 
     name: str
@@ -73,7 +72,7 @@ class Certificate:
 
     @property
     def tortuosity(self) -> Floats:
-        """Length of the shortest way over the straight one, at least 1, shape ``(n_levels, n_agents)``."""
+        """Length of the shortest path divided by the straight length, at least 1, shape ``(n_levels, n_agents)``."""
         found = np.ones(self.length.shape)
         np.divide(self.length, self.straight, out=found, where=self.straight > 0.0)
         return np.maximum(found, 1.0)
@@ -86,18 +85,18 @@ class Certificate:
 
     @property
     def solved(self) -> Flags:
-        """Whether a reference policy brings all agents to their goals, which proves a level, shape ``(n_levels,)``."""
+        """Whether a reference policy brings all agents to their goals, shape ``(n_levels,)``."""
         arrived: Flags = (self.outcome == OUTCOMES.index("success")).all(axis=2).any(axis=0)
         return arrived
 
     def ranked(self, count: int) -> Ints:
-        """Return the first levels from the easiest to the hardest."""
+        """Return the first ``count`` levels, ordered from the easiest to the hardest."""
         return np.lexsort((self.least_time.max(axis=1)[:count], self.difficulty[:count])).astype(np.int64)
 
     def quarters(self, count: int | None = None) -> Ints:
         """Return the quarter of difficulty of each of the first levels, from 0 (easiest) to 3, shape ``(count,)``.
 
-        Levels of equal difficulty are in the order of the least time that they take, the longer one the harder.
+        Among levels of equal difficulty, those with a longer least time count as harder.
         """
         ranked = self.ranked(self.count if count is None else count)
         quarter = np.zeros(len(ranked), np.int64)
@@ -105,11 +104,11 @@ class Certificate:
         return quarter
 
     def matches(self, digest: str, count: int) -> bool:
-        """Return whether its first levels have this hash of a set."""
+        """Return whether the set of the first ``count`` levels has the hash ``digest``."""
         return count <= self.count and set_hash(self.hash[:count]) == digest
 
     def content(self) -> bytes:
-        """Return the content of its file; equal certificates give equal bytes."""
+        """Return the content of the certificate's file; equal certificates give equal bytes."""
         said = {name: getattr(self, name) for name in ("name", "scenario_hash", "split", "agents", "policies")}
         said |= {"versions": dict(self.versions), "set_hash": self.set_hash, "levels": self.count}
         return certificate_bytes(said, {name: getattr(self, name) for name in (*WHOLE, *NUMBERS)})
@@ -119,7 +118,7 @@ def read_certificate(file: Path) -> Certificate:
     """Read a certificate.
 
     Raises:
-        IrsimGymError: The file is none.
+        IrsimGymError: If the file is not a certificate.
     """
     said, arrays = read_certificate_file(file)
     try:
@@ -133,17 +132,19 @@ def read_certificate(file: Path) -> Certificate:
 def find_certificate(
     scenario: Scenario, agents: Sequence[str], split: str, digest: str, count: int
 ) -> Certificate | None:
-    """Return the certificate of a scenario's levels: beside its file of levels or its own file, or shipped.
+    """Return the certificate of a scenario's levels.
+
+    It is looked up next to the file of levels, next to the scenario's own file, and among the shipped ones.
 
     Args:
         scenario: The scenario.
         agents: Names of the robots that are driven.
         split: Split of the levels.
         digest: Hash of the set of levels.
-        count: How many they are, from 0.
+        count: Number of levels, from level 0.
 
     Returns:
-        The certificate; None where there is none for these agents and levels.
+        The certificate; None if there is none for these agents and levels.
     """
     for file in _candidates(scenario):
         if file.is_file():
@@ -154,19 +155,19 @@ def find_certificate(
 
 
 def _candidates(scenario: Scenario) -> list[Path]:
-    """Return the files in which a certificate may be."""
+    """Return the files in which to look for a certificate."""
     files = [scenario.levels.file] if scenario.levels is not None else []
     beside = [certificate_beside(Path(file)) for file in (*files, scenario.file) if file]
     return [*beside, shipped_certificate(scenario)]
 
 
 def certificate_beside(file: Path) -> Path:
-    """Return where the certificate of a file of levels, or of a scenario's own file, is or would be."""
+    """Return the path of the certificate of a file of levels, or of a scenario's own file; it need not exist."""
     return file.with_name(file.stem + SUFFIX)
 
 
 def shipped_certificate(scenario: Scenario) -> Path:
-    """Return where the certificate of a shipped scenario is, or would be; values of parameters are in its name."""
+    """Return the path of a shipped scenario's certificate, named by changed parameters; it need not exist."""
     stem = Path(scenario.file).stem if scenario.file else scenario.name
     declared = scenario.source.data.get("parameters") or {}
     values = scenario.parameters.items()

@@ -1,4 +1,4 @@
-"""Makes certificates: draws levels, measures them, and adds what reference policies reached."""
+"""Makes certificates: draws levels, measures them, and adds the results of reference policies."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ def certify(
 ) -> Certificate:
     """Return the certificate of the first levels of a split.
 
-    A way through a gap hardly wider than the robot may be missed; the least time is then that of a policy that took it.
-    Where no way is wide enough for a disc around a whole robot that is no disc, that of the largest disc within it is
-    measured, and the level counts as reachable if one of the policies arrives.
+    A path through a gap hardly wider than the robot may be missed; the least time is then that of a policy that took
+    it. If the robot is not a disc and no path is wide enough for the disc that encloses it, the path of the largest
+    disc within the robot is measured, and the level counts as reachable only if one of the policies arrives.
 
     Args:
-        episodes: The worlds, and the task that says who drives and when an episode ends.
+        episodes: The worlds and the task, which defines the agents and when an episode ends.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        count: How many levels.
-        rows: What the reference policies reached in these levels, by name.
+        count: Number of levels.
+        rows: Results of the reference policies in these levels, by name.
         on_levels: Called with the number of levels that have just been measured.
 
     Raises:
-        IrsimGymError: The levels come from a file that has fewer.
+        IrsimGymError: If the levels come from a file with fewer levels.
     """
     simulation, measured, density = episodes.simulation, [], []
     agents = simulation.agents.tolist()
@@ -83,7 +83,7 @@ def certify(
 
 
 def _measured(simulation: Simulation, world: int, body: int) -> tuple[LevelMeasures, bool]:
-    """Return what a level asks of a robot, and whether it is reachable without a policy that shows it."""
+    """Return what a level demands of a robot, and whether the measurement alone proves that it is reachable."""
     model, state = simulation.model, simulation.state
     found = measure_level(model, state, world, body)
     if found.reachable or is_disc(model, body):

@@ -1,4 +1,4 @@
-"""How full a level is: the share of the world that is covered by what stands."""
+"""The density of a level: the share of the world that standing obstacles cover."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from irsim_gym.world.outline import outline_rows
 from irsim_gym.world.state import WorldState
 
 CORNERS = 32
-"""Corners of a quarter of a disc."""
+"""Number of segments that approximate a quarter circle."""
 
 
 def covered_share(model: WorldModel, state: WorldState, world: int) -> float:
-    """Return the share of the world's rectangle that bodies which stand, and the map, cover."""
+    """Return the share of the world's rectangle that standing bodies and the map cover."""
     import shapely
 
     parts: list[Any] = []
@@ -34,7 +34,7 @@ def covered_share(model: WorldModel, state: WorldState, world: int) -> float:
 
 
 def _loops(segments: Floats) -> list[Floats]:
-    """Return the corners of the closed chains that segments make up, each ``(n, 2)`` [m]."""
+    """Return the vertices of the closed chains of segments, each ``(n, 2)`` [m]."""
     if not len(segments):
         return []
     ends = np.flatnonzero((segments[:-1, 2:] != segments[1:, :2]).any(axis=1)) + 1
@@ -42,7 +42,7 @@ def _loops(segments: Floats) -> list[Floats]:
 
 
 def _map_discs(cells: CellMaps, world: int) -> Floats:
-    """Return the centres of the discs in a map's occupied cells [m], shape ``(n, 2)``; none where there are none."""
+    """Return the centres of the discs in a map's occupied cells [m], shape ``(n, 2)``; empty if cells hold no discs."""
     if cells.radius == 0.0:
         return np.zeros((0, 2))
     places = np.argwhere(cells.squares[world % len(cells.n_boxes), 0] == 0)
@@ -51,9 +51,9 @@ def _map_discs(cells: CellMaps, world: int) -> Floats:
 
 
 def _map_boxes(cells: CellMaps, world: int) -> Floats:
-    """Return the rectangles of a map's occupied cells: x_min, y_min, x_max, y_max [m], shape ``(n, 4)``.
+    """Return rectangles that cover a map's occupied cells: x_min, y_min, x_max, y_max [m], shape ``(n, 4)``.
 
-    There are none where discs stand in the cells.
+    The result is empty if cells hold discs.
     """
     if cells.radius > 0.0:
         return np.zeros((0, 4))

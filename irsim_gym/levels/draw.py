@@ -1,4 +1,4 @@
-"""Levels of a compiled scenario as data: everything that a restart wrote."""
+"""Draws the levels of a compiled scenario as data: everything that a restart writes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.world.outline import outline_rows
 
 LEFT_OUT = frozenset({"plot", "gui", "task", "custom", "levels", "parameters"})
-"""Sections of a scenario that say nothing about its levels."""
+"""Sections of a scenario that do not affect its levels."""
 
 
 def draw_levels(
@@ -31,20 +31,20 @@ def draw_levels(
     on_levels: Callable[[int], None] | None = None,
     look: Callable[[int], None] | None = None,
 ) -> LevelSet:
-    """Return the first levels of some splits, as the simulation's worlds begin them.
+    """Return the first levels of some splits, as the simulation draws them.
 
     Args:
         simulation: The scenario, compiled for any number of worlds.
         splits: Different ones of ``train``, ``dev``, ``test``.
-        count: How many levels of each.
+        count: Number of levels of each split.
         on_levels: Called with the number of levels that have just been drawn.
         look: Called with each world whose level has begun, in the order of the levels.
 
     Raises:
-        IrsimGymError: The levels come from a file that has fewer.
-        PlacementError: A level could not be drawn.
+        IrsimGymError: If the levels come from a file with fewer levels.
+        PlacementError: If a level cannot be drawn.
     """
-    taker = _Taker(simulation)
+    taker = _LevelCollector(simulation)
     for split in splits:
         check_count(simulation, split, count)
         for first in range(0, count, simulation.n_worlds):
@@ -62,7 +62,7 @@ def draw_levels(
 
 
 def about(scenario: Scenario) -> dict[str, object]:
-    """Return what a file of levels says about the scenario that drew it."""
+    """Return the description of a scenario for a file of its levels."""
     shipped = library.every_scenario().get(Path(scenario.file).stem)
     is_shipped = shipped is not None and shipped.resolve() == Path(scenario.file).resolve()
     home = Path(scenario.file).stem if is_shipped else Path(scenario.file).name
@@ -71,7 +71,7 @@ def about(scenario: Scenario) -> dict[str, object]:
 
 
 def scenario_hash(scenario: Scenario) -> str:
-    """Return the hash of what a scenario says about its levels, 16 hexadecimal digits."""
+    """Return the hash of the parts of a scenario that define its levels, 16 hexadecimal digits."""
     data = scenario.source.data
     sections = data if isinstance(data, Mapping) else {}
     inner = sections.get("irsim")
@@ -81,7 +81,7 @@ def scenario_hash(scenario: Scenario) -> str:
     return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-class _Taker:
+class _LevelCollector:
     """Collects the levels that the worlds of a simulation have just begun."""
 
     def __init__(self, simulation: Simulation) -> None:
@@ -98,7 +98,7 @@ class _Taker:
         self._counts: tuple[list[list[int]], list[list[int]]] = [], []
 
     def take(self, count: int) -> None:
-        """Take the levels of the first worlds."""
+        """Collect the levels of the first ``count`` worlds."""
         worlds = np.arange(count)
         model, chosen = self._simulation.model, np.ix_(worlds, self._bodies)
         present = model.present[chosen]
@@ -112,10 +112,10 @@ class _Taker:
         if self._cells is not None:
             self._cells.append(model.map_squares[worlds, 0] == 0)
         for w in range(count):
-            self._take_outlines(w)
+            self._collect_outlines(w)
 
-    def _take_outlines(self, world: int) -> None:
-        """Take the outlines that differ from level to level, of the bodies that are there."""
+    def _collect_outlines(self, world: int) -> None:
+        """Collect the outlines that vary between levels, of the bodies that are present."""
         model, state = self._simulation.model, self._simulation.state
         counts: tuple[list[int], list[int]] = [], []
         for b, shaped in zip(self._bodies.tolist(), self._shaped, strict=True):
@@ -130,7 +130,7 @@ class _Taker:
             all_counts.append(count)
 
     def levels(self) -> LevelSet:
-        """Return all that was taken."""
+        """Return the collected levels."""
         names = self._simulation.parts.names
         rows = {name: np.concatenate(parts) for name, parts in self._rows.items()}
         sides, rounds = self._outlines
@@ -152,7 +152,7 @@ class _Taker:
 
 
 def _offsets(counts: Ints) -> Ints:
-    """Return where the rows of each body begin, shape ``(n_levels, n_bodies + 1)``, from how many it has."""
+    """Return the first row of each body, shape ``(n_levels, n_bodies + 1)``, from the number of rows of each."""
     ends = np.cumsum(counts.reshape(-1)).reshape(counts.shape)
     starts: Ints = np.concatenate([ends[:, :1] - counts[:, :1], ends], axis=1)
     return starts

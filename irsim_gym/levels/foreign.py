@@ -1,4 +1,4 @@
-"""Reading what others have written: arrays of known shapes, and pickles of which nothing but numbers is taken."""
+"""Reads files of other projects: arrays of known shapes, and the numbers in pickles without running their code."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from irsim_gym.scenario.level_set import LevelSet, with_goal_axis
 
 
 class ForeignObject:
-    """Stands for an object of a class that is not loaded; its attributes are the object's."""
+    """Replaces an object of a class that is not loaded, with the same attributes."""
 
     def __new__(cls, *values: object) -> ForeignObject:
-        """Make a record without looking at what a class would have been given."""
+        """Make a record, ignoring the arguments of the original class."""
         return super().__new__(cls)
 
 
 def complete_set(**arrays: Any) -> LevelSet:
-    """Return levels of one split; what is not given is left to the scenario."""
+    """Return levels of one split; missing arrays are left to the scenario."""
     start = arrays["start"]
     offsets = np.zeros((len(start), start.shape[1] + 1), np.int64)
     whole: dict[str, Any] = {
@@ -48,10 +48,10 @@ def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, ND
 
     Args:
         file: The file.
-        axes: Names of the axes of each array; a digit is a fixed length, ``x+1`` one more than axis ``x``.
+        axes: Names of the axes of each array; a digit is a fixed length, and ``x+1`` is one more than axis ``x``.
 
     Raises:
-        ScenarioError: An array is missing, of another shape or no numbers; the error lists all of them.
+        ScenarioError: If an array is missing, has another shape or holds no numbers; the error lists every problem.
     """
     if not file.exists():
         raise ScenarioError(str(file), [Problem(0, "", "no such file or folder")])
@@ -83,10 +83,10 @@ def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, ND
 def read_pickle(file: Path) -> Any:
     """Return what a pickle holds: lists, numbers, text, arrays, and records in the place of all other objects.
 
-    No class and no function of the pickle is loaded or called but those that make up NumPy's arrays.
+    No class or function of the pickle is loaded or called, except those that build NumPy arrays.
 
     Raises:
-        ScenarioError: It needs a function that is not known, or is no pickle.
+        ScenarioError: If the file is not a pickle, or needs an unknown function.
     """
     try:
         return _NumbersOnly(io.BytesIO(file.read_bytes())).load()
@@ -97,14 +97,14 @@ def read_pickle(file: Path) -> Any:
 
 
 def _device_array(function: Any, arguments: tuple[Any, ...], state: Any, *_: object) -> object:
-    """Return an array of JAX as one of NumPy: ``function`` is one of ``_KNOWN``."""
+    """Return a JAX array as a NumPy array; ``function`` is one of ``_KNOWN``."""
     made = function(*arguments)
     made.__setstate__(state)
     return made
 
 
 def _empty(*_: object) -> NDArray[Any]:
-    """Return the array that a pickle's state is written into."""
+    """Return an empty array, into which a pickle's state is loaded."""
     return np.ndarray((0,), np.int8)
 
 
@@ -138,15 +138,15 @@ def _refuse(cls: object) -> object:
 
 
 class _NumbersOnly(pickle.Unpickler):
-    """Reads a pickle; classes of the levels' packages become ``ForeignObject``, all else unknown is refused."""
+    """Reads a pickle; classes of known packages become ``ForeignObject``, and other unknown classes are refused."""
 
     PACKAGES = ("jaxmarl", "sfl", "jax_multirobsim")
 
     def find_class(self, module: str, name: str) -> Any:
-        """Return what stands for a class or function of the pickle.
+        """Return the replacement of a class or function of the pickle.
 
         Raises:
-            UnpicklingError: Nothing does.
+            UnpicklingError: If the class or function is unknown.
         """
         if (module, name) in _KNOWN:
             return _KNOWN[module, name]

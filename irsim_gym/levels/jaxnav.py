@@ -1,7 +1,7 @@
-"""JaxNav's levels (Rutherford et al. 2024) from a user's own copy: a pickle of states, or an .npz.
+"""Imports JaxNav's levels (Rutherford et al. 2024) from a user's copy: a pickle of states, or an .npz.
 
-The pickle is read without unpickling its classes: ``foreign.read_pickle`` takes the numbers out of it. Columns count
-along x and rows along y, 1 m each, whereas JaxNav's maps are indexed ``[y][x]``.
+``foreign.read_pickle`` reads the numbers of the pickle without unpickling its classes. Columns run along x and rows
+along y, 1 m each, whereas JaxNav's maps are indexed ``[y][x]``.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ AXES = {
 
 
 def import_jaxnav(path: Path) -> LevelSet:
-    """Return JaxNav's levels for robots that are called ``robot_0``, ``robot_1`` and so on.
+    """Return JaxNav's levels for robots named ``robot_0``, ``robot_1`` and so on.
 
     Raises:
-        ScenarioError: The file cannot be used; the error lists every problem.
+        ScenarioError: If the file cannot be used; the error lists every problem.
     """
     arrays = _from_pickle(path) if path.suffix in (".pkl", ".pickle") else read_arrays(path, AXES)
     cells = arrays["cells"].astype(np.int64)

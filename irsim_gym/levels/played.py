@@ -1,4 +1,4 @@
-"""The levels that an evaluation has played: which ones they are, and success by their difficulty."""
+"""The levels of an evaluation: their identity, and success by difficulty."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class PlayedLevels:
     """Levels 0, 1, ... of a split, as an evaluation plays them.
 
     Attributes:
-        count: How many.
+        count: Number of levels.
         hash: Hash of everything that was drawn for them.
-        file: Their file; empty where they are drawn.
-        certificate: Their certificate; None where there is none.
+        file: Their file; empty if they are drawn.
+        certificate: Their certificate; None without one.
     """
 
     count: int
@@ -49,16 +49,16 @@ class PlayedLevels:
 
     @property
     def quarters(self) -> Ints | None:
-        """Quarter of difficulty of each level, 0 to 3, shape ``(count,)``; None where it is not known.
+        """Quarter of difficulty of each level, 0 to 3, shape ``(count,)``; None if it is not known.
 
-        That is without a certificate, or with fewer levels than quarters.
+        It is not known without a certificate, for a certificate without policies, or for fewer than four levels.
         """
         if self.certificate is None or self.count < QUARTERS or not self.certificate.policies:
             return None
         return self.certificate.quarters(self.count)
 
     def conditions(self) -> dict[str, object]:
-        """Return what a published figure has to name."""
+        """Return the conditions to name with published figures."""
         certificate = self.certificate
         return {
             "level_hash": self.hash,
@@ -69,7 +69,7 @@ class PlayedLevels:
         }
 
     def tables(self, solved: Mapping[str, Sequence[bool]]) -> list[Table]:
-        """Return the table of success by difficulty; none where the quarters of difficulty are not known.
+        """Return the table of success by difficulty; empty if the quarters of difficulty are not known.
 
         Args:
             solved: Success in each level, by policy.
@@ -98,7 +98,7 @@ def _share(count: int, total: int) -> str:
 
 
 def played_levels(simulation: Simulation, split: str, count: int) -> PlayedLevels:
-    """Return which levels the first ones of a split are; they are drawn once more."""
+    """Return the first ``count`` levels of a split, after drawing them to compute their hash."""
     digest = set_hash(draw_levels(simulation, [split], count).hashes())
     levels, agents = simulation.scenario.levels, [simulation.parts.names[b] for b in simulation.agents]
     certificate = find_certificate(simulation.scenario, agents, split, digest, count)

@@ -1,4 +1,4 @@
-"""Where the cells of an occupancy map come from, or how they are drawn for each level."""
+"""Kinds of occupancy maps: given cells, or cells drawn for each level."""
 
 from irsim_gym.families import MAPS
 from irsim_gym.maps.array import ArrayMap

@@ -1,4 +1,4 @@
-"""array: a map whose cells are given as numbers."""
+"""array: a map given as a table of numbers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.outline import Outline
 
 OCCUPIED_ABOVE = 50.0
-"""An occupancy (0 to 100) above this occupies its cell, as in IR-SIM."""
+"""Occupancy (0 to 100) above which a cell is occupied, as in IR-SIM."""
 
 
 @kind
@@ -35,7 +35,7 @@ class ArrayMap:
         """Return which cells are occupied, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: The cells are no table of numbers.
+            OptionError: If the cells are not a table of numbers.
         """
         try:
             table = np.array(self.cells)

@@ -1,4 +1,4 @@
-"""cells: occupied cells anywhere, another number of them in each level, as in JaxNav (Rutherford et al. 2024)."""
+"""cells: randomly occupied cells, with a new number in each level, as in JaxNav (Rutherford et al. 2024)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class RandomCells(LevelMap):
-    """Occupied cells at random in each level: their number is drawn first, evenly, then which they are."""
+    """Randomly occupied cells in each level: first their number is drawn uniformly, then their places."""
 
     is_random: ClassVar[bool] = True
     only_kernels: ClassVar[bool] = True
@@ -31,7 +31,7 @@ class RandomCells(LevelMap):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from share_problems(self, "fill")
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:

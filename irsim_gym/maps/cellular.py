@@ -21,7 +21,7 @@ MOST_ROUNDS = 100
 
 @kind
 class CellularMap(LevelMap):
-    """Cells that are occupied at random, then smoothed: each looks at its eight neighbours, all at the same time."""
+    """Randomly occupied cells, smoothed by a cellular automaton over the eight neighbours of each cell."""
 
     is_random: ClassVar[bool] = True
     only_kernels: ClassVar[bool] = True
@@ -39,7 +39,7 @@ class CellularMap(LevelMap):
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from share_problems(self, "fill")
         yield from unordered_ranges(self, "rounds", least=0.0)
         if self.rounds[1] > MOST_ROUNDS:

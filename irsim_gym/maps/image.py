@@ -1,4 +1,4 @@
-"""image: a map from a picture; what is dark is occupied."""
+"""image: a map from an image, whose dark pixels are occupied."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GRAY = (0.2989, 0.5870, 0.1140)
 """Weights of red, green and blue, as in IR-SIM."""
 OCCUPIED_BELOW = 0.5
 STRIP = 256
-"""Rows of a picture whose brightness is worked out at a time."""
+"""Number of image rows whose brightness is computed at a time."""
 
 
 @kind
@@ -42,16 +42,16 @@ class ImageMap:
         """Return which cells are occupied, shape ``(columns, rows)``: those darker than half.
 
         Raises:
-            OptionError: There is no such file, or it is no picture.
+            OptionError: If the file does not exist or is not an image.
         """
         return np.ascontiguousarray(np.fliplr(read_dark(find(self.path)).T))
 
 
 def read_dark(file: Path) -> Flags:
-    """Return which pixels of a picture are darker than half, row by row from the top; transparency is ignored.
+    """Return which pixels of an image are darker than half, row by row from the top; transparency is ignored.
 
     Raises:
-        OptionError: It cannot be read.
+        OptionError: If the file cannot be read.
     """
     from PIL import Image, UnidentifiedImageError
 

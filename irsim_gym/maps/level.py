@@ -1,4 +1,4 @@
-"""What maps that are drawn for each level have in common: their size, and memory to draw them in."""
+"""Common parts of maps that are drawn for each level: their size, and memory for drawing."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from irsim_gym.world.outline import Outline
 
 MOST_CELLS = 4_000_000
 MOST_LEVEL_CELLS = 65_536
-"""Most cells of a map that every world has for itself."""
+"""Maximum number of cells of a map that differs between worlds."""
 LEAST_ORDER = 512
 
 
 @dataclass(repr=False)
 class MapTables(Struct):
-    """Memory in which a map is drawn; the first axis is the slot.
+    """Memory for drawing a map; the first axis is the slot.
 
     Attributes:
         occupied: Occupied cells, shape ``(n_slots, columns, rows)``.
@@ -64,7 +64,7 @@ def disc_option() -> Any:
 
 @kind
 class LevelMap:
-    """What all maps that are drawn for each level have."""
+    """The base class of maps that are drawn for each level."""
 
     resolution: float = option(
         1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
@@ -78,7 +78,7 @@ class LevelMap:
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room to draw in."""
+        """Allocate memory for drawing."""
         group.tables = map_tables(model, n_slots)
 
 
@@ -89,10 +89,10 @@ def map_size(resolution: float, width: float, height: float, most: int = MOST_LE
         resolution: Side of a cell [m], rounded so that whole cells fill the world.
         width: Width of the world [m].
         height: Height of the world [m].
-        most: Most cells that there may be.
+        most: Maximum number of cells.
 
     Raises:
-        OptionError: There would be too many cells.
+        OptionError: If there would be too many cells.
     """
     columns, rows = (max(1, round(side / resolution)) for side in (width, height))
     if columns * rows > most:
@@ -101,10 +101,10 @@ def map_size(resolution: float, width: float, height: float, most: int = MOST_LE
 
 
 def bordered(options: LevelMap, width: float, height: float) -> Flags:
-    """Return the cells that are occupied in every level: the border if there is one, shape ``(columns, rows)``.
+    """Return the cells that are occupied in all levels: the border, if any, shape ``(columns, rows)``.
 
     Raises:
-        OptionError: There would be too many cells, or none within the border.
+        OptionError: If there would be too many cells, or none within the border.
     """
     columns, rows = map_size(options.resolution, width, height)
     if options.border and min(columns, rows) < 3:
@@ -116,12 +116,12 @@ def bordered(options: LevelMap, width: float, height: float) -> Flags:
 
 
 def span(length: float, resolution: float) -> int:
-    """Return how many cells of a side a length [m] is, at least one."""
+    """Return the number of cells along a length [m], at least one."""
     return max(1, round(length / resolution))
 
 
 def share_problems(options: LevelMap, name: str) -> Iterator[tuple[str, str]]:
-    """Yield a problem if an option is no pair of bounds between 0 and 1."""
+    """Yield a problem if an option is not a pair of bounds between 0 and 1."""
     yield from unordered_ranges(options, name, least=0.0)
     if getattr(options, name)[1] > 1.0:
         yield name, f"must lie between 0 and 1, got up to {getattr(options, name)[1]:g}"

@@ -1,4 +1,4 @@
-"""maze: corridors between walls, drawn for each level: a tree of ways, and loops where further walls are opened."""
+"""maze: corridors between walls, drawn for each level: a spanning tree, with loops where further walls are opened."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class MazeMap(LevelMap):
         """Return the border, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: There is room for a single crossing.
+            OptionError: If there is room for only one crossing.
         """
         occupied = bordered(self, width, height)
         wide, walls = span(self.corridor, self.resolution), 1 if self.border else -1

@@ -1,4 +1,4 @@
-"""Maps from gradient noise that are drawn for each level, as ``perlin`` makes one for all."""
+"""Maps from gradient noise that are drawn for each level; ``perlin`` makes one map for all levels."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from irsim_gym.world.state import WorldState
 _Q = np.sqrt(0.5)
 GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
 N = 256
-"""Length of the table of gradients, which repeats itself."""
+"""Period of the table of gradients."""
 
 
 @dataclass(repr=False)
 class NoiseTables(Struct):
-    """Memory in which noise is drawn; the first axis is the slot.
+    """Memory for drawing noise; the first axis is the slot.
 
     Attributes:
         occupied: Occupied cells, shape ``(n_slots, columns, rows)``.
         line: Scratch for ``lay_cells``, shape ``(n_slots, columns)``.
         noise: Noise of each cell, shape ``(n_slots, columns, rows)``.
         ranked: Scratch, shape ``(n_slots, columns * rows)``.
-        gradients: Which gradient each corner has, shape ``(n_slots, 2 * N)``.
+        gradients: Number of the gradient at each corner, shape ``(n_slots, 2 * N)``.
     """
 
     occupied: Flags

@@ -36,11 +36,11 @@ class PerlinMap:
 
     @property
     def is_random(self) -> bool:
-        """True if each level draws a map of its own."""
+        """Whether each level draws its own map."""
         return self.per_level
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         if self.per_level and self.seed is not None:
             yield "seed", "has no effect with per_level: each level draws its map from its own random numbers"
 
@@ -49,10 +49,10 @@ class PerlinMap:
         return Outline(solid=False)
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return which cells are occupied, shape ``(columns, rows)``; none that are so in every level.
+        """Return the occupied cells, shape ``(columns, rows)``; empty cells if each level draws its own map.
 
         Raises:
-            OptionError: There would be too many cells.
+            OptionError: If there would be too many cells.
         """
         columns, rows = map_size(self.resolution, width, height, MOST_LEVEL_CELLS if self.per_level else MOST_CELLS)
         if self.per_level:
@@ -63,7 +63,7 @@ class PerlinMap:
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Make room to draw in."""
+        """Allocate memory for drawing."""
         group.tables = noise_tables(model, n_slots)
 
     @staticmethod
@@ -88,7 +88,7 @@ class PerlinMap:
 
 
 def seed_of(name: str) -> int:
-    """Return the seed of a scenario's map when the file gives none: the same name, the same map."""
+    """Return the default seed of a scenario's map, which depends only on the scenario's name."""
     return int.from_bytes(hashlib.blake2b(name.encode(), digest_size=4).digest(), "little")
 
 
@@ -104,7 +104,7 @@ def _octave(x: Floats, y: Floats, table: Ints) -> Floats:
 
 
 def _slope(i: Ints, j: Ints, u: Floats, v: Floats, a: int, b: int, table: Ints) -> Floats:
-    """Return what the gradient at one corner of each point's cell contributes."""
+    """Return the contribution of the gradient at one corner of each point's cell."""
     chosen = GRADIENTS[table[table[(i & 255) + a][:, None] + (j & 255)[None, :] + b] % 8]
     return np.asarray(chosen[..., 0] * (u - a)[:, None] + chosen[..., 1] * (v - b)[None, :])
 

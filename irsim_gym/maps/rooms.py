@@ -20,10 +20,10 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
-"""Columns of a table of rooms: first and end column, first and end row, and whether it cannot be divided."""
+"""Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
 MOST_ROOMS = LEAST_ORDER // 5
 TRIES = 20
-"""How often a level is divided anew where fewer rooms fit than it wants."""
+"""Maximum number of attempts to divide a level into the drawn number of rooms."""
 
 
 @kind
@@ -39,7 +39,7 @@ class RoomsMap(LevelMap):
     loops: float = option(0.0, ge=0.0, le=1.0, meaning="Probability that a wall has a second door.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from unordered_ranges(self, "number", least=1.0)
         yield from unordered_ranges(self, "door", least=1e-3)
         if self.number[1] > MOST_ROOMS:
@@ -54,7 +54,7 @@ class RoomsMap(LevelMap):
         """Return the border, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: There is no room for the fewest rooms.
+            OptionError: If there is no room for the fewest rooms.
         """
         occupied, least = bordered(self, width, height), span(self.least_side, self.resolution)
         fits = [(cells + 1 - 2 * self.border) // (least + 1) for cells in occupied.shape]
@@ -147,7 +147,7 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
         n: The number of its other half.
         axis: 0 for a wall along y, 1 for one along x.
         given: The options.
-        w: The world.
+        w: World.
         state: Its random stream.
     """
     cells = occupied[::1, ::1] if axis == 0 else occupied.T[::1, ::1]  # with steps both have one type
@@ -188,7 +188,7 @@ def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int,
         low: Its first cell.
         high: The cell after its last one.
         given: The options.
-        w: The world.
+        w: World.
         state: Its random stream.
     """
     wide = max(1, int(np.rint(uniform(state.random, w, given.door[0], given.door[1]) / given.resolution)))

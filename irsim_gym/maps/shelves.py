@@ -1,4 +1,4 @@
-"""shelves: a warehouse, drawn for each level: shelves in rows, of which some are missing."""
+"""shelves: a warehouse, drawn for each level: rows of shelves, some of which are missing."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class ShelvesMap(LevelMap):
-    """Shelves in rows and columns with aisles between them, along x or along y, of which some are missing."""
+    """Shelves in rows and columns with aisles between them, along x or along y; some shelves are missing."""
 
     is_random: ClassVar[bool] = True
     only_kernels: ClassVar[bool] = True
@@ -35,7 +35,7 @@ class ShelvesMap(LevelMap):
     turn: bool = option(True, meaning="Shelves stand along x or along y, as each level draws; else along x.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from share_problems(self, "missing")
         if min(self.shelf) <= 0.0:
             yield "shelf", f"must be two lengths > 0, got [{self.shelf[0]:g}, {self.shelf[1]:g}]"
@@ -44,7 +44,7 @@ class ShelvesMap(LevelMap):
         """Return the border, shape ``(columns, rows)``.
 
         Raises:
-            OptionError: A shelf and the aisles around it do not fit.
+            OptionError: If a shelf and the aisles around it do not fit.
         """
         occupied = bordered(self, width, height)
         needed = [span(side, self.resolution) + 2 * span(self.aisle, self.resolution) for side in self.shelf]

@@ -1,4 +1,4 @@
-"""How far a body is from its goal: free space, reachability and geodesic distance.
+"""Paths of bodies: free space, reachability and geodesic distance.
 
-The moving body is a disc of some radius. It must not touch what is in its way: see ``clearance.Obstacles``.
+The moving body is a disc that must not touch obstacles, see ``clearance.Obstacles``.
 """

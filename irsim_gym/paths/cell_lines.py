@@ -1,4 +1,4 @@
-"""Straight lines over the cells of a grid, and the cell at which a way over cells begins."""
+"""Straight lines over the cells of a grid, and the cell at which a path over cells begins."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid
 
 NEAR = 15
-"""How many cells around a point are looked at for one that is not blocked."""
+"""Search radius around a point for a cell that is not blocked [cells]."""
 
 
 @kernel

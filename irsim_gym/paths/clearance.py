@@ -1,4 +1,4 @@
-"""Exact tests: may a body of some radius stand at a point, or go straight between two?"""
+"""Exact tests whether a disc is free at a point, or on the straight line between two points."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from irsim_gym.world.state import WorldState
 
 
 class Obstacles(NamedTuple):
-    """What is in the way in one world.
+    """The obstacles in one world.
 
     Attributes:
-        model: The constants.
-        state: The moment.
-        w: Which world.
-        blocks: Bodies that are in the way, shape ``(n_bodies,)``.
-        cells: The occupancy maps, whose occupied cells are always in the way, or None.
-        points: Points that are in the way too, or None.
+        model: Constants of the simulation.
+        state: Its present state.
+        w: Index of the world.
+        blocks: Flags of bodies that are obstacles, shape ``(n_bodies,)``.
+        cells: The occupancy maps, whose occupied cells are always obstacles, or None.
+        points: Further points that are obstacles, or None.
     """
 
     model: WorldModel

@@ -1,4 +1,4 @@
-"""The shortest way of a body of some radius, and the distance to a goal from everywhere."""
+"""Shortest paths of a disc, and the field of distances to a goal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.paths.reachability import gate
 from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
 
 RINGS = 2
-"""How many rings of blocked cells ``distance_field`` continues into."""
+"""Number of rings of blocked cells into which ``distance_field`` continues."""
 
 
 @kernel

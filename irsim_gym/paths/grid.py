@@ -28,11 +28,11 @@ from irsim_gym.world.outline import outline_of
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
 MOST_PATH_CELLS = 1_000_000
 CELL_MARGIN = 1e-9
-"""Added to the radius of cells [m], so that rounding never frees one."""
+"""Safety margin added to the radius of cells, so that rounding never frees one [m]."""
 
 
 class Grid(NamedTuple):
-    """Square cells over a rectangle, whose centres all lie within it.
+    """Square cells over a rectangle, with all centres inside it.
 
     Attributes:
         origin_x: Lower left corner of the first cell [m].
@@ -50,9 +50,9 @@ class Grid(NamedTuple):
 
     @classmethod
     def over(cls, bounds: Sequence[float] | Floats, cell: float) -> Self:
-        """Return the grid over x_min, y_min, x_max, y_max [m]; what no whole cell fills is shared by both sides.
+        """Return the grid over x_min, y_min, x_max, y_max [m], centred in the rectangle.
 
-        Cells are larger than asked for where there would be more than ``MOST_PATH_CELLS`` of them.
+        Cells are larger than requested if there would be more than ``MOST_PATH_CELLS`` of them.
         """
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
         cell = max(cell, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_PATH_CELLS)))
@@ -85,8 +85,8 @@ class Search(NamedTuple):
 
     Attributes:
         blocked: Blocked cells, shape ``(rows, columns)``.
-        field: Distance to the nearest source [m], inf where there is no way, shape ``(rows, columns)``.
-        queue: The queue, and in row PARENT the number of the next cell on the way to the source, -1 beside it; shape
+        field: Distance to the nearest source [m], inf without a path, shape ``(rows, columns)``.
+        queue: The queue, and in row PARENT the number of the next cell on the path to the source, -1 beside it; shape
             ``(3, n_cells + 8)``, see ``spread``.
     """
 

@@ -1,4 +1,4 @@
-"""Which cells of a grid something touches: the squares themselves, not discs about their centres as in ``grid``."""
+"""Finds the cells of a grid that obstacles touch: as squares, not as discs about their centres as in ``grid``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.world.outline import outline_of
 
 EDGE = 1e-9
-"""Parts of a cell by which what ends on a cell's edge touches the cell behind it, in spite of rounding."""
+"""Tolerance with which a shape that ends on a cell's edge touches the next cell, despite rounding [cells]."""
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""How far an outline is, at any pose, from what is in the way of its body."""
+"""The distance of an outline at any pose from obstacles."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from irsim_gym.world.rows import row_of
 
 
 class PoseShape(NamedTuple):
-    """The outline of a body that may be at any pose.
+    """The outline of a body for tests at any pose.
 
     Attributes:
         own: The outline in the body's frame.
         laid: Scratch: the outline at a pose.
-        reach: Radius about the body's origin that holds it [m].
+        reach: Radius of the disc about the body's origin that encloses it [m].
     """
 
     own: BodyOutline

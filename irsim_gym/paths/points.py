@@ -1,4 +1,4 @@
-"""Points that are in the way, one for each cell of a map: what a body has seen of its surroundings."""
+"""Point maps: obstacles that a body has seen, with at most one point per cell."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class PointMap(NamedTuple):
         x: Left end of the first cell [m].
         y: Lower end of the first cell [m].
         side: Side of a cell [m].
-        places: The points [m], NaN in a cell without one, shape ``(columns, rows, 2)``.
+        places: The points [m], NaN in cells without one, shape ``(columns, rows, 2)``.
     """
 
     x: float
@@ -31,9 +31,9 @@ class PointMap(NamedTuple):
 
     @classmethod
     def over(cls, bounds: Sequence[float] | Floats, side: float, shape: tuple[int, ...]) -> Self:
-        """Return maps without points over x_min, y_min, x_max, y_max [m], ``shape`` of them: ``places`` has more axes.
+        """Return empty maps over x_min, y_min, x_max, y_max [m]; ``shape`` gives further leading axes of ``places``.
 
-        Cells are larger than asked for where there would be more than ``MOST_POINT_CELLS`` of them.
+        Cells are larger than requested if there would be more than ``MOST_POINT_CELLS`` of them.
         """
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
         side = max(side, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_POINT_CELLS)))

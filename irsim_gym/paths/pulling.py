@@ -1,4 +1,4 @@
-"""Pull a path tight: shorter and shorter, and free all the way."""
+"""Shortens a free path while keeping it free."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from irsim_gym.paths.clearance import Obstacles, way_is_free
 
 ROUNDS, SWEEPS, HALVINGS = 4, 4, 6
 LONGEST_CUT = 0.5
-"""How far from a corner points are added in the first round [m]; half as far in each later one."""
+"""Distance from a corner at which points are added in the first round [m]; it halves in each later round."""
 
 
 @kernel

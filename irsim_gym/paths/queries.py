@@ -1,4 +1,4 @@
-"""Questions about one world, for code that is not compiled: evaluation, checks, drawings."""
+"""Queries about one world for code that is not compiled: evaluation, checks, drawings."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Point = Sequence[float] | Floats
 
 
 def standing_bodies(model: WorldModel, world: int) -> Flags:
-    """Return which bodies are always in the way: present, standing and not unobstructed, shape ``(body,)``."""
+    """Return flags of standing obstacles: present, standing and not unobstructed bodies, shape ``(body,)``."""
     return np.asarray(model.present[world] & model.stands & ~model.unobstructed)
 
 
 def fixed_bodies(model: WorldModel, world: int) -> Flags:
-    """Return which bodies never move: present, without a way to move and not unobstructed, shape ``(body,)``."""
+    """Return flags of bodies that are present, cannot move and are not unobstructed, shape ``(body,)``."""
     return np.asarray(model.present[world] & ~model.movable & ~model.unobstructed)
 
 
@@ -43,17 +43,17 @@ def free_path(
     blocks: Flags | None = None,
     cell: float = FINE,
 ) -> Floats:
-    """Return a short path that is free of collisions, shape ``(n_points, 2)`` [m]; no points if there is none.
+    """Return a short collision-free path, shape ``(n_points, 2)`` [m]; no points if there is none.
 
     Args:
         model: Constants of the episode.
-        state: The moment, whose outlines are in the way.
-        world: Which world.
+        state: Present state, whose outlines are the obstacles.
+        world: Index of the world.
         radius: Radius of the moving body [m].
-        start: x and y [m]; more is ignored.
-        goal: x and y [m]; more is ignored.
-        blocks: Which bodies are in the way, shape ``(body,)``; as ``standing_bodies`` if not given.
-        cell: Side of the cells [m] in which ways around things are sought.
+        start: x and y [m]; further numbers are ignored.
+        goal: x and y [m]; further numbers are ignored.
+        blocks: Flags of bodies that are obstacles, shape ``(body,)``; by default ``standing_bodies``.
+        cell: Cell size of the search [m].
     """
     grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
     path = grid.path()
@@ -72,7 +72,7 @@ def free_path_length(
     blocks: Flags | None = None,
     cell: float = FINE,
 ) -> float:
-    """Return the length [m] of ``free_path``, inf if there is none; arguments as there."""
+    """Return the length [m] of ``free_path``, inf if there is none; the arguments are the same."""
     path = free_path(model, state, world, radius, start, goal, blocks=blocks, cell=cell)
     return float(path_length(path, len(path))) if len(path) else float("inf")
 
@@ -88,7 +88,7 @@ def has_free_path(
     blocks: Flags | None = None,
     cell: float = COARSE,
 ) -> bool:
-    """Return whether ``is_reachable`` finds a way; arguments as for ``free_path``."""
+    """Return whether ``is_reachable`` finds a path; the arguments are those of ``free_path``."""
     grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
     ends = _point(start), _point(goal)
     return bool(is_reachable(obstacles, float(radius), *ends, grid, grid.blocked(), grid.runs()))
@@ -97,7 +97,7 @@ def has_free_path(
 def blocking_bodies(
     model: WorldModel, state: WorldState, world: int, radius: float, place: Point, blocks: Flags
 ) -> list[int | None]:
-    """Return which of some bodies a disc touches, None for the obstacle map; arguments as for ``free_path``."""
+    """Return the bodies that a disc touches, None for the obstacle map; the arguments are those of ``free_path``."""
     touched: list[int | None] = []
     for b in (*np.flatnonzero(blocks).tolist(), None):
         alone = np.zeros_like(blocks)
@@ -113,11 +113,11 @@ def blocking_bodies(
 def touched_cells(
     model: WorldModel, state: WorldState, world: int, n_cells: tuple[int, int], *, blocks: Flags | None = None
 ) -> Flags:
-    """Return which cells a body or an occupied cell of the map touches, shape ``(columns, rows)``.
+    """Return flags of the cells that a body or an occupied cell of the map touches, shape ``(columns, rows)``.
 
     Args:
         model: Constants of the episode.
-        state: The moment.
+        state: Current state of the worlds.
         world: Which world.
         n_cells: Number of columns and rows over the world; columns from the left, rows from the bottom.
         blocks: As for ``free_path``.

@@ -1,4 +1,4 @@
-"""Is there a way for a body between two points?"""
+"""Tests whether a path exists for a disc between two points."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Ways among bodies that stand as they stood before: the regions of free cells are found once, and then looked up.
+"""Reachability with cached regions of free cells, for obstacles that stand as before.
 
-A level often differs from the one before in nothing that stands. The second time that something is asked among the
-same bodies, each free cell gets the number of its region; from then on an answer takes a few looks at the cells
-around start and goal. It is always that of ``is_reachable``.
+Successive levels often have the same standing obstacles. At the second query with the same obstacles, each free cell
+gets the number of its region. Later queries only look up the cells around start and goal. The result is always that of
+``is_reachable``.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ NEW, SEEN, LABELLED = 0.0, 1.0, 2.0
 
 
 class WayTables(NamedTuple):
-    """What ``way_exists`` works on: the grid, and memory whose first axis is the slot, unless it is that of one slot.
+    """The tables of ``way_exists``: the grid, and memory whose first axis is the slot, except in a slot's own tables.
 
     Attributes:
         grid: The grid.
         blocked: Blocked cells, shape ``(rows, columns)``.
         runs: Runs of free cells, see ``reachability.join_runs``.
         labels: Region of each cell, see ``label_regions``, shape ``(rows, columns)``.
-        known: What is known, shape ``(n_bodies + 1, 4)``: how far (``NEW``, ``SEEN`` or ``LABELLED``) and for which
-            radius [m] in the first row, then for each body whether it blocks, and where it stands.
+        known: The cached query, shape ``(n_bodies + 1, 4)``: its state (``NEW``, ``SEEN`` or ``LABELLED``) and radius
+            [m] in the first row, then for each body whether it blocks, and its pose.
     """
 
     grid: Grid

@@ -1,6 +1,6 @@
-"""What scans have shown, in the cells of a grid: beams pass cells, and occupy a quarter of those where they end.
+"""Marks scans in the cells of a grid: beams pass cells, and occupy a quarter of the cells where they end.
 
-A cell is a byte: 0 as long as nothing is known of it, the bit ``PASSED``, and a bit for each quarter that is occupied.
+A cell is a byte: 0 while it is unknown, the bit ``PASSED``, and a bit for each occupied quarter.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
 
 UNKNOWN, PASSED, OCCUPIED = np.uint8(0), np.uint8(16), np.uint8(15)
-"""Nothing is known of a cell, a beam has passed it, a part of it is occupied (any of these bits)."""
+"""States of a cell: unknown, passed by a beam, partly occupied (any of these bits)."""
 BITS = 32
 """A doubted quarter is its column among all quarters, in the lowest bits, and its row in those above."""
 ROW, EDGE = 1 << BITS, 1e-6
@@ -95,7 +95,7 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
@@ -159,7 +159,7 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.
@@ -224,7 +224,7 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
 
     Args:
         scan: The scans.
-        w: The world.
+        w: World.
         k: The member.
         pose: Of its body [m, m, rad].
         grid: The grid.

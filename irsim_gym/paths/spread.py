@@ -1,10 +1,10 @@
-"""Distances over the grid of free cells, from all sources at once (Dijkstra 1959).
+"""Distances over a grid of free cells from all sources at once (Dijkstra 1959).
 
-Steps lead to 16 neighbours: the eight around a cell and the eight a knight's move away, whose straight way passes
-between two cells that must be free too (see ``grid`` for why it is free then). The grid's distance is at most 2.8 %
-longer than the straight one where nothing is in the way.
+Steps lead to 16 neighbours: the eight around a cell and the eight a knight's move away, whose straight line passes
+between two cells that must be free too (``grid`` proves that it is free then). Without obstacles, the grid's distance
+is at most 2.8 % longer than the straight one.
 
-The queue keeps cells in buckets as wide as the shortest step (Dial 1969), so that any order within a bucket is right.
+The queue keeps cells in buckets as wide as the shortest step (Dial 1969), so that any order within a bucket is valid.
 """
 
 from __future__ import annotations

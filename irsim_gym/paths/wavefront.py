@@ -1,14 +1,14 @@
-"""Cheapest ways to one cell of a grid, and what ways from every other cell cost at least, in whole numbers.
+"""Cheapest paths to one cell of a grid, and lower bounds of the costs from all other cells, as whole numbers.
 
-Steps lead to the eight neighbours. A step costs 5, across a corner 7, and ``TIGHT_FACTOR`` times that from a cell in
+Steps lead to the eight neighbours. A step costs 5, a diagonal step 7, and ``TIGHT_FACTOR`` times that from a cell in
 which a body of the given radius does not fit at the centre. Cells in which it fits nowhere are blocked.
 
-At first a way is taken to cost what it would if all cells were free. It is followed from a cell to a neighbour that
-explains this cost. Where none does, the cost is raised to the least that the neighbours allow, and the way goes on from
-the cell before (learning depth-first search, Bonet and Geffner 2005). As long as levels only rise, costs never become
-too high, wherever the next way begins, so most ways are followed without a raise. Where many would be needed, as in a
-large trap, a wave spreads from the end over all cells instead, nearest cells first. Four queues, one for each cost of a
-step, hold it: what enters one of them is never cheaper than what is in it.
+Costs start as if all cells were free. A path is followed from a cell to a neighbour that explains its cost. Without
+such a neighbour, the cost is raised to the least that the neighbours allow, and the path continues from the previous
+cell (learning depth-first search, Bonet and Geffner 2005). As long as levels only rise, costs never become too high,
+wherever the next path begins, so most paths are followed without a raise. If many raises are needed, as in a large
+trap, a wave spreads from the end over all cells instead, nearest cells first. Four queues, one for each cost of a step,
+hold it: what enters a queue is never cheaper than its content.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import BLOCKED, FREE
 
 TIGHT = np.uint8(2)
-"""A cell beside ``FREE`` and ``BLOCKED`` ones: the body fits somewhere in it, but not at its centre."""
+"""Level of a cell in which the body fits, but not at the centre; the others are ``FREE`` and ``BLOCKED``."""
 STRAIGHT, ACROSS, TIGHT_FACTOR = 5, 7, 8
 NEVER = np.int32(2**30)
-"""Cost of a cell from which there is no way."""
+"""Cost of a cell without a path."""
 HEAD, TAIL, FIRST = 0, 1, 2
 BITS = 21
-"""A place in a queue holds the number of a cell in its lowest bits, and the cost in those above."""
+"""An entry of a queue holds the number of a cell in its lowest bits, and the cost in the higher bits."""
 ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
-"""Rows and columns to the neighbours, those that share a side first."""
+"""Offsets in rows and columns to the neighbours, those that share a side first."""
 
 
 def new_queues(rows: int, columns: int) -> Ints:
@@ -88,13 +88,13 @@ def begin_costs(source: int, least: Labels) -> None:
 
 @kernel
 def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> None:
-    """Write what ways to a cell cost, ``NEVER`` where there is none.
+    """Write the cost of the path from each cell, ``NEVER`` if there is none.
 
     Writes: queues, least.
 
     Args:
         levels: ``FREE``, ``BLOCKED`` or ``TIGHT``, shape ``(rows, columns)``, blocked at the border.
-        source: Number of the cell to which the ways lead, whatever its level; not at the border.
+        source: Number of the cell to which the paths lead, at any level; not at the border.
         queues: Scratch, see ``new_queues``.
         least: Written: the costs, shape ``(rows, columns)``.
     """

@@ -1,4 +1,4 @@
-"""Where a body starts."""
+"""Distributions: where bodies start, and their goals."""
 
 from irsim_gym.families import PLACEMENTS
 from irsim_gym.placements.cells import CellPlacement

@@ -1,4 +1,4 @@
-"""cells: in the middle of free cells of the map, with a goal that free cells lead to, as in JaxNav."""
+"""cells: starts in the middle of free cells of the map, with goals that free cells connect, as in JaxNav."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ from irsim_gym.world.outline import place_outline
 from irsim_gym.world.state import WorldState
 
 COARSE, FINE = 1.0, 0.5
-"""Sides of the cells in which a way past standing bodies is looked for, relative to a member's reach."""
+"""Cell sizes of the searches for paths around standing bodies, relative to a member's reach."""
 
 
 @dataclass(repr=False)
 class CellTables(Struct):
-    """What starts and goals in cells are drawn from.
+    """The tables for drawing starts and goals in cells.
 
     Attributes:
         members: The bodies to place.
         everyone: Numbers of all bodies.
-        needs_way: Free cells are not proof enough: other bodies may stand in them, or ways have limits.
-        limits: Least and greatest length of a way [m], shape ``(2,)``.
+        needs_way: Whether free cells do not suffice as a proof, because bodies may stand in them or paths have limits.
+        limits: Minimum and maximum length of a path [m], shape ``(2,)``.
         free: Scratch: the free cells, shape ``(n_slots, columns * rows)``.
-        found: Scratch: the cells that can be reached from a start, in the same way.
-        seen: Scratch: where a search has been, in the same way.
+        found: Scratch: the cells that can be reached from a start, likewise.
+        seen: Scratch: the visited cells of a search, likewise.
     """
 
     members: Ints
@@ -60,7 +60,7 @@ class CellTables(Struct):
 
 @kind
 class CellPlacement:
-    """Starts and goals in the middle of free cells of the map; cells that share sides lead from one to the other."""
+    """Starts and goals in the middle of free cells of the map, connected by cells that share sides."""
 
     only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
@@ -78,12 +78,12 @@ class CellPlacement:
         return self.goals
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from length_problems(self.min_way_length, self.max_way_length)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
-        """Make room for searches; return what does not fit the world."""
+        """Allocate memory for searches, and return what does not fit the world."""
         frame, reaches = model.map_frame[0], model.reach[:, group.members]
         if frame.body < 0:
             return "needs an obstacle_map in the section world, among whose free cells it chooses"
@@ -114,7 +114,7 @@ class CellPlacement:
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
-        """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
+        """Draw starts and goals; ``failed[w]`` becomes body + 1 if a member finds no place."""
         tables, grids = group.tables
         cells: Any = model.cells
         draw_in_cells(shard.worlds, shard.slot, tables, grids.of_slot(shard.slot), model, state, cells, failed)
@@ -201,7 +201,7 @@ def cell_at(cells: CellMap, point: Point) -> int:
 
 @kernel
 def list_free(cells: CellMap, free: Ints) -> int:
-    """Write the free cells, numbered column by column; return how many there are."""
+    """Write the free cells, numbered column by column; return their number."""
     rows, count = cells.room.shape[1], 0
     for i in range(cells.room.shape[0]):
         for j in range(rows):

@@ -1,4 +1,4 @@
-"""circle: evenly on a circle, facing the centre, with the goal opposite; with options of ours, not quite evenly."""
+"""circle: evenly on a circle, facing the centre, with the goal opposite; further options add random shifts."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ TRIES = 100
 
 @dataclass(repr=False)
 class CircleTables(Struct):
-    """What shifted starts and goals are drawn from.
+    """The tables for drawing shifted starts and goals.
 
     Attributes:
-        x: Centre [m].
-        y: Centre [m].
+        x: x of the centre [m].
+        y: y of the centre [m].
         radius: Radius of the circle [m].
-        jitter: By how much starts and goals are shifted at most [m].
-        turn: The circle is turned.
-        scatter: Each place is drawn.
-        mirror: Goals are the starts' mirror images.
-        clearance: What is kept between outlines [m]; 0 where places are even.
+        jitter: Maximum shift of starts and goals [m].
+        turn: Whether the circle is rotated at random.
+        scatter: Whether each place on the circle is drawn.
+        mirror: Whether goals are the starts' mirror images.
+        clearance: Clearance between outlines [m]; 0 if places are even.
         angles: Direction of each member's place from the centre [rad], shape ``(n_bodies,)``.
         everyone: Numbers of all bodies.
     """
@@ -55,7 +55,7 @@ class CircleTables(Struct):
 
 @kind
 class CirclePlacement:
-    """Starts on a circle; each goal lies on the other side."""
+    """Starts on a circle, with each goal on the opposite side."""
 
     only_kernels: ClassVar[bool] = True
     roams: ClassVar[bool] = False
@@ -95,7 +95,7 @@ class CirclePlacement:
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
-        """Write the members' starts and goals; return what does not fit the world."""
+        """Write the members' starts and goals, and return what does not fit the world."""
         options = group.options[0]
         low, high = world_box(model, MARGIN)
         center = (low[:2] + high[:2]) / 2.0 if options.center is None else np.array(options.center[:2])
@@ -120,7 +120,7 @@ class CirclePlacement:
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
-        """Put the members on their starts; ``failed[w]`` becomes body + 1 where a shifted one found no place."""
+        """Put the members on their starts; ``failed[w]`` becomes body + 1 if a shifted member finds no place."""
         if not group.options[0].is_random:
             put_on_start(shard.worlds, group.members, model, state)
             return

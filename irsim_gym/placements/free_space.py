@@ -1,4 +1,4 @@
-"""What a random draw is tested for: spacing, room for start and goal, and a way between them."""
+"""Tests of random draws: spacing, room for start and goal, and a path between them."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from irsim_gym.world.state import WorldState
 
 
 class WayGrids(NamedTuple):
-    """Two grids on which a way is looked for.
+    """Two grids for searching a path.
 
     Attributes:
-        blocks: Scratch, shape ``(n_bodies,)``; it and the tables have a first axis for the slot until ``of_slot``.
-        coarse: What it finds is a proof.
-        fine: Asked where the coarse one finds nothing.
-        search: What lengths of ways are measured with; None where nobody asks for them.
+        blocks: Scratch, shape ``(n_bodies,)``; this and the tables have a first axis for the slot until ``of_slot``.
+        coarse: The coarse grid; a path on it is a proof.
+        fine: The fine grid, used if the coarse one has no path.
+        search: Memory for measuring lengths of paths; None if they are not needed.
     """
 
     blocks: Flags
@@ -45,14 +45,14 @@ class WayGrids(NamedTuple):
 
 
 class WaySearch(NamedTuple):
-    """Memory in which the shortest way is looked for; arrays have a first axis for the slot until ``of_slot``.
+    """Memory for searching the shortest path; arrays have a first axis for the slot until ``of_slot``.
 
     Attributes:
         grid: The grid.
         blocked: See ``paths.grid.Search``.
-        field: In the same way.
-        queue: In the same way.
-        path: Points of a way [m], shape ``(n_points, 2)``.
+        field: See ``paths.grid.Search``.
+        queue: See ``paths.grid.Search``.
+        path: Points of a path [m], shape ``(n_points, 2)``.
     """
 
     grid: Grid
@@ -67,7 +67,7 @@ class WaySearch(NamedTuple):
 
 
 def way_grids(grids: Sequence[Grid], n_slots: int, n_bodies: int, limits: Sequence[float]) -> WayGrids:
-    """Return memory for ways on a coarse and a fine grid, and for their lengths where these have ``limits`` [m]."""
+    """Return memory for paths on a coarse and a fine grid, and for their lengths if these have ``limits`` [m]."""
     coarse, fine = (way_tables(grid, n_slots, n_bodies) for grid in grids)
     search = None
     if limits[0] > 0.0 or limits[1] < np.inf:
@@ -98,7 +98,7 @@ def length_option(name: str) -> Any:
 
 
 def length_problems(least: float, most: float | None) -> Iterator[tuple[str, str]]:
-    """Yield a problem if no way is as long as these two options ask for."""
+    """Yield a problem if no path can meet both bounds of its length."""
     if most is not None and most < least:
         yield "max_way_length", f"must not be less than min_way_length, got {most:g} and {least:g}"
 

@@ -1,4 +1,4 @@
-"""manual: the file gives every pose and goal."""
+"""manual: poses and goals as given in the file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class ManualPlacement:
-    """Poses and goals as they stand in the file."""
+    """Poses and goals as given in the file."""
 
     only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = False
@@ -26,7 +26,7 @@ class ManualPlacement:
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
-        """Leave the starts that ``compile`` took from the file."""
+        """Keep the starts that ``compile`` took from the file."""
         return None
 
     @staticmethod
@@ -52,7 +52,7 @@ def put_on_start(worlds: Ints, members: Ints, model: WorldModel, state: WorldSta
 
 
 def world_box(model: WorldModel, margin: float) -> tuple[Floats, Floats]:
-    """Return lower and upper bounds (x, y, heading) of the world, drawn in by a margin [m]."""
+    """Return lower and upper bounds (x, y, heading) of the world, reduced by a margin [m]."""
     x0, y0, x1, y1 = model.bounds
     low = np.array([x0 + margin, y0 + margin, -np.pi])
     high = np.array([x1 - margin, y1 - margin, np.pi])

@@ -1,4 +1,4 @@
-"""random: uniform in a box, clear of everything, with a goal that can be reached."""
+"""random: uniform in a box, clear of all obstacles, with reachable goals."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from irsim_gym.world.state import WorldState
 
 MARGIN = 0.5
 WISHED_DISTANCE = 1.0
-"""Distance [m] between members of an entry that asks for none, where they find room for it."""
+"""Default distance between members of an entry, if there is room for it [m]."""
 FULLEST = 0.45
 """Share of a plane that discs put down at random cover without much searching; they never cover more than 0.547 of it
 (Feder, Journal of Theoretical Biology 87, 1980).
 """
 COARSE, FINE = 1.0, 0.5
-"""Sides of cells, relative to the reach of the body that looks for a way."""
+"""Cell sizes, relative to the reach of the body whose path is searched."""
 
 
 @kind
 class RandomPlacement:
-    """Uniform draws without any overlap; a draw that fails too often is an error that names the body."""
+    """Uniform draws without overlap; too many failed draws are an error that names the body."""
 
     only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
@@ -80,7 +80,7 @@ class RandomPlacement:
     max_way_length: float | None = length_option("max_way_length")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from length_problems(self.min_way_length, self.max_way_length)
         if self.range_low is not None and self.range_high is not None:
             yield from crossed_bounds(self.range_low, self.range_high)
@@ -94,12 +94,12 @@ class RandomPlacement:
 
     @property
     def ensures_way(self) -> bool:
-        """True if no level is drawn without a way from start to goal, and from each goal to the next."""
+        """Whether all levels have a path from start to goal, and from each goal to the next."""
         return self.reachable or self.min_way_length > 0.0 or self.max_way_length is not None
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
-        """Settle the bounds, and make room for the grid on which ways are looked for; return what does not fit."""
+        """Compute the bounds, allocate the grid for searching paths, and return what does not fit."""
         options = group.options[0]
         low, high, goal_low, goal_high = bounds = _bounds(options, model)
         for name, lower, upper in (("range", low, high), ("goal", goal_low, goal_high)):
@@ -131,14 +131,14 @@ class RandomPlacement:
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
-        """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
+        """Draw starts and goals; ``failed[w]`` becomes body + 1 if a member finds no place."""
         tables, grids = group.tables
         grids = grids.of_slot(shard.slot)
         draw_members(shard.worlds, tables, grids, model, state, model.cells, failed)
 
 
 def _has_room(count: int, low: Floats, high: Floats) -> bool:
-    """Return whether so many points find places in a box that are ``WISHED_DISTANCE`` apart."""
+    """Return whether ``count`` points fit into a box at distances of ``WISHED_DISTANCE``."""
     width, height = high[:2] - low[:2] + WISHED_DISTANCE
     return bool(count * np.pi * (WISHED_DISTANCE / 2.0) ** 2 <= FULLEST * width * height)
 

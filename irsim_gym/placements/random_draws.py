@@ -1,4 +1,4 @@
-"""Starts and goals drawn evenly from boxes, one body after the other."""
+"""Draws starts and goals uniformly from boxes, one body after another."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ PATH_TRIES = 8
 
 @dataclass(repr=False)
 class DrawTables(Struct):
-    """What the starts and goals of one entry are drawn from.
+    """The tables for drawing the starts and goals of one entry.
 
     Attributes:
         low: Lower bounds of the starts [m, m, rad], shape ``(3,)``.
         high: Upper bounds of the starts, likewise.
         goal_low: Lower bounds of the goals, likewise.
         goal_high: Upper bounds of the goals, likewise.
-        min_distance: Least distance between the origins, and between the goals, of two members [m].
-        clearance: Surface distance kept from everything else [m].
-        min_goal_distance: Least distance from start to goal, and from goal to goal [m].
-        needs_way: A start counts only where there is a free way to the goal, and a goal where one comes from the last.
-        limits: Least and greatest length of that way [m], shape ``(2,)``.
-        is_member: Bodies of the entry, shape ``(n_bodies,)``.
-        members: Their numbers.
+        min_distance: Minimum distance between the origins, and between the goals, of two members [m].
+        clearance: Minimum surface distance from everything else [m].
+        min_goal_distance: Minimum distance from start to goal, and from goal to goal [m].
+        needs_way: Whether there must be a free path from the start to the goal, and from each goal to the next.
+        limits: Minimum and maximum length of that path [m], shape ``(2,)``.
+        is_member: Flags of the entry's bodies, shape ``(n_bodies,)``.
+        members: Numbers of the entry's bodies.
         everyone: Numbers of all bodies.
     """
 
@@ -106,7 +106,7 @@ def draw_members(
 
 @kernel
 def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
-    """Let the buckets of world w hold the placed bodies and nobody else.
+    """Fill the buckets of world w with the placed bodies only.
 
     Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, placed, pose).
     Writes: state (bucket, bucket_first, bucket_next).

@@ -1,4 +1,4 @@
-"""Distributions that draw several goals for each body, to be reached one after another."""
+"""Several goals for each body, to be reached one after another, in distributions."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def goals_option() -> Any:
 
 
 def misfit_of_goals(group: Group, model: WorldModel) -> str | None:
-    """Return why members cannot have several goals; None where they can, or are to have one."""
+    """Return why members cannot have several goals; None if they can, or have only one."""
     goals = group.options[0].goals
     if goals == 1:
         return None

@@ -1,1 +1,1 @@
-"""Pictures as arrays: areas with smooth edges on kernels, without a drawing library."""
+"""Kernels that paint areas with smooth edges into image arrays, without a drawing library."""

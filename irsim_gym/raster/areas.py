@@ -1,8 +1,8 @@
 """Discs, rings, polygons and thick lines with smooth edges.
 
-The ``add_`` kernels put areas on a sheet, so that several become one, which is not darker where they overlap; the
-others paint one at once. See ``sheets`` for sheets, boxes and colours. What has a coordinate that is not a number, or
-is farther than ``FARTHEST`` pixels away, is not drawn.
+The ``add_`` kernels add areas to a sheet: several areas become one, which is not darker where they overlap. The
+``paint_`` kernels paint one area at once. See ``sheets`` for sheets, boxes and colours. Areas with a coordinate that is
+NaN or exceeds ``FARTHEST`` pixels are not drawn.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from irsim_gym.raster.sheets import note, paint, scan_edge
 
 FARTHEST = 1e6
 FINENESS, DISC_FINENESS = 16.0, 13.0
-"""Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.02 pixels.
+"""Corners of the polygon that replaces a circle with a radius of one pixel; the error is less than 0.02 pixels.
 
-A disc needs fewer: with an area as large as the circle's its sides lie on both sides of it.
+A disc needs fewer, because its polygon has the area of the circle and its sides lie on both sides of the circle.
 """
 MOST_CORNERS = 2000
 SMOOTH = 0.08
-"""A corner is drawn straight where that takes away less than an eighth of this [pixel]."""
+"""A corner is drawn straight if that removes less than an eighth of this [pixel]."""
 
 
 @kernel
 def is_near(points: Floats, first: int, count: int) -> bool:
-    """Return whether all of some points are numbers and not too far away [pixel]."""
+    """Return whether the coordinates of all points are numbers below ``FARTHEST`` in size [pixel]."""
     near = True
     for i in range(first, first + count):
         near = near and abs(points[i, 0]) < FARTHEST and abs(points[i, 1]) < FARTHEST
@@ -36,7 +36,7 @@ def is_near(points: Floats, first: int, count: int) -> bool:
 
 @kernel
 def note_points(sheet: Rays, box: Ints, points: Floats, first: int, count: int, margin: float) -> bool:
-    """Note where edges near some points are going to be added; return False, and note nothing, unless ``is_near``."""
+    """Note the region of edges to be added near the points; return False and note nothing unless ``is_near``."""
     if count < 1 or not is_near(points, first, count):
         return False
     left, top, right, foot = points[first, 0], points[first, 1], points[first, 0], points[first, 1]
@@ -49,14 +49,14 @@ def note_points(sheet: Rays, box: Ints, points: Floats, first: int, count: int, 
 
 @kernel
 def add_disc(sheet: Rays, box: Ints, x: float, y: float, radius: float, sign: float) -> None:
-    """Add a disc to a sheet, or with a negative sign take it away from one around it.
+    """Add a disc to a sheet, or with a negative sign subtract it from a disc around it.
 
     Args:
-        sheet: Where it is added.
+        sheet: Sheet to add the disc to.
         box: Part of the picture that is drawn.
-        x: Its middle [pixel].
-        y: Its middle [pixel].
-        radius: Its radius [pixel].
+        x: Column of the centre [pixel].
+        y: Row of the centre [pixel].
+        radius: Radius [pixel].
         sign: 1 or -1.
     """
     if not (abs(x) < FARTHEST and abs(y) < FARTHEST and 0.0 < radius < FARTHEST):
@@ -76,14 +76,14 @@ def add_disc(sheet: Rays, box: Ints, x: float, y: float, radius: float, sign: fl
 
 @kernel
 def add_polygon(sheet: Rays, box: Ints, points: Floats, first: int, count: int) -> None:
-    """Add a polygon to a sheet; its last corner need not repeat the first one.
+    """Add a polygon to a sheet; the last corner need not repeat the first one.
 
     Args:
-        sheet: Where it is added.
+        sheet: Sheet to add the polygon to.
         box: Part of the picture that is drawn.
         points: Corners [pixel], shape ``(n_points, 2)``.
-        first: Its first corner.
-        count: Number of its corners.
+        first: Row of the first corner.
+        count: Number of corners.
     """
     if count < 3 or not note_points(sheet, box, points, first, count, 0.0):
         return
@@ -99,17 +99,17 @@ def add_polygon(sheet: Rays, box: Ints, points: Floats, first: int, count: int) 
 def add_line(
     sheet: Rays, box: Ints, points: Floats, first: int, count: int, width: float, closed: bool, round_ends: bool
 ) -> None:
-    """Add a thick line through points to a sheet; its corners are round.
+    """Add a thick line through points to a sheet, with round corners.
 
     Args:
-        sheet: Where it is added.
+        sheet: Sheet to add the line to.
         box: Part of the picture that is drawn.
-        points: Points on the way [pixel], shape ``(n_points, 2)``.
-        first: The first of its points.
-        count: Number of its points; a single one is a dot where the ends are round, else nothing.
-        width: Its width [pixel].
-        closed: It goes back to its first point.
-        round_ends: Its ends are round, not cut off.
+        points: Points on the line [pixel], shape ``(n_points, 2)``.
+        first: Row of the first point.
+        count: Number of points; a single point is a dot if the ends are round, else nothing.
+        width: Width of the line [pixel].
+        closed: Whether the line returns to its first point.
+        round_ends: Whether the ends are round rather than cut off.
     """
     if not (width > 0.0 and note_points(sheet, box, points, first, count, 0.5 * width + 1.0)):
         return
@@ -145,7 +145,7 @@ def add_line(
 
 @kernel
 def _next_other(points: Floats, at: int, end: int) -> int:
-    """Return the next point before ``end`` that differs from point number ``at``, -1 for none."""
+    """Return the next point before ``end`` that differs from point ``at``, or -1 if there is none."""
     for i in range(at + 1, end):
         if points[i, 0] != points[at, 0] or points[i, 1] != points[at, 1]:
             return i
@@ -154,14 +154,14 @@ def _next_other(points: Floats, at: int, end: int) -> int:
 
 @kernel
 def _add_sides(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float, x: float, y: float) -> None:
-    """Add both sides of a line from a to b; x, y is half its width along its direction."""
+    """Add both sides of a line from a to b; x, y is half the width along the line's direction."""
     scan_edge(sheet, box, ax + y, ay - x, bx + y, by - x)
     scan_edge(sheet, box, bx - y, by + x, ax - y, ay + x)
 
 
 @kernel
 def _add_end(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, is_round: bool) -> None:
-    """Add the end of a line at p; x, y is half its width in the direction that leads out of it."""
+    """Add the end of a line at p; x, y is half the width in the direction that leads out of the line."""
     if is_round:
         _add_arc(sheet, box, px, py, y, -x, np.pi)
     else:
@@ -170,10 +170,11 @@ def _add_end(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, i
 
 @kernel
 def _add_join(sheet: Rays, box: Ints, p: Point, a: Point, b: Point, half: float, size: float) -> None:
-    """Add what joins the sides of a line at a corner p between the directions a and b.
+    """Add the edges that join the sides of a line at a corner p between the directions a and b.
 
-    Outside it is an arc. Inside it is a straight edge, which encloses the other way around what both parts of the line
-    cover, so that it counts once; where a part is shorter (``size``) than that, the inner sides meet in the corner.
+    The outer join is an arc. The inner join is a straight edge; it winds the other way around the area that both parts
+    of the line cover, so that this area counts once. If a part is too short for that (``size``), the inner sides meet
+    in the corner.
     """
     px, py = p
     ax, ay = a
@@ -199,7 +200,7 @@ def _add_join(sheet: Rays, box: Ints, p: Point, a: Point, b: Point, half: float,
 
 @kernel
 def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, angle: float) -> None:
-    """Add the edges of an arc about p that begins at the offset x, y [pixel]."""
+    """Add the edges of an arc around p that begins at the offset x, y [pixel]."""
     count = int(FINENESS * np.sqrt(np.sqrt(x * x + y * y)) * angle / (2.0 * np.pi)) + 1
     cosine, sine = np.cos(angle / count), np.sin(angle / count)
     for _ in range(count):
@@ -210,7 +211,7 @@ def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, a
 
 @kernel
 def paint_disc(canvas: RasterCanvas, centre: Point, radius: float, colour: Floats) -> None:
-    """Paint a disc around a point [pixel]."""
+    """Paint a disc with its centre at a point [pixel]."""
     picture, sheet, box = canvas
     add_disc(sheet, box, centre[0], centre[1], radius, 1.0)
     paint(picture, sheet, box, colour, False)
@@ -218,7 +219,7 @@ def paint_disc(canvas: RasterCanvas, centre: Point, radius: float, colour: Float
 
 @kernel
 def paint_ring(canvas: RasterCanvas, x: float, y: float, radius: float, width: float, colour: Floats) -> None:
-    """Paint a circle as a line of a width, half of it on each side [pixel]."""
+    """Paint a circle as a line with half of its width on each side [pixel]."""
     picture, sheet, box = canvas
     add_disc(sheet, box, x, y, radius + 0.5 * width, 1.0)
     add_disc(sheet, box, x, y, radius - 0.5 * width, -1.0)
@@ -227,7 +228,7 @@ def paint_ring(canvas: RasterCanvas, x: float, y: float, radius: float, width: f
 
 @kernel
 def paint_polygon(canvas: RasterCanvas, points: Floats, first: int, count: int, even_odd: bool, colour: Floats) -> None:
-    """Paint a polygon; see ``add_polygon`` for its corners and ``paint`` for the rule."""
+    """Paint a polygon; see ``add_polygon`` for the corners and ``paint`` for the even-odd rule."""
     picture, sheet, box = canvas
     add_polygon(sheet, box, points, first, count)
     paint(picture, sheet, box, colour, even_odd)

@@ -1,4 +1,4 @@
-"""What range sensors see: the area, the beams, and the points that they hit."""
+"""Kernels that paint readings of range sensors: the visible area, the beams, and the points that they hit."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from irsim_gym.raster.records import AREA, EDGE, Prints, RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
 
 MOST_BEAMS = 100
-"""Of more beams than that only every n-th is drawn."""
+"""Only every n-th beam is drawn if there are more than this."""
 HIT_MARGIN = 1e-3
-"""A range that is nearer to the greatest one than this hits nothing [m]."""
+"""A beam hits nothing if its range is within this of the maximum range [m]."""
 
 
 @kernel
 def load_beams(points: Floats, scan: Any, pose: Floats, angles: Floats, ranges: Rays, first: int, view: Floats) -> None:
-    """Write the sensor's place as point 0 and the ends of its beams behind it [pixel]."""
+    """Write the sensor's position as point 0 and the ends of its beams after it [pixel]."""
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
     x, y = pose[0] + cosine * scan.x - sine * scan.y, pose[1] + sine * scan.x + cosine * scan.y
     points[0, 0], points[0, 1] = view[0] + view[2] * x, view[1] - view[2] * y
@@ -41,7 +41,7 @@ def paint_scan(
     speeds: Floats,
     colour: Floats,
 ) -> None:
-    """Paint what a sensor sees below the bodies: the area and the beams, or beams in the colours of velocities.
+    """Paint a scan below the bodies: the visible area and the beams, or beams in the colours of radial velocities.
 
     ``points`` are those of ``load_beams``.
     """
@@ -61,7 +61,7 @@ def paint_scan(
 
 @kernel
 def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> None:
-    """Add the line from the sensor to a point."""
+    """Add the line from the sensor to point ``i``."""
     if not is_near(points, i, 1):
         return
     dx, dy = points[i, 0] - points[0, 0], points[i, 1] - points[0, 1]
@@ -93,7 +93,7 @@ def _paint_velocities(
     speeds: Floats,
     colour: Floats,
 ) -> None:
-    """Paint beams that hit nothing as one, and each other one in the colour of its velocity."""
+    """Paint all beams that hit nothing in one colour, and each other beam in the colour of its radial velocity."""
     picture, sheet, box = canvas
     for i in range(scan.count):
         if not (scan.range_min < ranges[i] < scan.range_max - HIT_MARGIN):
@@ -108,7 +108,7 @@ def _paint_velocities(
 
 @kernel
 def _mix(colour: Floats, scan: Any, speed: float, opacity: float) -> None:
-    """Write the colour of a radial velocity: the sign's, mixed with that of rest below the full speed."""
+    """Write the colour of a radial velocity: the colour of its sign, mixed with that of rest below full speed."""
     share = min(abs(speed) / scan.full_speed, 1.0)
     for channel in range(3):
         end = scan.away[channel] if speed >= 0.0 else scan.nearer[channel]
@@ -127,7 +127,7 @@ def paint_hits(
     colour: Floats,
     prints: Prints,
 ) -> None:
-    """Paint the points that beams hit; ``points`` are those of ``load_beams``."""
+    """Paint the points that beams hit; ``load_beams`` writes ``points``."""
     picture, sheet, box = canvas
     for i in range(scan.count):
         x, y = points[i + 1, 0], points[i + 1, 1]

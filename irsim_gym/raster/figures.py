@@ -1,4 +1,4 @@
-"""What belongs to bodies: footprints, headings, goals, fields of view, paths, and what they left behind."""
+"""Kernels that paint parts of bodies: footprints, headings, goals, fields of view, paths, and past outlines."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from irsim_gym.raster.ways import add_way, paint_outline
 FADE_STEPS = 28
 FAINTEST = 0.12
 APART = 1.5
-"""Points of a path that are nearer than this along the way are left out [pixel]."""
+"""Points of a path that are closer than this along the path are left out [pixel]."""
 ARC_STEP = 0.05
 FULL_TURN = 2.0 * np.pi - 0.01
 LEFT, RIGHT, LOW, HIGH = 0, 1, 2, 3
@@ -38,7 +38,7 @@ LEFT, RIGHT, LOW, HIGH = 0, 1, 2, 3
 
 @kernel
 def set_place(place: Floats, view: Floats, pose: Pose) -> None:
-    """Write the way from a frame at a pose [m, m, rad] to pixels; see ``ways.paint_outline``."""
+    """Write the transform from a frame at a pose [m, m, rad] to pixels; see ``ways.paint_outline``."""
     x, y, cosine, sine, scale = pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]), view[2]
     place[0], place[1], place[2] = scale * cosine, -scale * sine, scale * x + view[0]
     place[3], place[4], place[5] = -scale * sine, -scale * cosine, view[1] - scale * y
@@ -64,7 +64,7 @@ def extent(box: Floats, outline: RasterOutline) -> bool:
 
 @kernel
 def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: RasterOutline, solid: bool) -> None:
-    """Paint a body; one of several parts has no edges where they overlap."""
+    """Paint a footprint; one with several parts has no edges where the parts overlap."""
     n_segments, n_discs = outline.segment_rows[1], outline.disc_rows[1]
     is_area = item.filled and (n_discs > 0 or (n_segments > 0 and solid))
     area, edge, nothing = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER], scratch.colour
@@ -81,7 +81,7 @@ def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: 
 
 @kernel
 def load_mark(points: Floats, item: Any, outline: RasterOutline, box: Floats) -> int:
-    """Write the corners of the mark that shows where a body heads, in its frame [m]; return their number."""
+    """Write the corners of the mark that shows a body's heading, in the body's frame [m]; return their number."""
     if item.form == ARROW:
         neck, shaft, half = 0.55 * item.x, 0.14 * item.y, 0.5 * item.y
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = 0.0, shaft, neck, shaft
@@ -105,7 +105,7 @@ def load_mark(points: Floats, item: Any, outline: RasterOutline, box: Floats) ->
 
 @kernel
 def _centre(outline: RasterOutline, box: Floats) -> tuple[float, float, float]:
-    """Return the middle of a footprint and how far it is to its boundary [m]: of its first disc, else of its sides."""
+    """Return the centre of a footprint and its distance to the boundary [m], of the first disc if there is one."""
     segments, segment_rows, discs, disc_rows = outline
     if disc_rows[1] > 0:
         return discs[disc_rows[0], 0], discs[disc_rows[0], 1], discs[disc_rows[0], 2]
@@ -127,7 +127,7 @@ def _centre(outline: RasterOutline, box: Floats) -> tuple[float, float, float]:
 
 @kernel
 def place_points(points: Floats, count: int, place: Floats) -> None:
-    """Turn points of a body's frame [m] into pixels."""
+    """Transform points in a body's frame [m] to pixels."""
     for i in range(count):
         x, y = points[i, 0], points[i, 1]
         points[i, 0] = place[0] * x + place[1] * y + place[2]
@@ -136,7 +136,7 @@ def place_points(points: Floats, count: int, place: Floats) -> None:
 
 @kernel
 def load_around(points: Floats, form: int, outline: RasterOutline, box: Floats) -> bool:
-    """Write a simpler shape around a footprint [m]: four corners of a rectangle, or middle and radius of a circle."""
+    """Write a simpler shape around a footprint [m]: four corners of a rectangle, or centre and radius of a circle."""
     segments, segment_rows, discs, disc_rows = outline
     if not extent(box, outline):
         return False
@@ -159,7 +159,7 @@ def load_around(points: Floats, form: int, outline: RasterOutline, box: Floats) 
 
 @kernel
 def paint_ghost(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: RasterOutline, solid: bool) -> None:
-    """Paint what a body left behind: its outline, or a simpler shape around it."""
+    """Paint a past outline of a body, or a simpler shape around it."""
     if item.form not in (CIRCLE, RECTANGLE):
         paint_footprint(canvas, scratch, item, outline, solid and item.form != CURVE)
         return
@@ -186,7 +186,7 @@ def paint_ghost(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: Rast
 
 @kernel
 def paint_field(picture: Bytes, sheet: Rays, box: Ints, points: Floats, item: Any, pose: Floats, view: Floats) -> None:
-    """Paint a field of view: a sector, or a disc when it is a full turn wide (``x`` is its width, ``y`` its depth)."""
+    """Paint a field of view: a sector, or a disc for a full turn (``item.x`` is its angle, ``item.y`` its depth)."""
     x, y, radius = view[0] + view[2] * pose[0], view[1] - view[2] * pose[1], view[2] * item.y
     if item.x >= FULL_TURN:
         add_disc(sheet, box, x, y, radius, 1.0)
@@ -216,7 +216,7 @@ def paint_path(
     view: Floats,
     colour: Floats,
 ) -> None:
-    """Paint the way that a body came: a thin one fades towards its beginning, one with a width is a band.
+    """Paint the path of a body: a thin line that fades towards its beginning, or a band if the width is in metres.
 
     ``points`` holds its positions [m], with room for as many again.
     """
@@ -252,7 +252,7 @@ def paint_path(
 
 @kernel
 def _thin(points: Floats, count: int, view: Floats) -> int:
-    """Turn positions [m] into pixels and leave out those that are too near each other; return how many are left."""
+    """Transform positions [m] to pixels and drop those that are too close to each other; return how many are left."""
     kept, along, last_x, last_y = 0, 0.0, 0.0, 0.0
     for i in range(count):
         x, y = view[0] + view[2] * points[i, 0], view[1] - view[2] * points[i, 1]
@@ -270,9 +270,9 @@ def _thin(points: Floats, count: int, view: Floats) -> int:
 def paint_goal(
     canvas: RasterCanvas, item: Any, goal: Floats, threshold: float, arrived: bool, view: Floats, colour: Floats
 ) -> None:
-    """Paint the circle of a goal's tolerance; it is fuller once the goal is reached.
+    """Paint the circle of a goal's tolerance, with another fill once the body has arrived.
 
-    One that is larger than ``filled_radius`` is filled faintly, so that those of many goals do not hide each other.
+    A circle larger than ``filled_radius`` has a faint fill, so that the circles of many goals do not hide each other.
     """
     picture, sheet, box = canvas
     x, y, radius = view[0] + view[2] * goal[0], view[1] - view[2] * goal[1], view[2] * threshold
@@ -289,9 +289,9 @@ def paint_goal(
 
 @kernel
 def load_shape(points: Floats, item: Any, corners: Floats, tolerance: float, place: Floats) -> None:
-    """Write the corners of a shape, see ``records.Prints``, as pixels.
+    """Write the corners of a shape in pixels; see ``records.Prints``.
 
-    A corner that is not at the origin is at least ``x`` pixels away from it before its pixels are added.
+    A corner that is not at the origin is at least ``item.x`` pixels away from it before its pixel offset is added.
     """
     scale = place[6]
     cosine, sine = place[0] / scale, -place[1] / scale

@@ -1,4 +1,4 @@
-"""What is painted pixel by pixel: texts and marks from masks, images, fog, and maps of cells."""
+"""Kernels that paint pixel by pixel: texts and marks from masks, images, fog, and maps of cells."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def paint_mask(
         box: Part of the picture that may change.
         masks: Opacities [0, 255] of all masks, one after the other.
         rows: First entry, width, height, and the place of the upper left corner, of each mask, shape ``(n_masks, 5)``.
-        mask: Its number.
-        column: Where the mask's origin is.
-        row: Where the mask's origin is.
+        mask: Number of the mask.
+        column: Column of the mask's origin.
+        row: Row of the mask's origin.
         colour: Colour and opacity.
     """
     begin, width, height = rows[mask, 0], rows[mask, 1], rows[mask, 2]
@@ -40,17 +40,17 @@ def paint_mask(
 def paint_image(
     picture: Bytes, box: Ints, pixels: Bytes, rows: Ints, image: int, corner: Floats, along: Floats, across: Floats
 ) -> None:
-    """Paint an image that is turned and stretched.
+    """Paint a rotated and stretched image.
 
     Args:
         picture: uint8, shape ``(height, width, 3)``.
         box: Part of the picture that may change.
-        pixels: Colours, with the opacity multiplied into them, and opacities of all images, shape ``(n_pixels, 4)``.
+        pixels: Premultiplied colours and opacities of all images, shape ``(n_pixels, 4)``.
         rows: First entry, width and height of each image, shape ``(n_images, 3)``.
-        image: Its number.
-        corner: Where its lower left corner is [pixel], shape ``(2,)``.
-        along: The way to its lower right corner [pixel], shape ``(2,)``.
-        across: The way to its upper left corner [pixel], shape ``(2,)``.
+        image: Number of the image.
+        corner: Position of the lower left corner [pixel], shape ``(2,)``.
+        along: Vector to the lower right corner [pixel], shape ``(2,)``.
+        across: Vector to the upper left corner [pixel], shape ``(2,)``.
     """
     begin, width, height = rows[image, 0], rows[image, 1], rows[image, 2]
     length2, height2 = along[0] * along[0] + along[1] * along[1], across[0] * across[0] + across[1] * across[1]
@@ -74,7 +74,7 @@ def paint_image(
 def _paint_sample(
     picture: Bytes, place: tuple[int, int], pixels: Bytes, begin: int, size: tuple[int, int], u: float, v: float
 ) -> None:
-    """Blend the colour of an image between four of its pixels into a pixel of the picture."""
+    """Interpolate the colour of an image between four of its pixels, and blend it into a pixel of the picture."""
     y, x = place
     width, height = size
     column, line = int(np.floor(u)), int(np.floor(v))
@@ -95,7 +95,7 @@ def _paint_sample(
 
 @kernel
 def paint_cells(picture: Bytes, box: Ints, cells: Flags, frame: Floats, view: Floats, colour: Floats) -> None:
-    """Paint the cells of a map. Where several share a pixel, one that is set wins, so that no wall is lost.
+    """Paint the cells of a map; a pixel that several cells share is painted if any of them is, so that no wall is lost.
 
     Args:
         picture: uint8, shape ``(height, width, 3)``.
@@ -132,13 +132,13 @@ def paint_cells(picture: Bytes, box: Ints, cells: Flags, frame: Floats, view: Fl
 def paint_fog(
     picture: Bytes, box: Ints, explored: Flags, soft: Rays, frame: Floats, view: Floats, colour: Floats
 ) -> None:
-    """Paint a soft cover over the cells that are not explored; explored ones stay clear.
+    """Paint a soft cover over unexplored cells; explored cells stay clear.
 
     Args:
         picture: uint8, shape ``(height, width, 3)``.
         box: Part of the picture that may change.
-        explored: Which cells are, shape ``(n_columns, n_rows)``.
-        soft: Room for as many numbers.
+        explored: Whether each cell is explored, shape ``(n_columns, n_rows)``.
+        soft: Scratch memory of the same shape.
         frame: Corner x, y of the cells and width, height of one [m].
         view: Column and row of the world's origin [pixel], and pixels per metre.
         colour: Colour and opacity.
@@ -170,11 +170,11 @@ def paint_fog(
 
 @kernel
 def soften(explored: Flags, soft: Rays) -> None:
-    """Write how much each cell is covered: explored ones not at all, others by the share of the nine around them.
+    """Write the cover of each cell: 0 if it is explored, else more the more of the nine cells around it are not.
 
     Args:
-        explored: Which cells are, shape ``(n_columns, n_rows)``.
-        soft: Gets 0, or 0.5 to 1, likewise; beyond the border cells are as at it.
+        explored: Whether each cell is explored, shape ``(n_columns, n_rows)``.
+        soft: Cover to write, 0 or 0.5 to 1, of the same shape; cells beyond the border count like those at it.
     """
     columns, lines = explored.shape[0], explored.shape[1]
     for i in range(columns):

@@ -1,4 +1,4 @@
-"""One picture after another: everything of a plan, in the order in which it covers each other."""
+"""Kernels that draw all items of a plan on a batch of pictures, from the lowest to the highest."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ from irsim_gym.world.rows import row_of
 
 ROBOT = 0
 LABEL_GAP = 0.08
-"""Room between a body and the label above it [m]."""
+"""Gap between a body and the label above it [m]."""
 
 
 @kernel
@@ -128,7 +128,7 @@ def draw_items(
 
 @kernel
 def _find_struck(w: int, model: Model, state: State, scratch: Scratch) -> None:
-    """Note the bodies that take part in a robot's collision."""
+    """Mark the bodies that take part in a robot's collision."""
     n_bodies = scratch.struck.shape[0]
     for b in range(n_bodies):
         scratch.struck[b] = False
@@ -186,7 +186,7 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
 
 @kernel
 def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, scratch: Scratch) -> None:
-    """Draw the path of a body, or the outlines that it has left behind, from the oldest on."""
+    """Draw the path or the past outlines of a body, beginning with the oldest."""
     model, past = source.model, source.past
     b, n_slots, count = item.body, past.noted.shape[1], 0
     for step in range(_first_step(past, w, item), past.latest[w] + 1):
@@ -209,7 +209,7 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
 
 @kernel
 def note_past(items: Any, w: int, past: Past, numbers: Floats) -> int:
-    """Write which poses of the past some items show, and return how many numbers these are; -1 for too many."""
+    """Write the past poses that the items show, and return how many numbers they take; -1 for too many."""
     count, n_slots = 0, past.noted.shape[1]
     for number in range(items.shape[0]):
         item = items[number]
@@ -226,7 +226,7 @@ def note_past(items: Any, w: int, past: Past, numbers: Floats) -> int:
 
 @kernel
 def _first_step(past: Past, w: int, item: Any) -> int:
-    """Return the first step of which a pose is shown."""
+    """Return the first step whose pose is shown."""
     latest = past.latest[w]
     first = max(latest - past.noted.shape[1] + 1, 0)
     if item.length > 0:
@@ -240,7 +240,7 @@ def _first_step(past: Past, w: int, item: Any) -> int:
 
 @kernel
 def _was_there(past: Past, w: int, step: int, item: Any) -> bool:
-    """Return whether a pose was noted at a step that is shown."""
+    """Return whether a step is shown and its pose was recorded."""
     slot = step % past.noted.shape[1]
     return bool(step % item.every == 0 and past.noted[w, slot] == step and past.poses[w, slot, item.row, 0] < np.inf)
 
@@ -249,7 +249,7 @@ def _was_there(past: Past, w: int, step: int, item: Any) -> bool:
 def _draw_scan(
     canvas: RasterCanvas, item: Any, source: RasterSource, w: int, f: int, view: Floats, scratch: Scratch
 ) -> None:
-    """Draw what a sensor sees, or the points that its beams hit."""
+    """Draw the scan of a sensor, or the points that its beams hit."""
     scan, readings = source.scans[item.row], source.readings
     ranges, speeds, points = readings.ranges[f, scan.first :], readings.speeds[f, 0:], scratch.points
     if speeds.shape[0] > 0:
@@ -263,7 +263,7 @@ def _draw_scan(
 
 @kernel
 def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, scratch: Scratch) -> None:
-    """Draw the circle of a goal, or its flag and the goals after it."""
+    """Draw the circle of a goal, or its flag and the marks of the goals after it."""
     model, state, prints = source.model, source.state, source.prints
     b, goal = item.body, state.goal[w, item.body]
     threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
@@ -304,7 +304,7 @@ def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, v
 
 @kernel
 def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int, look: Look, scratch: Scratch) -> None:
-    """Draw a label: that of a goal below it; that of a body at its place or above it, below it where a flag stands."""
+    """Draw a label: below a goal; above a body or at its given place, below the body if a flag is in the way."""
     model, state, prints = source.model, source.state, source.prints
     b, view, box = item.body, look.views[f], scratch.colour
     x, y, height = state.pose[w, b, 0], state.pose[w, b, 1], 1.3 * item.width / view[2]
@@ -333,7 +333,7 @@ def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int,
 def _meets_flag(
     w: int, x: float, y: float, half: float, height: float, source: RasterSource, look: Look, view: Floats
 ) -> bool:
-    """Return whether a label over x, y [m] would stand on the flag of a goal."""
+    """Return whether a label over x, y [m] would overlap the flag of a goal."""
     model, state, meets = source.model, source.state, False
     for b in range(look.flagged.shape[0]):
         if look.flagged[b] and model.present[w, b] and model.has_goal[b]:
@@ -348,13 +348,13 @@ def _meets_flag(
 def draw_heads(
     pictures: Bytes, frames: Ints, words: Ints, ends: Ints, inks: Floats, prints: Prints, boxes: Ints
 ) -> None:
-    """Write words on pictures.
+    """Draw words on pictures.
 
     Args:
         pictures: uint8, shape ``(n, height, width, 3)``.
         frames: Which pictures, shape ``(n_drawn,)``.
         words: Mask, column, row and colour of each word, shape ``(n_words, 4)``.
-        ends: Where the words of each picture end, after those of the one before, shape ``(n,)``.
+        ends: End of each picture's words, which follow those of the picture before, shape ``(n,)``.
         inks: Colours, shape ``(n_inks, 4)``.
         prints: Masks.
         boxes: Parts of the pictures, shape ``(n, 4, 4)``.
@@ -367,13 +367,13 @@ def draw_heads(
 
 @kernel
 def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, look: Look, scratch: Scratch) -> None:
-    """Tint the world's rectangle, or draw its edge where a width is given [pixel].
+    """Tint the world's rectangle, or draw its edge if the width [pixel] is positive.
 
     Args:
         pictures: uint8, shape ``(n, height, width, 3)``.
         frames: Which pictures, shape ``(n_drawn,)``.
         colours: Colour and opacity for each picture, shape ``(n, 4)``.
-        width: Width of the edge; 0 for the area.
+        width: Width of the edge [pixel]; 0 tints the area.
         look: Where the world is.
         scratch: Memory to draw with.
     """

@@ -1,6 +1,6 @@
-"""What a picture of a world consists of, as records that kernels read.
+"""Records for kernels that draw a world: items, sensors, canvas, arrays of the simulation, and scratch memory.
 
-A *plan* is made once for a simulation: rows that say what is drawn, lowest first. Where things are is read from the
+A *plan* is made once for a simulation: rows of items to draw, the lowest first. Positions are read from the
 simulation's arrays for each picture.
 """
 
@@ -30,13 +30,13 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
     FOG,
     SHAPE,
 ) = range(16)
-"""Kinds of what is drawn."""
+"""Kinds of items."""
 WEDGE, WINDSCREEN, ARROW = 0, 1, 2
 AT_BODY, AT_GOAL = 0, 1
-"""Where a shape stands."""
+"""Anchors of shapes."""
 OWN, CIRCLE, RECTANGLE, CURVE = 0, 1, 2, 3
 WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
-"""Boxes: the world, the same and its walls' whole lines, the drawing area, the picture, the world and its rim."""
+"""Boxes: the world, the world with the full lines of its walls, the plot area, the picture, the world and its rim."""
 AREA, EDGE, OTHER, LAST = 0, 1, 2, 3
 
 ITEM = np.dtype(
@@ -66,7 +66,7 @@ ITEM = np.dtype(
         ],
     )
 )
-"""One thing that is drawn; lengths in pixels unless ``in_metres``, colours [0, 255] with an opacity [0, 1]."""
+"""One item to draw; lengths in pixels unless ``in_metres``, colours [0, 255] with an opacity [0, 1]."""
 
 BEAMS = np.dtype(
     (
@@ -92,16 +92,16 @@ BEAMS = np.dtype(
         ],
     )
 )
-"""One sensor: its body, its beams in the tables of readings, its place on the body, and how velocities look."""
+"""One sensor: its body, its beams in the tables of readings, its pose on the body, and the colours of velocities."""
 
 
 class RasterCanvas(NamedTuple):
-    """Where something is painted.
+    """A picture to paint on.
 
     Attributes:
         picture: uint8, shape ``(height, width, n_channels)``.
-        sheet: An empty sheet of its size, left empty.
-        box: Which part of the picture may change.
+        sheet: An empty sheet for a picture of this size; empty again afterwards.
+        box: Part of the picture that may change.
     """
 
     picture: Bytes
@@ -114,9 +114,9 @@ class RasterOutline(NamedTuple):
 
     Attributes:
         segments: x0, y0, x1, y1 [m], shape ``(n_segments, 4)``.
-        segment_rows: First row and number of its segments.
+        segment_rows: First row and number of the body's segments.
         discs: x, y, radius [m], shape ``(n_discs, 3)``.
-        disc_rows: First row and number of its discs.
+        disc_rows: First row and number of the body's discs.
     """
 
     segments: Floats
@@ -160,13 +160,13 @@ class State(NamedTuple):
 
 
 class Readings(NamedTuple):
-    """What sensors and robots have seen.
+    """Readings of sensors, and the explored cells.
 
     Attributes:
         angles: Directions of all beams of all sensors [rad], shape ``(n_beams,)``.
-        ranges: Their ranges in the worlds that are drawn [m], shape ``(n, n_beams)``.
-        speeds: Radial velocities of what they hit [m/s], shape ``(n, n_beams)`` or ``(n, 0)`` without any.
-        explored: Which cells were seen, shape ``(n_worlds, n_columns, n_rows)``; nothing where there is no fog.
+        ranges: Ranges of the beams in the worlds that are drawn [m], shape ``(n, n_beams)``.
+        speeds: Radial velocities at the points they hit [m/s], shape ``(n, n_beams)``, or ``(n, 0)`` if there are none.
+        explored: Whether each cell is explored, shape ``(n_worlds, n_columns, n_rows)``; empty without fog.
     """
 
     angles: Floats
@@ -176,12 +176,12 @@ class Readings(NamedTuple):
 
 
 class Past(NamedTuple):
-    """Where bodies have been, see ``world.trails.Trails``.
+    """Past poses of bodies; see ``world.trails.Trails``.
 
     Attributes:
-        poses: Poses by world, slot and body that is followed, shape ``(n_worlds, n_slots, n_followed, 3)``.
-        noted: The step of each slot, -1 for none, shape ``(n_worlds, n_slots)``.
-        latest: The latest step of each world, -1 for none.
+        poses: Poses by world, slot and followed body, shape ``(n_worlds, n_slots, n_followed, 3)``.
+        noted: Step of each slot, -1 for none, shape ``(n_worlds, n_slots)``.
+        latest: Latest step of each world, -1 for none.
     """
 
     poses: Floats
@@ -190,15 +190,15 @@ class Past(NamedTuple):
 
 
 class Prints(NamedTuple):
-    """Ready-made masks, images and shapes, see ``masks``.
+    """Precomputed masks, images and shapes; see ``masks``.
 
     Attributes:
         masks: Opacities of masks.
-        mask_rows: Their places, shape ``(n_masks, 5)``.
+        mask_rows: First entry, size and offset of each mask, shape ``(n_masks, 5)``.
         pixels: Colours of images.
-        image_rows: Their places, shape ``(n_images, 3)``.
-        corners: Corners of shapes in a frame of their own: x, y [m], the same for each metre of a goal's tolerance, and
-            what is added to both [pixel], shape ``(n_corners, 6)``.
+        image_rows: First entry and size of each image, shape ``(n_images, 3)``.
+        corners: Corners of shapes in the frame of the shape: x, y [m], what to add for each metre of a goal's
+            tolerance, and an offset [pixel], shape ``(n_corners, 6)``.
     """
 
     masks: Bytes
@@ -209,14 +209,14 @@ class Prints(NamedTuple):
 
 
 class RasterSource(NamedTuple):
-    """What is read of a simulation.
+    """Data of a simulation that kernels read.
 
     Attributes:
-        scans: Its sensors, ``BEAMS``.
-        model: Its constants.
-        state: Its present state.
-        readings: What its sensors have read; rows go by picture.
-        past: Where its bodies have been.
+        scans: The sensors to draw, as ``BEAMS``.
+        model: Constants of the simulation.
+        state: Current state.
+        readings: Readings of sensors; the rows of ``ranges`` and ``speeds`` belong to pictures.
+        past: Past poses of bodies.
         prints: Masks, images and shapes.
     """
 
@@ -229,15 +229,15 @@ class RasterSource(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Memory to draw with, one for each thread.
+    """Scratch memory for drawing; each thread has its own.
 
     Attributes:
         sheet: See ``sheets``.
-        points: Room for vertices.
-        place: Where an outline is, see ``ways.paint_outline``.
-        colour: A colour that was mixed.
-        cells: Room for fog.
-        struck: Which bodies take part in a robot's collision.
+        points: Vertices.
+        place: Transform of an outline to pixels; see ``ways.paint_outline``.
+        colour: A mixed colour.
+        cells: Cover of cells by fog.
+        struck: Whether each body takes part in a robot's collision.
     """
 
     sheet: Rays
@@ -249,14 +249,14 @@ class Scratch(NamedTuple):
 
 
 class Look(NamedTuple):
-    """Where the world is on a picture.
+    """Position of the world on the pictures.
 
     Attributes:
-        views: Column and row of the world's origin [pixel], pixels per metre; shape ``(n, 3)``.
+        views: Column and row of the world's origin [pixel], and pixels per metre; shape ``(n, 3)``.
         boxes: The boxes ``WORLD`` to ``MARKS``, shape ``(n, 5, 4)``.
         bounds: The world's rectangle [m]: x_min, y_min, x_max, y_max.
-        flag: Width and height of a goal's flag, from its foot [pixel].
-        flagged: Which bodies' goals are shown.
+        flag: Width and height of a goal's flag, measured from its foot [pixel].
+        flagged: Whether each body's goal is shown.
     """
 
     views: Floats

@@ -1,20 +1,20 @@
-"""Exact coverage of pixels by areas, from the edges of these areas, and painting with it.
+"""Compute the exact coverage of pixels by areas from the edges of these areas, and paint with it.
 
-An area is drawn in two steps. Each edge of its boundary adds to a *sheet* by how much it changes the area to its right:
-in each row the height that it crosses, shared between the pixel in which it crosses it and the next one. A sum along
-the row is then how much of each pixel lies within the boundary, as often as the boundary winds around it.
-``paint`` sums, blends a colour into the picture and leaves the sheet empty. (Signed areas are what FreeType and libart
-sum; see R. Levien, "Inside the fastest font renderer in the world", 2016.)
+An area is drawn in two steps. First, each edge of its boundary adds its change of coverage to a *sheet*: in each row
+the height that it crosses, shared between the pixel that it crosses and the next one. A running sum along the row
+then gives the part of each pixel within the boundary, times the number of turns of the boundary around it.
+``paint`` sums, blends a colour into the picture and leaves the sheet empty. (FreeType and libart sum signed areas in
+the same way; see R. Levien, "Inside the fastest font renderer in the world", 2016.)
 
-A sheet is float32 and one row taller than its picture. Its first columns belong to pixels; those after them tell which
-tiles of ``TILE`` columns hold anything, so that the inside of an area need not be summed. The last row, the header,
-says which rows and columns were touched, in ``HEADER`` numbers. ``new_sheet`` makes one; whoever draws at the same
-time as others has their own. ``cover`` is the one walk over a sheet that there is: with the kernels that blend a colour
-into a row it paints pictures of any number of channels here, and canvases of other libraries in ``washes``.
+A sheet is float32 and one row taller than its picture. Its first columns belong to pixels; the columns after them flag
+the tiles of ``TILE`` columns that hold anything, so that the inside of an area need not be summed. The last row, the
+header, holds the range of touched rows and columns, in ``HEADER`` numbers. ``new_sheet`` makes a sheet; each thread
+needs its own. ``cover`` walks over a sheet and calls the kernels that blend a colour into pixels of a row.
 
-Places are pixels from the upper left corner of the picture, x to the right and y down; the middle of the first pixel is
-0.5, 0.5. A *box* is int64 ``(4,)``: first column, first row, end column, end row, all within the picture; nothing
-outside is painted. A *colour* is float64 ``(n_channels + 1,)``: the channels' values [0, 255], then an opacity [0, 1].
+Positions are in pixels from the upper left corner of the picture, x to the right and y down; the centre of the first
+pixel is 0.5, 0.5. A *box* is int64 ``(4,)``: first column, first row, end column, end row, all within the picture;
+nothing outside is painted. A *colour* is float64 ``(n_channels + 1,)``: the channels' values [0, 255], then an opacity
+[0, 1].
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Ink = tuple[Floats, Any, Any, Any]
 MIDDLE = np.uint16(128)
 FARTHEST = 1e9
 SLACK = 1e-3
-"""Where an edge crosses a row may be rounded to a place beside its ends, by less than this [pixel]."""
+"""Rounding can move the crossing of an edge with a row beyond the edge's ends by less than this [pixel]."""
 NOTHING, HALF, ONE, TWO, WHOLE = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0), np.float32(256.0)
 
 
@@ -45,9 +45,9 @@ def new_sheet(height: int, width: int) -> Rays:
 
 @kernel
 def add_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float) -> None:
-    """Add a directed edge from a to b [pixel] to a sheet; the edges of an area have to form closed ways.
+    """Add a directed edge from a to b [pixel] to a sheet; the edges of an area must form closed loops.
 
-    What lies left of the box counts as its left side does, what lies right of it, above it or below it not at all.
+    Parts left of the box count as if they were on its left side; parts to the right, above or below do not count.
     """
     note(sheet, box, min(ax, bx), min(ay, by), max(ax, bx), max(ay, by))
     scan_edge(sheet, box, ax, ay, bx, by)
@@ -55,7 +55,7 @@ def add_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float)
 
 @kernel
 def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: float) -> None:
-    """Note where edges are going to be added: within these sides [pixel], which may be wider than need be."""
+    """Note the region of edges to be added, within these sides [pixel]; it may be larger than necessary."""
     header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
     if not (left < box[2] and foot > box[1] and top < box[3]):
         return
@@ -70,7 +70,7 @@ def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: fl
 
 @kernel(inlined=True)
 def scan_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float) -> None:
-    """Add an edge whose place was noted; see ``add_edge``."""
+    """Add an edge within the noted region; see ``add_edge``."""
     sign = 1.0
     if ay > by:
         ax, ay, bx, by, sign = bx, by, ax, ay, -1.0
@@ -97,7 +97,7 @@ def scan_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float
 def _cross(
     sheet: Rays, width: int, row: int, x: float, end_x: float, height: float, x_low: float, x_high: float
 ) -> None:
-    """Add the part of an edge that lies within a row; ``height`` is how much of the row it crosses, with its sign."""
+    """Add the part of an edge within a row; ``height`` is the signed height of the row that it crosses."""
     low, high = min(x, end_x), max(x, end_x)
     column = int(max(low, x_low))
     if low >= x_low and high <= float(column + 1) and high < x_high:
@@ -142,10 +142,10 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
     Args:
         picture: uint8, shape ``(height, width, n_channels)``.
         sheet: Areas whose edges were added with the same box.
-        box: Which part of the picture may change.
+        box: Part of the picture that may change.
         colour: Colour and opacity.
-        even_odd: A place lies within an area if the boundary winds around it an odd number of times; else if it
-            does not wind around it zero times.
+        even_odd: If true, a point lies within an area if the boundary winds around it an odd number of times; if false,
+            if it winds around it a nonzero number of times.
     """
     last = picture.shape[2]  # a channel that there is not has any value
     red, green, blue = colour[0] + 0.5, colour[min(1, last)] + 0.5, colour[min(2, last)] + 0.5
@@ -157,18 +157,17 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
 def cover(
     picture: Any, sheet: Rays, box: Ints, even_odd: bool, opacity: float, ink: Any, blend: Any, fill: Any
 ) -> None:
-    """Walk over the rows of a picture in which a sheet has areas, blend something in, and leave the sheet empty.
+    """Walk over the rows of a picture in which a sheet has areas, blend an ink in, and leave the sheet empty.
 
     Args:
-        picture: Its first axis are rows, its second one columns.
+        picture: Picture; its first axis is rows, its second axis columns.
         sheet: Areas.
-        box: Which part of the picture may change.
+        box: Part of the picture that may change.
         even_odd: See ``paint``.
-        opacity: How much of what is blended in is seen [0, 1].
-        ink: What is blended in.
-        blend: Kernel that blends it into the columns of a row between two numbers, the first one that of a tile, by the
-            row's sums; it gets what is left of the row from there on.
-        fill: Kernel that blends it into them with one share of 256 parts.
+        opacity: Opacity of the ink [0, 1].
+        ink: Ink to blend in, as ``blend`` and ``fill`` take it.
+        blend: Kernel that blends the ink into a range of columns of a row, beginning with a tile, by the row's sums.
+        fill: Kernel that blends the ink into a range of columns with one share of 256 parts.
     """
     first_row, end_row, first_tile, end_tile = sum_rows(sheet, even_odd)
     width, whole = sheet.shape[1] * TILE // (TILE + 1), WHOLE * np.float32(min(max(opacity, 0.0), 1.0))
@@ -194,13 +193,13 @@ def cover(
 
 @kernel
 def sum_rows(sheet: Rays, even_odd: bool) -> tuple[int, int, int, int]:
-    """Turn the changes of coverage in a sheet into how often the boundary winds around each pixel, counted with sign.
+    """Turn the changes of coverage in a sheet into the signed winding number of the boundary around each pixel.
 
-    With the even-odd rule it is how much is covered. Only tiles that hold anything are written. In each row their
-    numbers, counted from 1, stand one after the other from the first column of flags on, then a 0 where there is room.
+    With the even-odd rule the result is the coverage. Only tiles that hold anything are written. In each row their
+    numbers, counted from 1, replace the flags from the first noted tile on; a 0 follows if there is room.
 
     Returns:
-        First and end row, first and end tile of what is written; the header is empty again.
+        First and end row, first and end tile of the written region; the header is empty again.
     """
     header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
     first_row, end_row = header - int(sheet[header, 0]), int(sheet[header, 1])
@@ -216,9 +215,9 @@ def sum_rows(sheet: Rays, even_odd: bool) -> tuple[int, int, int, int]:
 
 @kernel(inlined=True)
 def _list_touched(sums: Rays, width: Any, first_tile: Any, end_tile: Any) -> Any:
-    """Write which tiles of a row hold anything, counted from 1, in the place of its flags; return where they end.
+    """Replace the flags of a row by the numbers of the tiles that hold anything, counted from 1; return their end.
 
-    It branches nowhere: which tile holds something cannot be foretold, and a wrong guess costs as much as ten tiles.
+    The loop has no branches: touched tiles cannot be predicted, and a wrong prediction costs as much as ten tiles.
     """
     place = width + first_tile
     for tile in range(first_tile, end_tile):
@@ -233,10 +232,10 @@ def _list_touched(sums: Rays, width: Any, first_tile: Any, end_tile: Any) -> Any
 
 @kernel(inlined=True)
 def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
-    """Turn a tile's changes of coverage into how often the boundary winds around its pixels, counted with sign.
+    """Turn a tile's changes of coverage into the signed winding number of the boundary around its pixels.
 
-    The sum goes on to the next tile: it is returned. With the even-odd rule what is written is how much is covered.
-    Four are summed at a time, so that only every fourth has to wait for the sum of those before.
+    Return the sum, with which the next tile goes on. With the even-odd rule the coverage is written instead. Four
+    pixels are summed at a time, so that only every fourth has to wait for the sum before it.
     """
     for quarter in range(TILE // 4):
         one = np.uint64(first) + np.uint64(4 * quarter)
@@ -259,7 +258,7 @@ def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
 
 @kernel(inlined=True)
 def fill_channels(line: Bytes, first: int, end: int, ink: Ink, share: Any) -> None:
-    """Blend a colour into the pixels of a row."""
+    """Blend a colour into pixels of a row with one share."""
     colour, red, green, blue = ink
     if line.shape[1] != 3:
         for channel in range(line.shape[1]):
@@ -277,7 +276,7 @@ def fill_channels(line: Bytes, first: int, end: int, ink: Ink, share: Any) -> No
 
 @kernel(inlined=True)
 def blend_channels(line: Bytes, first: int, end: int, ink: Ink, whole: Any, sums: Rays) -> None:
-    """Blend a colour into the pixels of a row, each as far as it lies within the boundary."""
+    """Blend a colour into pixels of a row, each by its coverage."""
     colour, red, green, blue = ink
     if line.shape[1] != 3:
         for place in range(first, end):

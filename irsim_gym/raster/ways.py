@@ -1,4 +1,4 @@
-"""Lines that may be dashed, and outlines of footprints."""
+"""Kernels that paint solid or dashed lines, and outlines of footprints."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ SOLID, DASHED, DASHDOT, DOTTED = 0, 1, 2, 3
 DASHES = np.array([[1.0, 0.0, 1.0, 0.0], [3.7, 1.6, 3.7, 1.6], [6.4, 1.6, 1.0, 1.6], [1.0, 1.65, 1.0, 1.65]])
 """Lengths of dash, gap, dash, gap of each line style, in widths of the line."""
 GAP = 1e-6
-"""Segments farther apart than this do not follow each other [m]."""
+"""Segments with a larger gap than this are not connected [m]."""
 ALIGNED = 1e-4
-"""A line that departs less than this from a row or column of pixels goes along it [pixel]."""
+"""A line that deviates less than this from a row or column of pixels is parallel to it [pixel]."""
 
 
 @kernel
@@ -31,8 +31,8 @@ def add_way(
 ) -> None:
     """Add a line through the first ``count`` points to a sheet.
 
-    ``line`` is its width [pixel], its style, and the length of the line whose dashes it continues [pixel]. The points
-    behind the first ones are overwritten; there is room for ``2 count + 3``.
+    ``line`` is the line's width [pixel], its style, and the length of the line whose dashes it continues [pixel]. The
+    points after the first ``count`` are overwritten; ``points`` must have room for ``2 count + 3``.
     """
     width, style, before = line
     if style == SOLID:
@@ -87,14 +87,14 @@ def paint_outline(
     """Paint the area of an outline and a line along its boundary.
 
     Args:
-        canvas: Where it is painted.
-        points: Room for points.
+        canvas: Canvas to paint on.
+        points: Scratch memory for points.
         outline: The outline.
-        place: From metres to pixels: columns are ``place[0] x + place[1] y + place[2]``, rows go by the other three,
-            and ``place[6]`` is the pixels per metre.
+        place: Transform from metres to pixels: columns are ``place[0] x + place[1] y + place[2]``, rows use the next
+            three entries alike, and ``place[6]`` is the pixels per metre.
         inks: Colours and opacities of the area and of the line.
-        stroke: The line's width [pixel], its style, and whether it fills whole pixels where it goes along rows and
-            columns alone.
+        stroke: The line's width [pixel], its style, and whether it is snapped to whole pixels if all segments are
+            parallel to rows or columns.
     """
     picture, sheet, box = canvas
     segments, segment_rows, discs, disc_rows = outline
@@ -127,10 +127,10 @@ def paint_outline(
 
 @kernel
 def load_chain(points: Floats, segments: Floats, row: int, end: int, place: Floats, shift: float) -> tuple[int, bool]:
-    """Write the vertices of segments that follow each other, from a row on, as pixels.
+    """Write the vertices of connected segments in pixels, beginning with the segment at ``row``.
 
     Returns:
-        How many vertices there are, one more than segments, and whether the last one is the first one again.
+        Number of vertices, one more than segments, and whether the last vertex equals the first one.
     """
     x, y, count, last = segments[row, 0], segments[row, 1], 0, row
     while True:
@@ -156,7 +156,7 @@ def _follows(segments: Floats, before: int, after: int) -> bool:
 
 @kernel
 def snapping(segments: Floats, rows: tuple[int, int], n_discs: int, place: Floats, width: float) -> float:
-    """Return by how much lines are shifted to fill whole pixels; -1 where some do not go along rows or columns."""
+    """Return the shift of lines that fill whole pixels; -1 if any line is not parallel to a row or column."""
     for row in range(rows[0], rows[0] + rows[1]):
         dx, dy = segments[row, 2] - segments[row, 0], segments[row, 3] - segments[row, 1]
         if abs(place[0] * dx + place[1] * dy) > ALIGNED and abs(place[3] * dx + place[4] * dy) > ALIGNED:
@@ -170,7 +170,7 @@ def snapping(segments: Floats, rows: tuple[int, int], n_discs: int, place: Float
 def _add_circle(
     sheet: Rays, box: Ints, points: Floats, x: float, y: float, radius: float, width: float, style: int
 ) -> None:
-    """Add a circle as a line [pixel]."""
+    """Add the line of a circle [pixel]."""
     if style == SOLID or not radius * radius < MOST_CORNERS:
         add_disc(sheet, box, x, y, radius + 0.5 * width, 1.0)
         add_disc(sheet, box, x, y, radius - 0.5 * width, -1.0)

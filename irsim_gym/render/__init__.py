@@ -1,4 +1,4 @@
-"""How it is drawn: scenes, frames, figures, films."""
+"""Rendering: scenes, frames, figures, films."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["Renderer"]
 
 
 def __getattr__(name: str) -> Any:
-    """Load what draws only for who draws with it."""
+    """Import the renderer on first use."""
     if name == "Renderer":
         from irsim_gym.render.renderer import Renderer
 

@@ -1,4 +1,4 @@
-"""Reads how bodies look from the arrays of a simulation: footprints, headings, and outlines left behind."""
+"""Reads the appearance of bodies from the arrays of a simulation: footprints, headings and trails of outlines."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class BodyReader:
     """Makes views of the bodies of one simulation.
 
     Args:
-        scenario: What is simulated, for names and images.
-        model: Its constants.
+        scenario: The scenario, for names and images.
+        model: Constants of the simulation.
         state: Its present state.
-        styles: How the bodies look.
+        styles: Styles of the bodies.
     """
 
     def __init__(self, scenario: Scenario, model: WorldModel, state: WorldState, styles: Sequence[BodyStyle]) -> None:
@@ -45,7 +45,7 @@ class BodyReader:
         self._forms: dict[int, tuple[tuple[bytes, bytes], Form]] = {}
 
     def signature(self, world: int, bodies: Sequence[int]) -> bytes:
-        """Return what changes whenever one of the bodies changes its place or outline."""
+        """Return a key that changes whenever one of the bodies changes its pose or outline."""
         state = self._state
         parts = [np.array(bodies).tobytes(), state.pose[world, bodies].tobytes()]
         for body in bodies:
@@ -62,7 +62,7 @@ class BodyReader:
         return slice(segment, segment + segments), slice(disc, disc + discs)
 
     def form(self, world: int, body: int, rows: tuple[slice, slice] | None = None) -> Form:
-        """Return the form of a body's footprint, the same object until a level gives it another one."""
+        """Return the form of a body's footprint, the same object until a level changes its outline."""
         segment_rows, disc_rows = self._rows(world, body) if rows is None else rows
         segments = self._model.local_segments[world % len(self._model.local_segments), segment_rows]
         discs = self._model.local_discs[world % len(self._model.local_discs), disc_rows]
@@ -94,7 +94,7 @@ class BodyReader:
         return windscreen(segments, discs) if is_car else wedge(segments, discs)
 
     def view(self, world: int, body: int) -> DrawnBody:
-        """Return what is seen of a body now."""
+        """Return the present view of a body."""
         state, style = self._state, self._styles[body]
         rows = self._rows(world, body)
         form = self.form(world, body, rows)
@@ -122,7 +122,7 @@ class BodyReader:
         )
 
     def _turn(self, world: int, body: int, pose: Floats) -> float:
-        """Return where the body is seen to head, relative to its heading [rad]."""
+        """Return the displayed heading of a body relative to its heading [rad]: for omni drives, that of its motion."""
         if self._turning[body]:
             x, y = self._state.twist[world, body, :2].tolist()
             if x or y:
@@ -136,7 +136,7 @@ class BodyReader:
         return ImageView(self._pixels[body], placed(form.corners, pose), self._styles[body].image_alpha)
 
     def ghost(self, body: int, form: Form, pose: Floats) -> DrawnBody:
-        """Return the body as it stood at a pose, or a simpler shape around it."""
+        """Return the view of an outline left at a pose: that of the body, or a simpler shape around it."""
         left = form if form.ghost is None else form.ghost
         return DrawnBody(
             body=body,
@@ -160,7 +160,7 @@ def labels(bodies: Sequence[DrawnBody], goals: Sequence[GoalView]) -> tuple[Labe
         if view.style.label
     ]
     below = [
-        LabelView(view.x, view.y, view.style.goal_label, view.style, view.y - view.tolerance)  # its own flag is there
+        LabelView(view.x, view.y, view.style.goal_label, view.style, view.y - view.tolerance)  # below its own flag
         for view in goals
         if view.style.goal_label
     ]
@@ -168,14 +168,14 @@ def labels(bodies: Sequence[DrawnBody], goals: Sequence[GoalView]) -> tuple[Labe
 
 
 def _chain(segments: Floats) -> Floats:
-    """Return the vertices of segments that follow each other, shape ``(n_segments + 1, 2)``."""
+    """Return the vertices of consecutive segments, shape ``(n_segments + 1, 2)``."""
     vertices = np.empty((len(segments) + 1, 2))
     vertices[:-1], vertices[-1] = segments[:, :2], segments[-1, 2:]
     return vertices
 
 
 def _anchor(pose: Floats, style: BodyStyle, lines: Sequence[Floats], discs: Floats) -> tuple[float, float]:
-    """Return where a body's label stands: at the chosen offset, or above the footprint."""
+    """Return the position of a body's label: at the given offset, or above the footprint."""
     x, y, _ = pose.tolist()
     if style.label_offset is not None:
         return x + style.label_offset[0], y + style.label_offset[1]
@@ -193,7 +193,7 @@ def _anchor(pose: Floats, style: BodyStyle, lines: Sequence[Floats], discs: Floa
 
 
 def _foot(view: DrawnBody) -> float | None:
-    """Return the lowest ordinate of a footprint; None without one."""
+    """Return the lowest y coordinate of a footprint; None for an empty one."""
     if not view.lines and len(view.discs) == 1:
         _, y, radius = view.discs[0].tolist()
         return float(y - radius)

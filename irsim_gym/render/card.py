@@ -1,4 +1,4 @@
-"""What is around the world on a frame: paper, rim, grid and ticks, and the line of text above it."""
+"""Draws the surroundings of the world on a frame: paper, border, grid, ticks, and the line of text above it."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ Placed = list[tuple[int, int, int]]
 
 
 class Card:
-    """Draws the paper, the world's frame, the grid and the ticks of a layout.
+    """Draws the paper, the world's border, the grid and the ticks of a layout.
 
     Args:
-        masks: Where its words are kept.
-        point: Pixels in a point of type.
-        axis: Draw ticks and the world's frame.
+        masks: Cache of its words.
+        point: Pixels per typographic point.
+        axis: Whether to draw ticks and the world's border.
     """
 
     def __init__(self, masks: Masks, point: float, axis: bool) -> None:
         self._masks, self._point, self._axis = masks, point, axis
 
     def draw(self, picture: Bytes, sheet: Rays, layout: Layout) -> None:
-        """Draw it over the whole of a picture, uint8, ``(height, width, 3)``."""
+        """Draw over a whole picture, uint8, ``(height, width, 3)``."""
         picture[:] = np.rint(colour(theme.PAPER, 1.0)[:3]).astype(np.uint8)
         corners = _snapped([_place(layout, x, y) for x, y in _corners(layout)], 0.8 * self._point)
         box = plot_box(layout)
@@ -75,7 +75,7 @@ class Card:
     def _draw_rule(
         self, picture: Bytes, sheet: Rays, layout: Layout, start: tuple[float, float], end: tuple[float, float]
     ) -> None:
-        """Draw a line of the grid, which reaches half its width beyond its ends."""
+        """Draw a line of the grid, which extends half its width beyond its ends."""
         width = 0.7 * self._point
         points = _snapped([_place(layout, *start), _place(layout, *end)], width)
         axis = int(points[0, 0] == points[1, 0])
@@ -89,10 +89,10 @@ class HeadText(NamedTuple):
     """A part of the line above the world.
 
     Attributes:
-        words: What it says.
-        column: Where it begins [pixel].
-        bold: It is the name or the title.
-        coloured: It has the colour of the status.
+        words: The text.
+        column: Its left edge [pixel].
+        bold: Whether it is the name or the title.
+        coloured: Whether it has the colour of the status.
     """
 
     words: str
@@ -102,18 +102,18 @@ class HeadText(NamedTuple):
 
 
 class Head:
-    """The line above the world: name, status and time, or a title in place of all three.
+    """The line above the world: name, status and time, or a title instead.
 
-    Where the drawing area is too narrow they spread over the whole frame, and a text that is too long is cut.
+    If the drawing area is too narrow, they use the width of the whole frame, and a text that is too long is cut.
 
     Args:
-        masks: Where its words are kept.
-        point: Pixels in a point of type.
-        layout: Where things stand.
-        titled: There is a title alone.
+        masks: Cache of its words.
+        point: Pixels per typographic point.
+        layout: Layout of the frame.
+        titled: Whether there is only a title.
 
     Attributes:
-        middle: Row of its middle [pixel].
+        middle: Row of the middle of the line [pixel].
     """
 
     def __init__(self, masks: Masks, point: float, layout: Layout, *, titled: bool) -> None:
@@ -123,7 +123,7 @@ class Head:
         self._known: dict[tuple[str, str, float], tuple[Placed, Placed, float]] = {}
 
     def texts(self, title: str, status: str, time: float) -> list[HeadText]:
-        """Return what is written and where."""
+        """Return the texts with their positions."""
         words = f"{time:.1f} s"
         if self._titled:
             return [self._title(title)]
@@ -132,9 +132,9 @@ class Head:
         return parts if np.isnan(right) else [*parts, HeadText(words, right - width, bold=False, coloured=False)]
 
     def place(self, title: str, status: str, time: float) -> tuple[Placed, Placed]:
-        """Return the masks in the colour of ink, and those in the colour of the status.
+        """Return the masks in the text colour, and those in the colour of the status.
 
-        Nearly every frame has a time of its own; the other words stand where they stood beside one of its width.
+        Nearly every frame has a new time, so the positions of the other words are cached by the width of the time.
         """
         words = f"{time:.1f} s"
         width = 0.0 if self._titled else self._width(words)
@@ -160,7 +160,7 @@ class Head:
         return HeadText(words, min(max(middle, margin + half), width - margin - half) - half, bold=True, coloured=False)
 
     def _line(self, title: str, status: str, time_width: float) -> tuple[list[HeadText], float]:
-        """Return the name, the status, and where the time ends; NaN where there is no room for it."""
+        """Return the name, the status, and the right edge of the time; NaN if there is no room for the time."""
         layout, gap, margin = self._layout, GAP * self._layout.enlargement, MARGIN * self._layout.enlargement
         left, right = float(layout.left), float(layout.left + layout.plot_width)
         status = f"{DOT} {status.replace('_', ' ')}"
@@ -183,7 +183,7 @@ class Head:
         return [(word.mask, round(text.column), round(self.middle + 0.5 * word.height - word.foot))]
 
     def _letters(self, text: str, column: float) -> Placed:
-        """Place a text letter by letter: it changes from frame to frame, its letters do not."""
+        """Place a text letter by letter, since the text changes between frames, but its letters are cached."""
         placed, line = [], self._masks.word("lp", self._size)
         row = round(self.middle + 0.5 * line.height - line.foot)
         for letter in text:
@@ -196,7 +196,7 @@ class Head:
         return sum(self._masks.word(letter, self._size).advance for letter in text)
 
     def _shortened(self, words: str, room: float) -> str:
-        """Cut words to a room; nothing is left where hardly a letter has room."""
+        """Cut words to a width; return an empty text if only a few letters fit."""
         short, count = words, len(words)
         while short and self._masks.word(short, self._name_size, bold=True).width > room:
             count -= 1
@@ -205,7 +205,7 @@ class Head:
 
 
 def ticks(layout: Layout) -> tuple[list[float], list[float], Limits]:
-    """Return where ticks are on both axes [m], none where no world is shown, and the part that is."""
+    """Return the ticks of both axes [m] (empty if the world is not visible), and the visible part of the world."""
     x_min, y_min, x_max, y_max = layout.bounds
     left, below, right, above = layout.limits
     left, below, right, above = max(x_min, left), max(y_min, below), min(x_max, right), min(y_max, above)
@@ -225,7 +225,7 @@ def plot_box(layout: Layout) -> Ints:
 
 
 def world_box(layout: Layout, margin: float) -> Ints:
-    """Return the part of the world that is shown, wider by a margin [pixel]."""
+    """Return the box of the visible part of the world, enlarged by a margin [pixel]."""
     left, foot = layout.column_row(*layout.bounds[:2])
     right, top = layout.column_row(*layout.bounds[2:])
     plot = plot_box(layout)
@@ -244,18 +244,18 @@ def _corners(layout: Layout) -> list[tuple[float, float]]:
 
 
 def _place(layout: Layout, x: float, y: float) -> tuple[float, float]:
-    """Return column and row of a point [m], rounded as matplotlib's matrix does: many lie in the middle of pixels."""
+    """Return column and row of a point [m], rounded as in matplotlib, since many points lie exactly between pixels."""
     left = layout.limits[0]
     scale = layout.plot_width / (layout.limits[2] - left)
     return scale * x + (layout.left - left * scale), layout.column_row(x, y)[1]
 
 
 def _snapped(places: list[tuple[float, float]], width: float) -> Floats:
-    """Return points moved so that a line through them fills whole pixels."""
+    """Return points shifted so that a line through them fills whole pixels."""
     shift = 0.5 if round(width) % 2 == 1 else 0.0
     return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + 0.5) + shift)
 
 
 def number_text(value: float) -> str:
-    """Return a coordinate as it is written beside the drawing area."""
+    """Return a coordinate as text for the axes."""
     return f"{round(value, 9) + 0.0:g}".replace("-", "\N{MINUS SIGN}")

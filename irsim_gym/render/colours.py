@@ -1,4 +1,4 @@
-"""Colours by name, as matplotlib reads them, for who draws without it."""
+"""Colours by matplotlib's names, without matplotlib."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ TABLEAU = {
 
 
 def colour(name: str, opacity: float) -> Colour:
-    """Return red, green, blue [0, 255] and the opacity; nothing is seen of the colour ``none``.
+    """Return red, green, blue [0, 255] and the opacity; the colour ``none`` is transparent.
 
     Args:
-        name: A name of CSS, ``tab:`` with one of Tableau's, ``C0`` to ``C9``, one letter, a grey from ``0`` to ``1``,
-            or ``#`` with three, four, six or eight digits, of which the opacity does not count.
+        name: A CSS name, ``tab:`` with a Tableau name, ``C0`` to ``C9``, one letter, a grey from ``0`` to ``1``, or
+            ``#`` with three, four, six or eight digits, of which those of the opacity are ignored.
         opacity: The opacity [0, 1].
     """
     text = name.lower()
@@ -58,6 +58,6 @@ def colour(name: str, opacity: float) -> Colour:
 
 
 def shade(name: str, share: float, opacity: float) -> Colour:
-    """Return a darker colour: so much of red, green and blue."""
+    """Return a colour darkened to a share of its red, green and blue."""
     red, green, blue, opacity = colour(name, opacity)
     return share * red, share * green, share * blue, opacity

@@ -1,4 +1,4 @@
-"""Figures for documents: a scene drawn by matplotlib, from scratch for each file."""
+"""Figures for documents: scenes drawn by matplotlib, anew for each file."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from irsim_gym.render.scene import Scene
 from irsim_gym.scenario.plot_spec import SavedFigure
 
 READABLE: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}
-"""Text stays text in files that can hold it, and its fonts come along where a format can embed them."""
+"""Settings that keep text as text in vector formats, with embedded fonts where possible."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What is around the world.
+    """The surroundings of the world on a figure.
 
     Attributes:
-        titled: A title stands in place of name, status and time.
-        axis: There are ticks and the world's frame.
-        shows_title: There is a line of text above the world.
+        titled: Whether a title replaces name, status and time.
+        axis: Whether to draw ticks and the world's border.
+        shows_title: Whether there is a line of text above the world.
     """
 
     titled: bool = False
@@ -40,13 +40,13 @@ class Frame:
 
 
 def scene_figure(scene: Scene, layout: Layout, around: Frame, background: str = theme.CARD) -> Figure:
-    """Return a figure of a scene, as large as a frame at 100 dots per inch times the layout's enlargement.
+    """Return a figure of a scene with the size of a frame, at 100 dots per inch times the layout's enlargement.
 
     Args:
-        scene: What it shows.
-        layout: Where the world is on it.
-        around: What is around the world.
-        background: Colour of the world itself; ``"none"`` for none.
+        scene: The scene.
+        layout: Layout of the figure.
+        around: The surroundings of the world.
+        background: Colour of the world's rectangle; ``"none"`` for transparent.
     """
     dpi = DOTS_PER_INCH * layout.enlargement
     figure = Figure(figsize=(layout.width / dpi, layout.height / dpi), dpi=dpi, facecolor=theme.PAPER)
@@ -74,12 +74,12 @@ def save_figure(
     """Write a figure of a scene to a file, in the format of its suffix.
 
     Args:
-        scene: What it shows.
-        layout: Where the world is on it.
-        around: What is around the world.
-        path: A format that matplotlib writes, such as ``.png``, ``.pdf`` or ``.svg``; missing folders are made.
+        scene: The scene.
+        layout: Layout of the figure.
+        around: The surroundings of the world.
+        path: File to write, ``.png``, ``.pdf``, ``.svg`` or another format of matplotlib; missing folders are created.
         options: Margins and background.
-        dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
+        dots_per_inch: 100 for the size of a frame, 200 for twice the width and height in pixels.
     """
     with whole_file(path) as part, matplotlib.rc_context({**matplotlib.rcParamsDefault, **READABLE}):
         figure = scene_figure(scene, layout, around, "none" if options.transparent else theme.CARD)
@@ -93,7 +93,7 @@ def save_figure(
 
 
 def _add_ticks(figure: Figure, axes: Axes, layout: Layout) -> None:
-    """Add the grid and the coordinates beside it; the last number below bears the unit."""
+    """Add the grid and its coordinates; the last number below has the unit."""
     columns, rows, (left, low, right, high) = ticks(layout)
     gap, look = 6.0 * layout.enlargement, {**TEXT, "fontsize": TICK_SIZE, "color": theme.INK_LIGHT}
     for x in columns:
@@ -109,7 +109,7 @@ def _add_ticks(figure: Figure, axes: Axes, layout: Layout) -> None:
 
 
 def _add_head(figure: Figure, layout: Layout, scene: Scene, *, titled: bool) -> None:
-    """Add name, status and time, or the title, where frames have them."""
+    """Add name, status and time, or the title, at the positions of frames."""
     by_hand = scene.overlay.title
     point = DOTS_PER_INCH / POINTS_PER_INCH * layout.enlargement
     head = Head(Masks(), point, layout, titled=titled or by_hand is not None)

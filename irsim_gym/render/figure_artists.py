@@ -1,4 +1,4 @@
-"""A scene as ordinary artists of matplotlib, made from the primitives of ``vocabulary``."""
+"""Converts a scene to artists of matplotlib, by way of the primitives of ``vocabulary``."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from irsim_gym.render.shapes import placed
 
 TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
 HALO = 3.0
-"""Width of the line around letters with a halo [point]; half of it is seen."""
+"""Width of the line around letters with a halo [point]; half of it is visible."""
 FULL_TURN = 2.0 * np.pi - 0.01
 ARC_STEP = 0.05
-"""Angle between two corners of an arc [rad]."""
+"""Angle between two vertices of an arc [rad]."""
 RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
 Drawn = Iterator[tuple[float, str, Artist]]
 """Layers, ranks and artists."""
@@ -44,9 +44,9 @@ class SceneArtists:
     """Makes the artists of scenes on one figure.
 
     Args:
-        axes: Where they are drawn.
-        layout: Where the world is on it.
-        clipped: Cut what reaches beyond the world's rectangle.
+        axes: The axes to draw on.
+        layout: Layout of the figure.
+        clipped: Whether to clip artists at the world's rectangle.
     """
 
     def __init__(self, axes: Axes, layout: Layout, *, clipped: bool) -> None:
@@ -54,7 +54,7 @@ class SceneArtists:
         self._metre = DOTS_PER_INCH / POINTS_PER_INCH * layout.enlargement / layout.scale
 
     def add(self, scene: Scene) -> None:
-        """Add the artists of a scene to the axes, in the order in which they cover each other."""
+        """Add the artists of a scene to the axes in drawing order."""
         drawn = sorted(self._artists(scene), key=lambda item: (item[0], RANKS[item[1]]))
         for number, (_, rank, artist) in enumerate(drawn):
             artist.set_zorder(10.0 + number)
@@ -63,7 +63,7 @@ class SceneArtists:
             artist.set_clip_box(None if isinstance(artist, Text) else self._box(rank))
 
     def _box(self, rank: str) -> BboxBase:
-        """Return where things of a rank may be seen."""
+        """Return the clip box of a rank."""
         reach = vocabulary.RANKS[rank].reach
         if reach is None or not self._clipped:
             return self._axes.bbox
@@ -99,7 +99,7 @@ class SceneArtists:
             yield from self._placed(primitive, scene)
 
     def _of_body(self, primitive: Primitive, view: DrawnBody) -> Drawn:
-        """Yield what stands in the frame of a body; where it was before, and its labels, are views of their own."""
+        """Yield the artists of a primitive in a body's frame; trails and labels have views of their own."""
         match primitive:
             case Picture() if view.image is not None:
                 yield primitive.layer, primitive.rank, body_image(self._axes, view.image)
@@ -109,7 +109,7 @@ class SceneArtists:
                 yield from self._figure(primitive._replace(places=pose))
 
     def _placed(self, primitive: Primitive, scene: Scene) -> Drawn:
-        """Yield what has its place in the world."""
+        """Yield the artists of a primitive in the world frame."""
         match primitive:
             case Figure():
                 yield from self._figure(primitive)
@@ -122,7 +122,7 @@ class SceneArtists:
                 yield primitive.layer, primitive.rank, fog_image(self._axes, scene.fog)
 
     def _figure(self, figure: Figure) -> Drawn:
-        """Yield a shape at its places."""
+        """Yield the artists of a shape at its places."""
         shape, shift = figure.shape, figure.shift * self._metre
         places = np.zeros((1, 2)) if figure.places is None else figure.places
         if shape.dot:
@@ -151,7 +151,7 @@ class SceneArtists:
         return Path.make_compound_path(*parts)
 
     def _patch(self, path: Path, pen: Pen) -> PathPatch:
-        """Return a path as a pen draws it."""
+        """Return a path drawn with a pen."""
         width = max(pen.width / self._metre, vocabulary.THINNEST_BAND) if pen.in_metres else pen.width
         has_edge = pen.edge is not None and width > 0.0
         patch = PathPatch(
@@ -168,7 +168,7 @@ class SceneArtists:
         return patch
 
     def _dots(self, places: Floats, radius: float, pen: Pen, colours: object = None) -> PathCollection:
-        """Return discs of a radius [point] at some places [m], of one colour or of one for each."""
+        """Return discs of a radius [point] at some places [m], with the pen's colour or one colour each."""
         circle, data = Path.unit_circle(), self._axes.transData
         dots = PathCollection([circle], [radius**2], offsets=places, offset_transform=data)
         fill = "none" if pen.fill is None else [rgba(pen.fill)]
@@ -178,7 +178,7 @@ class SceneArtists:
         return dots
 
     def _beams(self, beams: Beams, view: ScanView) -> Drawn:
-        """Yield a part of what a range sensor sees."""
+        """Yield the artists of one form of a scan."""
         chosen = {"all": np.ones_like(view.hits), "hits": view.hits, "valid": view.valid, "free": ~view.valid}
         which, layer, rank = chosen[beams.which], beams.layer, beams.rank
         ends = view.ends[which][:: beams.every]
@@ -194,12 +194,12 @@ class SceneArtists:
             yield layer, rank, self._dots(ends, beams.radius, beams.pen, colours)
         elif colours is not None:
             yield layer, rank, LineCollection(list(lines), colors=colours, linewidths=beams.pen.width)
-        else:  # one path, which is no darker where rays overlap
+        else:  # one path, so that overlapping rays are not darker
             codes = np.tile([Path.MOVETO, Path.LINETO], len(ends))
             yield layer, rank, self._patch(Path(lines.reshape(-1, 2), codes), beams.pen)
 
     def _trail(self, view: TrailView) -> Drawn:
-        """Yield the way that a body came: a thin one fades towards its beginning, one with a width is a band."""
+        """Yield a body's path: a line that fades towards its start, or a band of a width in metres."""
         way = vocabulary.way(view.style)
         points = thinned(view.points, APART * self._layout.enlargement / self._layout.scale)
         if len(points) < 2 or way.pen.edge is None:
@@ -214,7 +214,7 @@ class SceneArtists:
             share = FAINTEST + (1.0 - FAINTEST) * k / max(len(cuts) - 2, 1)
             line = Line2D(*points[first : last + 1].T, color=(red, green, blue, share * opacity), lw=way.pen.width)
             line.set(dash_capstyle="butt", solid_capstyle="butt", solid_joinstyle="round", dash_joinstyle="round")
-            if way.pen.line != "solid":  # the dashes go on from one part to the next
+            if way.pen.line != "solid":  # dashes continue across parts
                 pattern: Any = f"lines.{way.pen.line}_pattern"
                 line.set_linestyle((along[first] / way.pen.width, rcParams[pattern]))
             yield way.layer, way.rank, line
@@ -222,20 +222,20 @@ class SceneArtists:
     def _label(self, view: LabelView) -> Drawn:
         style, words = view.style, vocabulary.label(view.style, "labels", view.text)
         look = {"ha": "center", "va": "bottom", "size": words.size, "color": words.ink.colour}
-        if style.label_halo:  # apart from the letters, so that a file holds them as letters
+        if style.label_halo:  # a separate text, so that files keep the letters as text
             around = [Stroke(linewidth=HALO, foreground=style.label_halo)]
             yield from self._text(words, view.x, view.y, words.text, path_effects=around, **look)
         yield from self._text(words, view.x, view.y, words.text, alpha=words.ink.opacity, **look)
 
     def _text(self, words: Words, x: float, y: float, text: str, **look: object) -> Drawn:
-        """Yield a text if its place is shown."""
+        """Yield a text if its place is visible."""
         if self._layout.contains(x, y):
             letters, face = fonts.families(text)
             yield words.layer, words.rank, Text(x, y, letters, **{**TEXT, **face, **look})
 
 
 def _free(scene: Scene) -> Iterator[Primitive]:
-    """Yield what has its place in the world: goals, fog, marks, and what shows an outcome."""
+    """Yield the primitives in the world frame: goals, fog, marks, and the outcome."""
     for view in scene.goals:
         yield from (part for part in vocabulary.goal(view) if not isinstance(part, Words))
     if scene.fog is not None:
@@ -247,14 +247,14 @@ def _free(scene: Scene) -> Iterator[Primitive]:
 
 
 def rgba(ink: Ink) -> tuple[float, float, float, float]:
-    """Return a colour as matplotlib has it."""
+    """Return a colour in matplotlib's form."""
     red, green, blue, opacity = colour(ink.colour, min(ink.opacity, 1.0))
     share = ink.brightness / 255.0
     return red * share, green * share, blue * share, opacity
 
 
 def faded(pen: Pen, radius: float) -> Pen:
-    """Return a pen for a disc of a radius [point]: the fill of a large one gets fainter with its area."""
+    """Return a pen for a disc of a radius [point]; the fill of a large disc gets fainter with its area."""
     if pen.fill is None or not radius > pen.filled_radius > 0.0:
         return pen
     return pen._replace(fill=pen.fill._replace(opacity=pen.fill.opacity * (pen.filled_radius / radius) ** 2))
@@ -268,12 +268,12 @@ def speed_colours(inks: SpeedInks, speeds: Floats) -> Floats:
 
 
 def clear_of_flags(labels: Sequence[LabelView], goals: Sequence[GoalView], point: float) -> list[LabelView]:
-    """Return labels, those of bodies below them where they would stand on the flag of a goal.
+    """Return labels, with those that would cover a goal's flag moved below their bodies.
 
     Args:
         labels: The labels.
-        goals: The goals that are shown.
-        point: A point of type [m].
+        goals: The visible goals.
+        point: Length of a typographic point in the world [m].
     """
     return [_lowered(view, goals, point) for view in labels]
 
@@ -291,7 +291,7 @@ def _lowered(view: LabelView, goals: Sequence[GoalView], point: float) -> LabelV
 
 
 def thinned(points: Floats, apart: float) -> Floats:
-    """Return points ``(n, 2)`` without those that lie closer together along the way than ``apart`` [m]."""
+    """Return points ``(n, 2)`` thinned to distances of about ``apart`` [m] along the path."""
     if len(points) < 3:
         return points
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
@@ -316,7 +316,7 @@ def _circle(middle: Floats, radius: float) -> Path:
 
 
 def _sector(span: float, radius: float, pose: Floats) -> Path:
-    """Return a sector that looks ahead, or a disc where it is a full turn wide."""
+    """Return a sector centred on the heading, or a disc if it spans a full turn."""
     if span >= FULL_TURN:
         return _circle(pose[:2], radius)
     angles = np.linspace(-0.5, 0.5, max(math.ceil(span / ARC_STEP), 2) + 1) * span

@@ -1,4 +1,4 @@
-"""What a figure shows as pixels: images of bodies, maps and fog."""
+"""The images in figures: of bodies, maps and fog."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from irsim_gym.render.scene import FogView, ImageView, MapView
 
 
 def body_image(axes: Axes, view: ImageView) -> AxesImage:
-    """Return the image of a body, turned and stretched to its footprint."""
+    """Return the image of a body, rotated and stretched to its footprint."""
     corner, ahead, aside = view.corners[0], view.corners[1] - view.corners[0], view.corners[3] - view.corners[0]
     turned = Affine2D(np.array([[ahead[0], aside[0], corner[0]], [ahead[1], aside[1], corner[1]], [0.0, 0.0, 1.0]]))
     pixels = view.pixels.copy()
@@ -24,7 +24,7 @@ def body_image(axes: Axes, view: ImageView) -> AxesImage:
 
 
 def map_image(axes: Axes, view: MapView) -> AxesImage:
-    """Return the occupied cells of a map; one of several in a pixel is enough to fill it, so that no wall is lost."""
+    """Return an image of a map's occupied cells; one occupied cell fills its pixel, so that no wall is lost."""
     cells, (x_min, y_min, x_max, y_max) = view.occupied, view.extent
     size = axes.transData.transform((x_max, y_max)) - axes.transData.transform((x_min, y_min))
     wide, high = (max(int(count / side), 1) for count, side in zip(cells.shape, size.tolist(), strict=True))
@@ -38,7 +38,7 @@ def map_image(axes: Axes, view: MapView) -> AxesImage:
 
 
 def fog_image(axes: Axes, view: FogView) -> AxesImage:
-    """Return a soft cover over the cells that nobody has seen."""
+    """Return a soft cover over unseen cells."""
     pixels = np.empty((*view.covered.T.shape, 4), np.uint8)
     pixels[..., :3] = np.rint(255.0 * np.array(to_rgb(view.colour)))
     pixels[..., 3] = np.rint(255.0 * view.alpha * _softened(view.covered).T[::-1])
@@ -46,7 +46,7 @@ def fog_image(axes: Axes, view: FogView) -> AxesImage:
 
 
 def _softened(covered: Flags) -> Floats:
-    """Return how much each cell is covered: seen ones not at all, others by the share of the nine around them."""
+    """Return the cover of each cell: 0 for seen cells, else from the share of covered cells among its 3 x 3."""
     columns, rows = covered.shape
     padded = np.pad(covered, 1, mode="edge")
     around = sum(padded[i : i + columns, j : j + rows].astype(np.float64) for i in range(3) for j in range(3))

@@ -1,4 +1,4 @@
-"""Files that appear only when they are whole."""
+"""Atomic writing of files."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pathlib import Path
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Give the name of a neighbour to write to, with the same suffix; at the end it takes the file's place.
+    """Yield a temporary path in the same folder, with the same suffix; at the end, rename it to the file.
 
-    After an exception nothing is left. Missing folders are made.
+    After an exception, the temporary file is removed. Missing folders are created.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")

@@ -1,4 +1,4 @@
-"""Several episodes side by side: the films that compare policies."""
+"""Films of several episodes side by side, to compare policies."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ CAPTION_SIZE = 11.0
 
 @dataclass
 class EpisodeFilm:
-    """A film of the same levels played by several policies, one panel for each.
+    """A film of the same levels played by several policies, one panel per policy.
 
-    A panel whose episode has ended keeps its last frame until all have ended; then all are held for a moment
-    before the next level begins.
+    A panel whose episode has ended keeps its last frame until all have ended. Then all frames are held for a moment
+    before the next level.
 
     Attributes:
-        captions: Text above each panel; empty texts leave no room.
+        captions: Text above each panel; no room is reserved if all are empty.
         fps: Frames per second.
-        hold: How long the end of a level is shown [s].
-        columns: Panels side by side; None puts up to four in a row.
+        hold: Time for which the end of a level is shown [s].
+        columns: Panels per row; None for up to four.
     """
 
     captions: Sequence[str]
@@ -45,11 +45,11 @@ class EpisodeFilm:
         """Yield the film of one level.
 
         Args:
-            episodes: The frames of each panel's episode, uint8 ``(height, width, 3)``; taken one by one, so
-                generators that step and draw are welcome.
+            episodes: The frames of each panel's episode, uint8 ``(height, width, 3)``. They are consumed one by one, so
+                generators that step and draw are possible.
 
         Raises:
-            ValueError: There are not as many episodes as captions, or one has no frame.
+            ValueError: If the numbers of episodes and captions differ, or an episode has no frame.
         """
         if len(episodes) != len(self.captions):
             raise ValueError(f"{len(self.captions)} captions for {len(episodes)} episodes")
@@ -89,7 +89,7 @@ class EpisodeFilm:
 def caption_strip(caption: str, width: int, frame_width: float | None = None) -> Bytes:
     """Draw a caption on a strip, uint8, shape ``(height, width, 3)``.
 
-    The height is even and grows with ``frame_width``, that of the frames below it [pixel]; None for the strip's own.
+    The height is even and grows with ``frame_width``, the width of the frames below [pixel]; None for ``width``.
     """
     enlargement = max((frame_width or width) / REFERENCE_SIDE, 0.4)
     height = 2 * round(CAPTION_HEIGHT * enlargement / 2.0)

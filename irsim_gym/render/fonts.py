@@ -1,4 +1,4 @@
-"""Which fonts have the letters of a text: the one that comes along, else those that are installed, else a box."""
+"""Finds fonts with the letters of a text: the default font, else installed ones, else a box in place of the letter."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ USUAL = "DejaVuSans.ttf", "DejaVuSans-Bold.ttf"
 FAMILY = "DejaVu Sans"
 BOX = "\N{WHITE SQUARE}"
 NOBODY = "\U0010ffff"
-"""A character that no font has: what is drawn in its place is what is drawn for any that is missing."""
+"""A character that no font has, drawn like all missing characters."""
 LOOKED_AT = 16
 PLAIN = ("400", "normal", "regular", "book")
 """Weights of letters that are not bold."""
@@ -23,10 +23,10 @@ Runs = tuple[tuple[str, Path], ...]
 
 
 def usual(*, bold: bool) -> Path:
-    """Return the font of all texts, which comes with matplotlib; that need not be loaded for it.
+    """Return the default font, which is part of matplotlib, without importing matplotlib.
 
     Raises:
-        IrsimGymError: It is not there.
+        IrsimGymError: If the font is not found.
     """
     name, found = USUAL[bold], find_spec("matplotlib")
     for folder in (found.submodule_search_locations or ()) if found is not None else ():
@@ -38,10 +38,11 @@ def usual(*, bold: bool) -> Path:
 
 @functools.lru_cache(maxsize=2048)
 def runs(words: str, *, bold: bool = False) -> Runs:
-    """Return a text in parts, each with a font that has its letters; a box is in place of those that none has.
+    """Split a text into parts, each with a font that has its letters; a box replaces letters that no font has.
 
-    What is not to be seen, such as a mark of direction, is left out where the usual font lacks it. Bold letters stay
-    among themselves: where one is missing none is bold, since few fonts have the rest of the world's letters in bold.
+    Invisible characters, such as direction marks, are omitted if the default font lacks them. If a bold letter is
+    missing in the default font but another font has it, the whole text is not bold, since few fonts have other scripts
+    in bold.
     """
     own, plain = usual(bold=bold), usual(bold=False)
     missing = {letter for letter in words if _is_missing(own, letter)}
@@ -64,7 +65,7 @@ def runs(words: str, *, bold: bool = False) -> Runs:
 
 
 def families(words: str, *, bold: bool = False) -> tuple[str, dict[str, Any]]:
-    """Return a text that can be written, and matplotlib's names of the fonts that it needs: families and weight."""
+    """Return the drawable form of a text, and matplotlib's font arguments for it: families and weight."""
     found = runs(words, bold=bold)
     own = {usual(bold=False), usual(bold=True)}
     names = [_family_of(font) for _, font in found if font not in own]
@@ -87,7 +88,7 @@ def _has(font: Path, letter: str) -> bool:
 def _opened(font: Path) -> Any:
     try:
         return ImageFont.truetype(str(font), LOOKED_AT, layout_engine=ImageFont.Layout.BASIC)
-    except OSError:  # of pixels in one size, or of another kind
+    except OSError:  # a bitmap font, or another unsupported kind
         return None
 
 
@@ -99,7 +100,7 @@ def _installed_with(letter: str) -> Path | None:
 
 @functools.lru_cache(maxsize=1)
 def _installed() -> dict[Path, str]:
-    """Return the upright fonts that matplotlib knows, those without serifs first, and the names of their families."""
+    """Return the upright fonts that matplotlib knows, sans-serif ones first, with the names of their families."""
     from matplotlib.font_manager import fontManager
 
     listed = [font for font in fontManager.ttflist if font.style == "normal" and str(font.weight) in PLAIN]
@@ -109,7 +110,7 @@ def _installed() -> dict[Path, str]:
 
 @functools.lru_cache(maxsize=1)
 def _unlisted() -> tuple[Path, ...]:
-    """Return fonts that were installed after matplotlib made its list."""
+    """Return fonts that are not in matplotlib's list, for example because they were installed later."""
     from matplotlib.font_manager import findSystemFonts, fontManager
 
     listed = {font.fname for font in fontManager.ttflist}
@@ -117,7 +118,7 @@ def _unlisted() -> tuple[Path, ...]:
 
 
 def _family_of(font: Path) -> str:
-    """Return the name under which matplotlib finds a font; one that it does not know is told to it."""
+    """Return matplotlib's family name of a font, after adding the font to matplotlib's list if necessary."""
     from matplotlib.font_manager import fontManager
 
     if font in _installed():

@@ -1,4 +1,4 @@
-"""Which pixel shows which point of the world."""
+"""The layout of a frame: the mapping between pixels and points of the world."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PADDING = 9.0
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 34.0, 42.0, 34.0
 BARE = 12.0
 LOOSE = (0.125, 0.1, 0.12, 0.11)
-"""Shares of a frame left free on the left, right, top and bottom when the layout is not tight."""
+"""Margins on the left, right, top and bottom, as shares of the frame, if the layout is not tight."""
 
 Limits = tuple[float, float, float, float]
 """A rectangle of the world [m]: x_min, y_min, x_max, y_max."""
@@ -25,7 +25,7 @@ Limits = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Layout:
-    """The places on a frame, in pixels from its lower left corner.
+    """The layout of a frame, in pixels from its lower left corner.
 
     Attributes:
         width: Width of the frame; even.
@@ -52,7 +52,7 @@ class Layout:
     bounds: Limits
 
     def column_row(self, x: float, y: float) -> tuple[float, float]:
-        """Return where the world point x, y [m] is in a frame: column, and row counted from the top."""
+        """Return column and row of the world point x, y [m] in a frame; rows count from the top."""
         column = self.left + (x - self.limits[0]) * self.scale
         row = self.height - (self.bottom + (y - self.limits[1]) * self.scale)
         return column, row
@@ -63,13 +63,13 @@ class Layout:
         return x_min <= x <= x_max and y_min <= y <= y_max
 
     def showing(self, limits: Limits) -> Layout:
-        """Return the layout of a frame that shows another part of the world, as large as the drawing area lets it be.
+        """Return the layout of a frame that shows another part of the world, as large as fits the drawing area.
 
         Args:
-            limits: That part [m]: x_min, y_min, x_max, y_max; both sides get what there is room for.
+            limits: The part [m]: x_min, y_min, x_max, y_max; it is enlarged to the proportions of the drawing area.
 
         Raises:
-            OptionError: The numbers bound no area.
+            OptionError: If the limits are not finite or not increasing.
         """
         x_min, y_min, x_max, y_max = (float(value) for value in limits)
         if not (np.isfinite([x_min, y_min, x_max, y_max]).all() and x_min < x_max and y_min < y_max):
@@ -81,7 +81,7 @@ class Layout:
         return replace(self, scale=scale, limits=(x - half_x, y - half_y, x + half_x, y + half_y))
 
     def centred(self, x: float, y: float) -> Layout:
-        """Return the layout of a frame that shows as much of the world, with the point x, y [m] in its middle."""
+        """Return a layout with the same scale and the point x, y [m] in the middle."""
         x_min, y_min, x_max, y_max = self.limits
         right, top = x - 0.5 * (x_min + x_max), y - 0.5 * (y_min + y_max)
         return replace(self, limits=(x_min + right, y_min + top, x_max + right, y_max + top))
@@ -99,11 +99,11 @@ def lay_out(
 
     Args:
         bounds: The world's rectangle [m], x_min, y_min, x_max, y_max, shape ``(4,)``.
-        size: Width and height of the frame in pixels, made even; None for a frame as large as the world's
-            proportions ask for: 600 x 600 when it is square.
-        axis: Leave room for ticks.
-        title: Leave room for the status line.
-        tight: Leave no more room than that.
+        size: Width and height of the frame in pixels, rounded to even numbers; None for a size by the proportions of
+            the world, 600 x 600 for a square.
+        axis: Whether to leave room for ticks.
+        title: Whether to leave room for the status line.
+        tight: Whether to leave no more room than that.
     """
     x_min, y_min, x_max, y_max = (float(value) for value in bounds)
     span_x, span_y = max(x_max - x_min, 1e-9), max(y_max - y_min, 1e-9)
@@ -137,7 +137,7 @@ def lay_out(
 
 
 def tick_positions(low: float, high: float, room: float) -> Floats:
-    """Return round numbers between low and high [m], at most one per 70 of ``room`` pixels, shape ``(n,)``."""
+    """Return round numbers between low and high [m], about one per 70 pixels of ``room`` at most, shape ``(n,)``."""
     if not low < high:
         return np.zeros(0)
     wanted = (high - low) / max(min(room / 70.0, 12.0), 1.0)
@@ -154,7 +154,7 @@ def _margins(axis: bool, title: bool) -> Limits:
 
 
 def _natural_size(span_x: float, span_y: float, axis: bool, title: bool) -> tuple[int, int]:
-    """Return a size that gives every world the same drawing area, unless it is very long."""
+    """Return a frame size that gives all worlds a drawing area of equal area, unless they are very long."""
     left, right, top, bottom = _margins(axis, title)
     side_x = BASE_SIDE * np.sqrt(span_x / span_y)
     side_y = BASE_SIDE * np.sqrt(span_y / span_x)
@@ -164,5 +164,5 @@ def _natural_size(span_x: float, span_y: float, axis: bool, title: bool) -> tupl
 
 
 def _even(size: tuple[float, float]) -> tuple[int, int]:
-    """Round to even numbers, which video formats ask for."""
+    """Round to even numbers, which video formats require."""
     return max(2 * round(size[0] / 2.0), 2), max(2 * round(size[1] / 2.0), 2)

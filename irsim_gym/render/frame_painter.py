@@ -1,4 +1,4 @@
-"""What frames are drawn with: the plan, ready-made words, backdrops, and memory for each thread."""
+"""Draws frames from a plan, with cached words and backdrops, and memory for each thread."""
 
 from __future__ import annotations
 
@@ -37,30 +37,30 @@ HALF_A_WALL = 1.1
 BACKDROP_BYTES = 64 << 20
 REMEMBERED_LOOKS = 64
 Share = Callable[[Callable[[Shard], None], Ints], None]
-"""Runs a function on shares of given numbers, perhaps on several threads; ``Shards.run`` of the engine is one."""
+"""Runs a function on parts of an array of indices, possibly on several threads, such as ``Shards.run``."""
 
 
 class FramePainter:
-    """Draws pictures of worlds; made with the first one.
+    """Draws pictures of worlds; it is created for the first picture.
 
     Args:
-        scenario: What is simulated.
-        model: The simulation's constants.
+        scenario: The scenario.
+        model: Constants of the simulation.
         state: Its present state.
         sensors: Its sensor groups.
-        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
-        reader: Who knows the map and the trails.
-        explored: Which cells of the world its robots have seen, or None.
-        share: Who divides the work among threads, or None.
-        layout: Where things are on a frame.
-        lowest: The lowest layer in which somebody draws over the worlds.
+        learners: Bodies whose goals and trajectories are drawn by default.
+        reader: Reads the map and the trails.
+        explored: Cells of the world that its robots have seen, or None.
+        share: Divides the work among threads, or None.
+        layout: Layout of a frame.
+        lowest: The lowest layer of marks over the worlds.
 
     Attributes:
-        plan: What is drawn.
-        point: Pixels in a point of type.
-        kept_trails: Pictures with the outlines that bodies left behind.
-        marks: Paints what somebody laid over the worlds.
-        covered: The highest layer of what is drawn once; what lies over worlds in a lower one needs another one.
+        plan: The items to draw.
+        point: Pixels per typographic point.
+        kept_trails: Cached pictures with the outlines in trails.
+        marks: Paints marks over the worlds.
+        covered: The highest layer of cached items; marks in a lower layer need a new painter.
     """
 
     def __init__(
@@ -122,10 +122,10 @@ class FramePainter:
         """Draw worlds.
 
         Args:
-            worlds: Their indices, shape ``(n,)``.
-            statuses: How their episodes stand.
-            layouts: Which part of each is shown.
-            overlays: What somebody laid over each.
+            worlds: Indices of the worlds, shape ``(n,)``.
+            statuses: Status of each episode.
+            layouts: Layout of each picture.
+            overlays: Marks over each world.
 
         Returns:
             Pictures, uint8, shape ``(n, height, width, 3)``.
@@ -147,7 +147,7 @@ class FramePainter:
 
     @property
     def is_rigid(self) -> bool:
-        """True if all levels have the same map, which ``card`` shows."""
+        """Whether all levels have the same map, which ``card`` includes."""
         return bool(self._model.rigid[0])
 
     def scratch(self, slot: int) -> records.Scratch:
@@ -167,10 +167,10 @@ class FramePainter:
         return scratch
 
     def backdrop_key(self, world: int, layout: Layout) -> tuple[Layout, bytes]:
-        """Return what the backdrop of a world depends on."""
+        """Return the key of a world's backdrop."""
         state, model = self._state, self._model
         tables = state.segments[world, self._segment_rows], state.discs[world, self._disc_rows]
-        parts = state.pose[world, self._fixed], *tables  # images turn where outlines do not
+        parts = state.pose[world, self._fixed], *tables  # poses too: images turn even if outlines do not
         here = model.present[world, self._fixed]
         squares = model.map_squares[world % len(model.map_squares), 0]
         drawn = b"" if self.is_rigid else np.packbits(squares == 0).tobytes()
@@ -178,11 +178,11 @@ class FramePainter:
         return layout, b"|".join([here.tobytes(), drawn, *(part.tobytes() for part in (*counts, *parts))])
 
     def known_backdrop(self, key: tuple[Layout, bytes]) -> Bytes | None:
-        """Return a backdrop that was kept."""
+        """Return a cached backdrop; None without one."""
         return self._backdrops.get(key)
 
     def _keep(self, job: _Job) -> None:
-        """Keep the new backdrops, in the place of old ones where there are too many."""
+        """Cache new backdrops, replacing old ones if there are too many."""
         for key, backdrop in list(job.new_backdrops.items())[: self._room]:
             while len(self._backdrops) >= self._room:
                 self._backdrops.pop(next(iter(self._backdrops)))
@@ -191,7 +191,7 @@ class FramePainter:
             self.kept_trails.keep(world, trail, picture)
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
-        """Return where the worlds are on their pictures."""
+        """Return the views of the worlds for the kernels."""
         known = self._looks
         if len(known) > REMEMBERED_LOOKS:
             known.clear()
@@ -215,7 +215,7 @@ class FramePainter:
         return np.array([*inner, plot, whole, np.minimum(inner[0] + rim, whole[[2, 3, 2, 3]])], np.int64)
 
     def source(self, worlds: Ints) -> records.RasterSource:
-        """Return what kernels read of the simulation."""
+        """Return the arrays of the simulation that kernels read."""
         model, state, groups = self._model, self._state, self.plan.groups
         rows = [group.arrays["ranges"][worlds].reshape(len(worlds), -1) for group in groups]
         ranges = np.concatenate([np.zeros((len(worlds), 0), np.float32), *rows], axis=1, dtype=np.float32)
@@ -238,7 +238,7 @@ class FramePainter:
         )
 
     def words(self, worlds: Ints, statuses: Sequence[str], overlays: Sequence[Overlay]) -> tuple[Ints, Ints, Floats]:
-        """Return the words of the heads: where they stand, where those of each picture end, and their colours."""
+        """Return the words of the heads: their places, the end of each picture's words, and their colours."""
         if self._head is None:
             return np.zeros((0, 4), np.int64), np.zeros(len(worlds), np.int64), np.zeros((1, 4))
         placed, ends, inks = list[tuple[int, int, int, int]](), list[int](), [colour(theme.INK, 1.0)]
@@ -252,7 +252,7 @@ class FramePainter:
         return np.array(placed, np.int64).reshape(-1, 4), np.array(ends, np.int64), np.array(inks)
 
     def card(self, layout: Layout, scratch: records.Scratch) -> Bytes:
-        """Return the picture of an empty world, with its map if all levels have the same."""
+        """Return the picture of an empty world, including its map if all levels share it."""
         known = self._cards.get(layout)
         if known is None:
             known = np.empty((layout.height, layout.width, 3), np.uint8)
@@ -275,7 +275,7 @@ class FramePainter:
 
 
 class _Job:
-    """One call of ``FramePainter.draw``: what differs from picture to picture."""
+    """The data of one call of ``FramePainter.draw``."""
 
     def __init__(
         self,
@@ -295,16 +295,16 @@ class _Job:
         self._look = painter.look(layouts)
         self._words = painter.words(worlds, statuses, overlays)
         painter.marks.prepare(overlays)
-        self._source = painter.source(worlds)  # with the masks of new words
+        self._source = painter.source(worlds)  # after new words have been added to the masks
         outcomes = [theme.status_colour(status) if theme.ends_episode(status) else None for status in statuses]
         self._tints = np.array([CLEAR if name is None else colour(name, 0.07) for name in outcomes])
         self._edges = np.array([CLEAR if name is None else colour(name, 0.9) for name in outcomes])
 
     def draw(self, shard: Shard) -> None:
-        """Draw a share of the pictures."""
+        """Draw the pictures of a shard."""
         painter, frames, pictures = self._painter, shard.worlds, self._pictures
         scratch = painter.scratch(shard.slot)
-        kept_trails = self._lay_ground(frames, scratch)
+        kept_trails = self._draw_ground(frames, scratch)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, scratch)
         self._draw_kept_trails(frames, kept_trails, scratch)
         self._draw_live(frames, scratch)
@@ -315,7 +315,7 @@ class _Job:
                 painter.marks.write_title(pictures[f], title)
 
     def _draw_live(self, frames: Ints, scratch: records.Scratch) -> None:
-        """Draw what is drawn anew for each picture, and between its layers what somebody laid over the worlds."""
+        """Draw the items that change between pictures, with marks between their layers."""
         painter = self._painter
         items, layers = painter.kept_trails.others, painter.plan.layers[len(painter.kept_trails.items) :]
         is_plain = np.array([not self._overlays[f].marks for f in frames.tolist()])
@@ -331,14 +331,14 @@ class _Job:
             self._draw_items(items[first:], frame, scratch)
 
     def _draw_items(self, items: object, frames: Ints, scratch: records.Scratch) -> None:
-        """Draw rows of the plan on some pictures."""
+        """Draw items of the plan on some pictures."""
         draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, scratch)
 
-    def _lay_ground(self, frames: Ints, scratch: records.Scratch) -> dict[int, Any]:
-        """Draw what never moves, or copy it from a picture with the same.
+    def _draw_ground(self, frames: Ints, scratch: records.Scratch) -> dict[int, Any]:
+        """Draw what never moves, or copy it from a cached picture.
 
         Returns:
-            The keys of the pictures whose trails are still to be drawn; None for one that is not to be kept.
+            Keys of the pictures whose trails remain to be drawn; None for a picture that is not cached.
         """
         painter, missing, kept_trails = self._painter, {}, {}
         for f in frames.tolist():
@@ -361,7 +361,7 @@ class _Job:
         return kept_trails
 
     def _draw_kept_trails(self, frames: Ints, kept_trails: dict[int, Any], scratch: records.Scratch) -> None:
-        """Draw what bodies left behind, where that is not known."""
+        """Draw the outlines in trails on pictures without a cached one."""
         if kept_trails and len(self._painter.kept_trails.items):
             self._draw_items(self._painter.kept_trails.items, np.array(list(kept_trails), np.int64), scratch)
             found = {

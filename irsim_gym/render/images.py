@@ -1,4 +1,4 @@
-"""Images of bodies: from a file to pixels."""
+"""Loads images of bodies."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
 
 LONGEST_SIDE = 512
-"""Larger images are reduced to this many pixels: nobody sees more of them on a frame."""
+"""Maximum side of an image [pixel]; larger ones are reduced, since frames do not show more detail."""
 REMEMBERED = 32
 
 
 def load_image(file: Path) -> Bytes:
-    """Return an image file's colours and opacity, uint8, shape ``(height, width, 4)``, row 0 at the top; read-only.
+    """Return the pixels of an image file, RGBA, uint8, shape ``(height, width, 4)``, row 0 at the top, read-only.
 
     Raises:
-        IrsimGymError: It cannot be read as an image.
+        IrsimGymError: If the file cannot be read as an image.
     """
     try:
         return _read(file, file.stat().st_mtime_ns)
@@ -29,7 +29,7 @@ def load_image(file: Path) -> Bytes:
 
 @functools.lru_cache(maxsize=REMEMBERED)
 def _read(file: Path, changed: int) -> Bytes:
-    """Read a file; another time of its last change makes it be read anew."""
+    """Read a file; ``changed``, the time of its last change, is part of the cache's key."""
     from PIL import Image
 
     with Image.open(file) as found:

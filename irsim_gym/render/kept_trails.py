@@ -1,4 +1,4 @@
-"""Pictures of the ground with the outlines that bodies left behind: most frames leave no further one."""
+"""Cached pictures of the ground with the outlines in trails, since most frames add no outline."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.trails import Trails
 
 MOST_NUMBERS = 4096
-"""A trail of more numbers than that is drawn anew for each frame."""
+"""Maximum number of values in a cached trail; larger trails are drawn anew for each frame."""
 
 
 class KeptTrails:
-    """Keeps the latest such picture of each world.
+    """Caches the latest such picture of each world.
 
     Args:
         live: The items of a plan that are drawn anew for each frame.
-        model: The simulation's constants.
-        trails: Where its bodies have been.
-        room: For how many worlds.
-        end: Only so many items may be kept: somebody draws over them, and below the next one.
+        model: Constants of the simulation.
+        trails: Past poses of its bodies.
+        room: Maximum number of worlds.
+        end: Maximum number of items to cache, because marks are drawn above them and below the next one.
 
     Attributes:
-        items: Those of ``live`` that are kept: outlines, where nothing lies below them but the ground.
-        others: The rest.
+        items: The cached items of ``live``: outlines with only the ground below them.
+        others: The other items.
     """
 
     def __init__(self, live: Any, model: WorldModel, trails: Trails, room: int, end: int) -> None:
@@ -43,7 +43,7 @@ class KeptTrails:
         self._known: dict[int, tuple[Any, Bytes]] = {}
 
     def key(self, world: int, ground: object) -> Any:
-        """Return what a picture of a world depends on, beside its ground's own key; None where none is to be kept."""
+        """Return the key of a world's picture, given the key of its ground; None if the picture is not cached."""
         if not len(self.items):
             return None
         numbers, model = np.empty(MOST_NUMBERS), self._model
@@ -63,17 +63,17 @@ class KeptTrails:
         return ground, numbers[:count].tobytes(), *(shape.tobytes() for shape in shapes)
 
     def known(self, world: int, key: object) -> Bytes | None:
-        """Return the picture that was kept, if it is still that of the world."""
+        """Return the cached picture of a world; None if it is outdated or missing."""
         kept = self._known.get(world)
         return kept[1] if kept is not None and kept[0] == key else None
 
     def keep(self, world: int, key: object, picture: Bytes) -> None:
-        """Keep a picture, which nobody writes to any more, in the place of an older one."""
+        """Cache a picture, which must not change any more, replacing an older one."""
         self._known[world] = key, picture
 
 
 def rows_of(start: Any, size: Any, bodies: Any, n_rows: int) -> Any:
-    """Return the rows of some bodies in a table of outlines, as many as any world needs."""
+    """Return the rows of some bodies in a table of outlines, for the largest outlines of all worlds."""
     ends = [int(start[b]) + int(size[:, b].max(initial=0)) for b in bodies]
     rows = [np.arange(start[b], min(end, n_rows)) for b, end in zip(bodies, ends, strict=True)]
     return np.concatenate([np.zeros(0, np.int64), *rows])

@@ -1,4 +1,4 @@
-"""Words and marks as masks, each drawn once and then only copied."""
+"""Words and marks as masks, which are drawn once and then copied."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from irsim_gym.render import fonts
 
 @dataclass(frozen=True)
 class Word:
-    """A text as a mask, with its origin at the left end of its base line.
+    """A text as a mask, with its origin at the left end of its baseline.
 
     Attributes:
         mask: Number of the mask.
-        width: Width of what is seen of the text [pixel].
-        advance: How far on the next text begins.
-        height: Height of the line, at least that of "lp".
-        foot: How far the line reaches below the base line.
+        width: Visible width of the text [pixel].
+        advance: Distance to the origin of the next text [pixel].
+        height: Height of the line, at least that of "lp" [pixel].
+        foot: Depth of the line below the baseline [pixel].
     """
 
     mask: int
@@ -35,11 +35,11 @@ class Word:
 
 
 class Masks:
-    """Opacities of words and marks, one after the other in one array.
+    """Opacities of words and marks, concatenated in one array.
 
     Attributes:
         levels: All opacities [0, 255], shape ``(n,)``.
-        rows: First entry, width, height and place of the upper left corner of each, shape ``(n_masks, 5)``.
+        rows: First entry, width, height and upper left corner of each mask, shape ``(n_masks, 5)``.
     """
 
     def __init__(self) -> None:
@@ -49,18 +49,18 @@ class Masks:
         self._fonts: dict[tuple[Path, float, ImageFont.Layout], ImageFont.FreeTypeFont] = {}
 
     def add(self, mask: Bytes, left: int, top: int) -> int:
-        """Add a mask ``(height, width)`` whose upper left corner is at ``left``, ``top``; return its number."""
+        """Add a mask ``(height, width)`` with its upper left corner at ``left``, ``top``, and return its number."""
         height, width = mask.shape
         self.rows = np.vstack([self.rows, np.array([[len(self.levels), width, height, left, top]])])
         self.levels = np.concatenate([self.levels, np.ascontiguousarray(mask).ravel()])
         return len(self.rows) - 1
 
     def drawn(self, reach: float, draw: Callable[[Bytes, Rays, Ints, float], None]) -> int:
-        """Add what a function draws in white on a picture ``(side, side, 1)`` around its middle; return its number.
+        """Add a mask that a function draws in white on a picture ``(side, side, 1)``, and return its number.
 
         Args:
-            reach: How far it reaches from the middle [pixel].
-            draw: It gets the picture, a sheet, a box and the place of the middle.
+            reach: Extent of the mask from the middle [pixel].
+            draw: Draws the mask; gets the picture, a sheet, a box and the coordinate of the middle.
         """
         half = int(np.ceil(reach)) + 1
         picture, box = np.zeros((2 * half, 2 * half, 1), np.uint8), np.array([0, 0, 2 * half, 2 * half])
@@ -104,5 +104,5 @@ class Masks:
 
 
 def _runs_left(text: str) -> bool:
-    """Return whether a text has letters of a script that runs from right to left, and joins them."""
+    """Return whether a text has letters of a right-to-left script."""
     return not text.isascii() and any(unicodedata.bidirectional(letter) in ("R", "AL") for letter in text)

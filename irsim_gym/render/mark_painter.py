@@ -1,4 +1,4 @@
-"""The marks that somebody laid over a world, for the raster renderer; as ``mark_artists`` draws them."""
+"""Paints marks over a world on frames."""
 
 from __future__ import annotations
 
@@ -21,31 +21,31 @@ from irsim_gym.render.styles import faded
 from irsim_gym.world.marks import LineMark, Mark, Overlay, PointsMark, TextMark
 
 REMEMBERED = 256
-"""So many words are kept for further pictures."""
+"""Maximum number of cached words."""
 
 
 class MarkPainter:
     """Paints marks on pictures.
 
     Args:
-        point: Pixels in a point of type.
-        layout: Where things are on a frame.
-        shows_title: There is room for a title.
+        point: Pixels per typographic point.
+        layout: Layout of a frame.
+        shows_title: Whether there is room for a title.
     """
 
     def __init__(self, point: float, layout: Layout, *, shows_title: bool) -> None:
         self._point, self._layout, self._shows_title = point, layout, shows_title
-        self._forget()
+        self._clear_words()
 
-    def _forget(self) -> None:
-        """Forget the words of earlier pictures; those of the next one may be others."""
+    def _clear_words(self) -> None:
+        """Clear the cache of words."""
         self._masks = Masks()
         self._head = Head(self._masks, self._point, self._layout, titled=True)
 
     def prepare(self, overlays: Iterable[Overlay]) -> None:
-        """Make the words of texts and titles, before threads paint them."""
+        """Make the masks of texts and titles before threads paint them."""
         if len(self._masks.rows) > REMEMBERED:
-            self._forget()
+            self._clear_words()
         for overlay in overlays:
             for mark in overlay.marks:
                 if isinstance(mark, TextMark):
@@ -54,20 +54,20 @@ class MarkPainter:
                 self._head.place(overlay.title, "", 0.0)
 
     def write_title(self, picture: Bytes, title: str) -> None:
-        """Write a title where name, status and time would be."""
+        """Write a title in place of name, status and time."""
         ink, masks = np.array(colour(theme.INK, 1.0)), self._masks
         for place in self._head.place(title, "", 0.0)[0] if self._shows_title else ():
             paint_mask(picture, whole_box(picture), masks.levels, masks.rows, *place, ink)
 
     def paint(self, picture: Bytes, sheet: Rays, box: Ints, layout: Layout, marks: Sequence[Mark]) -> None:
-        """Paint marks on a picture, one after the other.
+        """Paint marks on a picture, in order.
 
         Args:
             picture: uint8, shape ``(height, width, 3)``.
             sheet: An empty sheet of its size.
-            box: Where the world is on it.
-            layout: Where things are on it.
-            marks: The marks, all of one layer: texts come last.
+            box: Box of the world on the picture.
+            layout: Layout of the picture.
+            marks: The marks of one layer; texts are painted last.
         """
         for mark in marks:
             if isinstance(mark, LineMark):
@@ -98,7 +98,7 @@ class MarkPainter:
                     self._add_way(sheet, box, part + place, mark.width, LINE_STYLES["solid"], closed=False)
                 else:
                     add_polygon(sheet, box, part + place, 0, len(part))
-            if ink[3] < 1.0:  # opaque ones may become one area
+            if ink[3] < 1.0:  # opaque marks can share one area
                 paint(picture, sheet, box, ink, False)
         paint(picture, sheet, box, ink, False)
 
@@ -121,7 +121,7 @@ class MarkPainter:
 
 
 def marks_by_layer(overlay: Overlay) -> Iterator[tuple[float, list[Mark]]]:
-    """Yield layers and their marks, the lowest first."""
+    """Yield layers with their marks, the lowest first."""
     found: dict[float, list[Mark]] = {}
     for mark in overlay.marks:
         found.setdefault(mark.layer, []).append(mark)

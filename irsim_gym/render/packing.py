@@ -1,4 +1,4 @@
-"""Compact forms of what is kept: frames in memory, and rows of numbers as short JSON."""
+"""Compact storage: compressed frames in memory, and tables of numbers as short JSON."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 from irsim_gym.arraytypes import Bytes, Floats
 
 METRE, RADIAN = 1e-3, 1e-4
-"""Units in which a replay holds lengths and angles; half of one is the largest error."""
+"""Units of lengths and angles in a replay; the maximum error is half a unit."""
 
 
 @dataclass(frozen=True)
 class PackedFrame:
-    """A compressed picture; flat colours leave a few percent of it.
+    """A compressed picture; with flat colours, it needs a few percent of the memory.
 
     Attributes:
         shape: Its height, width and number of channels.
@@ -34,21 +34,21 @@ class PackedFrame:
         return cls(frame.shape, zlib.compress(frame.tobytes(), 1))
 
     def frame(self) -> Bytes:
-        """Return the picture; it cannot be written."""
+        """Return the picture, read-only."""
         return np.frombuffer(zlib.decompress(self.content), np.uint8).reshape(self.shape)
 
 
 def packed(rows: ArrayLike, unit: float, *, still: bool = True) -> dict[str, Any]:
-    """Return numbers as a unit and whole numbers, differences along the first axis.
+    """Return numbers as a unit and whole-numbered differences along the first axis.
 
     Args:
-        rows: Shape ``(n,)`` or ``(n, width)``; NaN where there is none.
-        unit: What the numbers are rounded to.
-        still: Let one row stand for any number of equal ones.
+        rows: Numbers, shape ``(n,)`` or ``(n, width)``; NaN for missing ones.
+        unit: Unit to which the numbers are rounded.
+        still: Whether to store only one row if all rows are equal.
 
     Returns:
-        ``unit``, ``width``, and ``values``: row after row, None for NaN. A difference is taken from the latest number
-        of its column, or from 0.
+        ``unit``, ``width``, and ``values``: the rows concatenated, with None for NaN. A difference is relative to the
+        latest number of its column, or to 0.
     """
     table = np.asarray(rows, np.float64)
     table = table.reshape(len(table), -1)

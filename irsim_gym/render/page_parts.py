@@ -1,4 +1,4 @@
-"""The parts of pages for a browser: files of script and style, and data, all within one file."""
+"""Builds HTML pages from scripts, styles and data, each page as one file."""
 
 from __future__ import annotations
 
@@ -12,47 +12,47 @@ from pathlib import Path
 from typing import Any
 
 PLAYER = ("data", "primitives", "world", "chart", "player", "input")
-"""Scripts of the player, in the order in which they need each other."""
+"""Scripts of the player, in the order of their dependencies."""
 HELD = re.compile(r'<script type="application/octet-stream" id="([\w-]+)">([^<]*)</script>')
 
 
 def page_part(name: str, package: str = "irsim_gym.render") -> str:
-    """Return a file of a package's folder ``page``."""
+    """Return the text of a file in a package's folder ``page``."""
     return (files(package) / "page" / name).read_text(encoding="utf-8")
 
 
 def player_parts() -> dict[str, str]:
-    """Return the player's ``style``, ``player`` (its elements) and ``script``, which plays nothing by itself."""
+    """Return the player's ``style``, ``player`` (its elements) and ``script``, which starts nothing by itself."""
     script = "\n".join(page_part(f"{name}.js") for name in PLAYER)
     return {"style": page_part("page.css"), "player": page_part("player.html"), "script": script}
 
 
 def whole_page(parts: Mapping[str, str]) -> str:
-    """Return a page: ``title``, ``style``, ``kind`` (attributes of the body), ``body``, ``data`` and ``script``."""
+    """Return a page from ``title``, ``style``, ``kind`` (attributes of the body), ``body``, ``data`` and ``script``."""
     return filled(page_part("page.html"), parts)
 
 
 def filled(page: str, parts: Mapping[str, str]) -> str:
-    """Return a page with its parts in the places ``{{name}}``."""
+    """Return a page with its parts in place of ``{{name}}``."""
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], page)
 
 
 def held(name: str, text: str) -> str:
-    """Return what a page holds data by; ``held_data`` finds it again."""
+    """Return the element that embeds data in a page; ``held_data`` reads it."""
     return f'<script type="application/octet-stream" id="{name}">{text}</script>'
 
 
 def held_data(path: Path) -> dict[str, str]:
-    """Return all that a page holds, by name."""
+    """Return all data that a page embeds, by name."""
     return dict(HELD.findall(path.read_text(encoding="utf-8")))
 
 
 def deflated(data: object) -> str:
-    """Return plain data as JSON, deflated and in base64: letters that a page can hold anywhere."""
+    """Return plain data as JSON, deflated and in base64, which needs no escaping in a page."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 def inflated(text: str) -> Any:
-    """Return the data that ``deflated`` has packed."""
+    """Return the data that ``deflated`` packed."""
     return json.loads(zlib.decompress(base64.b64decode(text)))

@@ -1,4 +1,4 @@
-"""A strip below a picture: what a person has to know, and which keys do what."""
+"""A strip below a picture with status texts and the meaning of keys."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import fonts, theme
 
 SIZE, GAP, PAD, ROW = 11.5, 12.0, 4.0, 21.0
-"""Height of the type, room between two keys, within a key's frame, and from row to row [pixel], without enlargement."""
+"""Type size, gap between keys, padding of a key, and row height [pixel], without enlargement."""
 Word = tuple[str, str]
-"""A text and its colour."""
+"""A text with its colour."""
 
 
 @dataclass(frozen=True)
 class Told:
-    """What the strip says.
+    """The status texts of the strip.
 
     Attributes:
-        left: Words of the first row, from the left.
-        right: Words at its end.
+        left: Words at the left of the first row.
+        right: Words at its right end.
     """
 
     left: tuple[Word, ...] = ()
@@ -31,11 +31,11 @@ class Told:
 
 
 class Panel:
-    """Draws a row of words and rows of keys below pictures of one width.
+    """Draws a row of words and rows of keys below pictures of a fixed width.
 
     Args:
         width: Width of the pictures [pixel].
-        keys: What keys do: the key, and its effect.
+        keys: Keys with their effects.
         enlargement: Size of the type relative to that for a picture of 600 x 600.
     """
 
@@ -50,7 +50,7 @@ class Panel:
         self._known: tuple[Told, Bytes] = Told(), np.asarray(self._base)
 
     def below(self, picture: Bytes, told: Told) -> Bytes:
-        """Return a picture ``(height, width, 3)`` with the strip below it; its height is even."""
+        """Return a picture ``(height, width, 3)`` with the strip, of even height, below it."""
         if told != self._known[0]:
             self._known = told, np.asarray(self._with_words(told))
         return np.concatenate([picture, self._known[1]])
@@ -59,7 +59,7 @@ class Panel:
         return float(self._type.getlength(text))
 
     def _rows(self, keys: Sequence[tuple[str, str]]) -> list[list[tuple[str, str]]]:
-        """Return the keys row by row, as many in each as fit."""
+        """Return the keys in rows, with as many per row as fit."""
         rows: list[list[tuple[str, str]]] = [[]]
         left = 0.0
         for key, effect in keys:
@@ -72,7 +72,7 @@ class Panel:
         return rows
 
     def _empty(self, rows: list[list[tuple[str, str]]]) -> Image.Image:
-        """Return the strip with its keys, without words."""
+        """Return the strip with keys but without words."""
         scale = self._scale
         height = round((ROW * (len(rows) + 1) + 14) * scale)
         image = Image.new("RGB", (self._width, height + height % 2), theme.PAPER)

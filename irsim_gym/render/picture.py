@@ -1,4 +1,4 @@
-"""Pictures that notebooks show by themselves."""
+"""Pictures that notebooks display."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ RGB = 3
 
 
 class NotebookPicture(np.ndarray[Any, Any]):
-    """An array that Jupyter and IPython show as the picture it holds, as the last expression of a cell.
+    """An array that Jupyter and IPython display as a picture.
 
-    In all else it is a NumPy array. What is cut out of it is shown too as long as it is uint8 ``(height, width, 3)``,
-    and as numbers otherwise; what is computed from it is a plain array.
+    Otherwise it is a NumPy array. Slices are displayed as pictures if they are uint8 ``(height, width, 3)``, else as
+    numbers. Results of computations are plain arrays.
     """
 
     __array_priority__: ClassVar[float] = -1.0
@@ -35,7 +35,7 @@ class NotebookPicture(np.ndarray[Any, Any]):
 
 
 class PictureList(list[Bytes]):
-    """Pictures that followed one another, which Jupyter and IPython show as a film.
+    """Successive pictures, which Jupyter and IPython display as a film.
 
     Args:
         pictures: uint8, shape ``(height, width, 3)`` each.
@@ -47,7 +47,7 @@ class PictureList(list[Bytes]):
         self.fps = fps
 
     def _repr_html_(self) -> str | None:
-        """Return the film as HTML, whole: H.264 with the last picture as its poster; None without a picture."""
+        """Return the film as self-contained HTML, H.264 with the last picture as poster; None without pictures."""
         if not self or not all(is_picture(picture) and picture.shape == self[0].shape for picture in self):
             return None
         from irsim_gym.render.video import write_video

@@ -1,4 +1,4 @@
-"""What frames show, and in which order: the styles of a scenario as records, made once."""
+"""The plan of frames: the items to draw, in order, as records made once from a scenario's styles."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FORMS = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE, "linestring":
 WHITE = np.array([255.0, 1.0])
 RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
 DRAWN_BY_KIND = ("shadows", "fixed", "bodies", "headings", "fields", "ghosts")
-"""Ranks of a body's shapes that have kernels of their own; all others are drawn as the vocabulary describes them."""
+"""Ranks of a body's shapes with kernels of their own; other shapes are drawn as the vocabulary describes them."""
 
 Key = tuple[float, int, int, float]
 Item = tuple[Key, np.void]
@@ -36,18 +36,18 @@ Rows = NDArray[np.void]
 
 
 class Plan:
-    """The records of one simulation.
+    """The items of one simulation.
 
     Attributes:
-        ground: What never moves and has nothing below it.
-        live: What is drawn anew for each picture.
-        layers: The layers of these, ascending.
-        covered: The highest layer of what is on the ground; marks from there on lie over it.
+        ground: Items that never move and lie below all others.
+        live: Items that are drawn anew for each picture.
+        layers: Layers of the live items, ascending.
+        covered: The highest layer of the ground; marks in this layer or above lie over it.
         scans: The sensors.
         groups: Their groups, in the order of their readings.
         angles: Directions of all beams [rad].
-        has_speeds: Some sensor measures radial velocities.
-        flagged: Which bodies' goals are shown.
+        has_speeds: Whether a sensor measures radial velocities.
+        flagged: Whether each body's goal is shown.
         corners: Corners of shapes, see ``records.Prints``.
     """
 
@@ -95,7 +95,7 @@ class Plan:
         return sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
 
     def _item(self, kind: int, body: int = -1, *, colours: Sequence[Colour] = (), **fields: Any) -> np.void:
-        """Return a record; widths are points here and pixels there."""
+        """Return a record; widths are given in points and stored in pixels."""
         item = np.zeros(1, records.ITEM)
         item["every"], item["box"] = 1, records.WORLD
         item["kind"], item["body"] = kind, body
@@ -123,7 +123,7 @@ class Plan:
         )
 
     def _fixed_items(self, body: int) -> Iterator[Item]:
-        """Yield what a body that never moves looks like, with its shadow."""
+        """Yield the items of a body that never moves, with its shadows."""
         style = self._styles[body]
         look: dict[str, Any] = {"box": records.WALLS, "snapped": True}
         if body in self._images:
@@ -137,7 +137,7 @@ class Plan:
         yield (style.order, RANKS["fixed"], 2, 0.0), self._footprint(records.FOOTPRINT, body, style, **look)
 
     def _body_items(self) -> Iterator[Item]:
-        """Yield footprints of what moves, and of all bodies headings, impacts, fields of view and labels."""
+        """Yield footprints of moving bodies, and headings, impacts, fields of view and labels of all bodies."""
         model, order = self._model, self._ordered()
         for body in order:
             style, wall = self._styles[body], records.WALLS
@@ -228,8 +228,8 @@ class Plan:
         Args:
             body: The body.
             where: ``records.AT_BODY`` or ``AT_GOAL``.
-            figure: The shape; one at a goal with a tolerance of 1 m.
-            farther: Its chains for a tolerance of 2 m.
+            figure: The shape; at a goal, that for a tolerance of 1 m.
+            farther: The shape's chains for a tolerance of 2 m.
         """
         shape, pen = figure.shape, figure.pen
         count = len((shape.chains or shape.offsets)[0])
@@ -338,12 +338,12 @@ class Plan:
 
 
 def ink_of(ink: Ink | None) -> Colour:
-    """Return a colour of the vocabulary; nothing is seen of None."""
+    """Return a colour of the vocabulary; None gives a transparent one."""
     return CLEAR if ink is None else shade(ink.colour, ink.brightness, ink.opacity)
 
 
 def _goal(style: BodyStyle, tolerance: float, arrived: bool) -> list[Figure]:
-    """Return the shapes of a goal at the origin with a tolerance [m], and with a later goal."""
+    """Return the shapes of a goal at the origin with a tolerance [m] and a later goal."""
     view = GoalView(0.0, 0.0, 0.0, tolerance, np.zeros((1, 2)), arrived, "", style)
     return [primitive for primitive in vocabulary.goal(view) if isinstance(primitive, Figure)]
 
@@ -356,7 +356,7 @@ def _empty_view(style: BodyStyle) -> DrawnBody:
 
 
 def _table(rows: Sequence[Item]) -> Rows:
-    """Return records in the order of their keys."""
+    """Return the records sorted by their keys."""
     table = np.zeros(len(rows), records.ITEM)
     for number, (_, item) in enumerate(sorted(rows, key=lambda row: row[0])):
         table[number] = item
@@ -374,7 +374,7 @@ def _dot(masks: Masks, radius: float) -> int:
 
 
 def _flag(masks: Masks, point: float) -> int:
-    """Return the mask of a flag's pole; that of its pennant comes next."""
+    """Return the mask of a flag's pole; the next mask is that of its pennant."""
     pole, pennant = (np.array(part) * [point, -point] for part in (theme.FLAG_POLE, theme.FLAG_PENNANT))
     number = masks.drawn(
         10.0 * point,

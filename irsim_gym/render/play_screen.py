@@ -1,4 +1,4 @@
-"""What a person who plays sees: the world, how the episode stands, and what the keys do."""
+"""The screen of manual play: the world, the status of the episode, and the keys."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SEVERAL = (("alt 0-9", "robot"),)
 
 @dataclass(frozen=True)
 class Standing:
-    """How an episode stands, in words; ``recorded`` counts the episodes in the file, None without one."""
+    """The status of an episode, as text; ``recorded`` counts the episodes in the file, None without one."""
 
     level: str
     robot: str
@@ -45,12 +45,12 @@ class Standing:
 
 
 class PlayScreen:
-    """Shows the one world of an environment, with a strip of words and keys below.
+    """Shows the only world of an environment, with a strip of words and keys below.
 
     Args:
         renderer: Draws the world.
-        command_names: What the components of the robot's command are.
-        several: There are other robots to choose.
+        command_names: Names of the components of the robot's command.
+        several: Whether there are other robots to select.
     """
 
     def __init__(self, renderer: Renderer, command_names: Sequence[str], *, several: bool) -> None:
@@ -64,24 +64,24 @@ class PlayScreen:
         return self._renderer.frame(0, status)
 
     def picture(self, status: str, standing: Standing) -> Bytes:
-        """Return what the window shows, ``(height, width, 3)``."""
-        return self._panel.below(self.frame(status), _told(standing))
+        """Return the content of the window, ``(height, width, 3)``."""
+        return self._panel.below(self.frame(status), _status_words(standing))
 
     def seen(self) -> Layout:
-        """Return where the world is on the picture."""
+        """Return the layout of the picture."""
         return self._renderer.seen()
 
     def look_at(self, limits: Limits | None) -> None:
-        """Show another part of the world; None for the whole."""
+        """Show another part of the world; None for the whole world."""
         self._renderer.look_at(limits)
 
     def clear(self) -> None:
-        """Forget the paths, for the beginning of an episode."""
+        """Clear the paths at the start of an episode."""
         self._renderer.clear()
 
 
-def _told(standing: Standing) -> Told:
-    """Return the words of the strip."""
+def _status_words(standing: Standing) -> Told:
+    """Return the words for the strip."""
     if standing.message:
         return Told(((standing.message, theme.INK),))
     left: list[Word] = [(standing.robot, theme.INK)]

@@ -1,7 +1,7 @@
-"""The primitives of which pictures of a world consist, and the pens and shapes of which these consist.
+"""The primitives that make up pictures of a world, and their pens and shapes.
 
-A replay page's script draws each primitive by its class name and reads its fields by their names. Widths, type sizes
-and shifts are points of the figure unless they say [m].
+The script of a replay page selects a primitive by its class name and reads its fields by name. Widths, type sizes and
+shifts are typographic points unless marked as [m].
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ class Ink(NamedTuple):
     """A colour.
 
     Attributes:
-        colour: Its name, as matplotlib names colours; an opacity in it does not count.
+        colour: A name as in matplotlib; an opacity in it is ignored.
         opacity: Its opacity.
-        brightness: Share of its red, green and blue.
+        brightness: Factor of its red, green and blue.
     """
 
     colour: str
@@ -26,16 +26,16 @@ class Ink(NamedTuple):
 
 
 class Pen(NamedTuple):
-    """How a shape is drawn: its area first, then its edge.
+    """The style of a shape, whose area is drawn before its edge.
 
     Attributes:
         fill: Colour of its area; None for none.
         edge: Colour of its edge; None for none.
         width: Width of the edge; 0 for none.
         line: Line style of the edge: ``solid``, ``dashed``, ``dashdot`` or ``dotted``.
-        in_metres: The width is in metres.
-        cap: How open lines end, ``round`` or ``butt``.
-        filled_radius: The fill of a larger disc gets fainter with its area; 0 for a fill that stays as it is.
+        in_metres: Whether the width is in metres.
+        cap: Ends of open lines, ``round`` or ``butt``.
+        filled_radius: Radius above which the fill of a disc gets fainter with its area; 0 for a constant fill.
     """
 
     fill: Ink | None = None
@@ -48,14 +48,14 @@ class Pen(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """An outline in a frame of its own.
+    """An outline in its own frame.
 
     Attributes:
         chains: Chains of vertices [m], each of shape ``(n, 2)``; closed ones repeat the first vertex.
-        offsets: What is added to the vertices of each chain [point]; empty for chains in metres alone.
-        least: A vertex that is not at the origin is at least this far away before its offset is added [point].
+        offsets: Offsets of the vertices of each chain [point]; empty for none.
+        least: Minimum distance from the origin of vertices other than the origin, before the offset is added [point].
         discs: x, y, radius of discs [m], shape ``(n, 3)``.
-        sector: Width [rad] and radius [m] of a sector that looks ahead from the origin.
+        sector: Width [rad] and radius [m] of a sector at the origin, centred on the x axis.
         dot: Radius of a disc about the origin [point].
         boxes: x_min, y_min, x_max, y_max of rectangles along the axes [cell], shape ``(n, 4)``.
         cell: x, y of the first cell's corner, and width and height of a cell [m].
@@ -75,15 +75,15 @@ class Figure(NamedTuple):
     """A shape.
 
     Attributes:
-        rank: What it belongs to, see ``vocabulary.RANKS``.
+        rank: Its rank, see ``vocabulary.RANKS``.
         layer: Its layer.
-        pen: How it is drawn.
-        shape: What is drawn.
-        places: x, y [m] and, where it is turned, heading [rad] of each place, shape ``(n, 2)`` or ``(n, 3)``; None for
-            its body's pose, or the origin.
-        shift: How far it lies to the right and below.
-        turned: It points where its body is seen to head.
-        past: It stands where its body was at every n-th step, at so many of the latest; 0 for all.
+        pen: The pen.
+        shape: The shape.
+        places: x, y [m] and optionally heading [rad] of each place, shape ``(n, 2)`` or ``(n, 3)``; None for its body's
+            pose, or the origin.
+        shift: Shift to the right and downwards.
+        turned: Whether it points along its body's displayed heading.
+        past: For trails, the interval [steps] and the number of the latest past poses at which it is drawn; 0 for all.
     """
 
     rank: str
@@ -100,9 +100,9 @@ class Picture(NamedTuple):
     """An image in its body's frame.
 
     Attributes:
-        rank: What it belongs to.
+        rank: Its rank.
         layer: Its layer.
-        pixels: As of a ``scene.ImageView``.
+        pixels: Its pixels, see ``scene.ImageView``.
         box: x_min, y_min, x_max, y_max [m].
         alpha: Its opacity.
     """
@@ -115,13 +115,13 @@ class Picture(NamedTuple):
 
 
 class Way(NamedTuple):
-    """Where a body has been; one with a width in points fades towards its beginning.
+    """The path of a body; a path with a width in points fades towards its start.
 
     Attributes:
-        rank: What it belongs to.
+        rank: Its rank.
         layer: Its layer.
-        pen: How it is drawn.
-        length: So many of the latest positions are drawn; 0 for all.
+        pen: The pen.
+        length: Number of the latest positions to draw; 0 for all.
     """
 
     rank: str
@@ -131,7 +131,7 @@ class Way(NamedTuple):
 
 
 class SpeedInks(NamedTuple):
-    """The colours of radial velocities: the sign's, mixed with that of rest below the full speed [m/s]."""
+    """The colours of radial velocities: that of the sign, mixed with that of rest below the full speed [m/s]."""
 
     rest: Ink
     away: Ink
@@ -140,18 +140,18 @@ class SpeedInks(NamedTuple):
 
 
 class Beams(NamedTuple):
-    """What a range sensor sees.
+    """The beams of a range sensor.
 
     Attributes:
-        rank: What it belongs to.
-        layer: Its layer.
+        rank: Their rank.
+        layer: Their layer.
         form: ``area`` between the beams, ``rays``, or ``dots`` at their ends.
-        which: ``all`` beams, those that end on something (``hits``), those measured (``valid``), or the others
+        which: ``all`` beams, those that hit something (``hits``), those with a valid reading (``valid``), or the others
             (``free``).
-        pen: How they are drawn.
-        every: Of the beams every n-th is drawn.
+        pen: The pen.
+        every: Interval of drawn beams: every n-th.
         radius: Radius of the dots.
-        speeds: The colours of their radial velocities, in place of the pen's; None for none.
+        speeds: Colours of radial velocities, which replace that of the pen; None to use the pen.
     """
 
     rank: str
@@ -168,16 +168,16 @@ class Words(NamedTuple):
     """A text.
 
     Attributes:
-        rank: What it belongs to.
+        rank: Its rank.
         layer: Its layer.
         text: The words.
-        size: Their size.
-        ink: Their colour.
-        places: x, y [m], shape ``(1, 2)``; None for above its body, or below where it would stand on a goal's flag.
-        offset: Where it stands from its body's origin [m], in place of above it.
-        drop: How far it lies below its place.
-        align: What of it is at its place: ``left``, ``center`` or ``right``.
-        level: What of it is at its place: ``bottom`` or ``middle``.
+        size: Type size.
+        ink: Colour.
+        places: x, y [m], shape ``(1, 2)``; None for above its body, or below it if the text would cover a goal's flag.
+        offset: Offset from its body's origin [m]; None for above the body.
+        drop: Shift downwards from its place.
+        align: Horizontal alignment at its place: ``left``, ``center`` or ``right``.
+        level: Vertical alignment at its place: ``bottom`` or ``middle``.
     """
 
     rank: str
@@ -193,10 +193,10 @@ class Words(NamedTuple):
 
 
 class Cover(NamedTuple):
-    """The fog over what nobody has seen.
+    """The fog over unseen cells.
 
     Attributes:
-        rank: What it belongs to.
+        rank: Its rank.
         layer: Its layer.
         ink: Its colour.
     """

@@ -1,4 +1,4 @@
-"""Reads a scene from the arrays of a simulation; it writes nothing."""
+"""Reads scenes from the arrays of a simulation, without changing them."""
 
 from __future__ import annotations
 
@@ -33,20 +33,21 @@ if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
 PARTS, MOST_PARTS = 12, 4_000_000
-"""Into how many parts along each side a cell is divided to show a disc in it, and how many parts a map may have."""
+"""Number of parts per side into which a cell is divided to show its disc, and maximum number of parts of a map."""
 
 
 class SceneReader:
     """Makes scenes of one simulation.
 
     Args:
-        scenario: What is simulated, for names and plot options.
-        model: Its constants.
+        scenario: The scenario, for names and plot options.
+        model: Constants of the simulation.
         state: Its present state.
         sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
-        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
-        trails: Where bodies have been, of ``trailing(scenario.bodies, learners)``; by default where scenes were read.
-        explored: Which cells of the world somebody has seen, shape ``(n_worlds, n_columns, n_rows)``; None for no fog.
+        learners: Bodies whose goals and trajectories are drawn by default.
+        trails: Past poses of the bodies ``trailing(scenario.bodies, learners)``; by default those at which scenes were
+            read.
+        explored: Cells of the world that robots have seen, shape ``(n_worlds, n_columns, n_rows)``; None for no fog.
     """
 
     def __init__(
@@ -84,7 +85,7 @@ class SceneReader:
         self._scans = [ScanReader(group, self._styles) for group in ranging]
 
     def read(self, world: int, status: str = "") -> Scene:
-        """Return what world number ``world`` looks like now, and note where its bodies are for their trails."""
+        """Return the present scene of a world, and record the poses of its bodies for trails."""
         model, state = self._model, self._state
         self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         present = model.present[world]
@@ -99,7 +100,7 @@ class SceneReader:
             status=status or self.status(world),
             fixed=fixed,
             moving=moving,
-            struck=self._struck(world, fixed + moving),
+            struck=self._colliding_views(world, fixed + moving),
             goals=goals,
             scans=tuple(view for scans in self._scans for view in scans.read(world, state.pose[world], present)),
             trails=self._tracks.paths(world, present),
@@ -113,11 +114,11 @@ class SceneReader:
         )
 
     def clear(self, world: int | None = None) -> None:
-        """Forget the trails of one world, or of all."""
+        """Clear the trails of one world, or of all worlds."""
         self.trails.clear(None if world is None else np.array([world]))
 
     def lay_over(self, world: int, overlay: Overlay) -> None:
-        """Let scenes of a world have these marks from now on."""
+        """Set the marks over a world for later scenes."""
         self._overlays[world] = overlay
 
     def overlay(self, world: int) -> Overlay:
@@ -125,7 +126,7 @@ class SceneReader:
         return self._overlays.get(world, NOTHING)
 
     def status(self, world: int) -> str:
-        """Return IR-SIM's status: arrived when all robots have, else collision when one collides, else running."""
+        """Return IR-SIM's status: arrived if all robots have arrived, else collision if one collides, else running."""
         state = self._state
         robots = self._robots[self._model.present[world, self._robots]]
         if len(robots) and bool(state.arrived[world, robots].all()):
@@ -133,14 +134,14 @@ class SceneReader:
         return "collision" if bool(state.collided[world, robots].any()) else "running"
 
     def _fixed_views(self, world: int, present: Flags) -> tuple[DrawnBody, ...]:
-        """Return the views of the fixed bodies: while one world is read, the same tuple until an outline changes."""
+        """Return views of the fixed bodies: for reads of the same world, the same tuple until an outline changes."""
         bodies = [body for body in self._fixed_bodies if present[body]]
         key = world, self._bodies.signature(world, bodies)
         if key != self._fixed[0]:
             self._fixed = key, tuple(self._bodies.view(world, body) for body in bodies)
         return self._fixed[1]
 
-    def _struck(self, world: int, views: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
+    def _colliding_views(self, world: int, views: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
         state = self._state
         robots = self._robots[state.collided[world, self._robots]]
         bodies = {*robots.tolist(), *state.hit[world, robots].tolist()}
@@ -175,7 +176,7 @@ class SceneReader:
         return tuple(views)
 
     def map_view(self, world: int) -> MapView | None:
-        """Return the occupancy map: while one world is read, the same object until its map changes."""
+        """Return the occupancy map: for reads of the same world, the same object until the map changes."""
         x, y, width, height, body = self._model.map_frame.item()
         if body < 0:
             return None
@@ -191,7 +192,7 @@ class SceneReader:
         return self._map[1]
 
     def _fog_view(self, world: int) -> FogView | None:
-        """Return the fog over the world: while one world is read, the same object until somebody sees more of it."""
+        """Return the fog over the world: for reads of the same world, the same object until the seen area changes."""
         if self._explored is None:
             return None
         explored = self._explored[world]
@@ -201,17 +202,17 @@ class SceneReader:
         return self._fog[1]
 
     def center(self, world: int) -> tuple[float, float] | None:
-        """Return the point that stays in the middle of the picture."""
+        """Return the point in the middle of the picture; None to show the whole world."""
         if not isinstance(self._viewpoint, str):
             return self._viewpoint
         if self._viewpoint not in self._names:
-            return None  # it was taken out of the world by hand
+            return None  # the body was removed by a script
         x, y, _ = self._state.pose[world, self._names.index(self._viewpoint)]
         return float(x), float(y)
 
 
 def discs_in(occupied: Flags, radius_x: float, radius_y: float) -> Flags:
-    """Return a finer map, in which occupied cells are discs in their middles; radii in widths and heights of a cell."""
+    """Return a finer map with discs in the middle of occupied cells; radii are in widths and heights of a cell."""
     parts = max(min(PARTS, int(math.sqrt(MOST_PARTS / occupied.size))), 1)
     middles = (np.arange(parts) + 0.5) / parts - 0.5
     disc = (middles[:, None] / radius_x) ** 2 + (middles[None, :] / radius_y) ** 2 <= 1.0

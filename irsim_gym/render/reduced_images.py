@@ -1,4 +1,4 @@
-"""Images of bodies, reduced to the size that they have on a frame."""
+"""Images of bodies, reduced to their size on a frame."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Images:
 
     Attributes:
         number: Number of each body's image.
-        pixels: Colours, with the opacity multiplied into them, and opacities of all images, shape ``(n_pixels, 4)``.
+        pixels: Colours, premultiplied with the opacity, and opacities of all images, shape ``(n_pixels, 4)``.
         rows: First entry, width and height of each image, shape ``(n_images, 3)``.
 
     Args:
-        scenario: What is simulated.
+        scenario: The scenario.
         scale: Pixels per metre.
     """
 
@@ -51,7 +51,7 @@ class Images:
 
 
 def _size(outline: Outline, scale: float) -> tuple[int, int] | None:
-    """Return length and width of a footprint [pixel], the largest that a level may give it; None without one."""
+    """Return length and width of a footprint [pixel], the largest of all levels; None for an empty footprint."""
     extent = box(outline.segments, outline.discs)
     if extent is None:
         return None
@@ -59,7 +59,7 @@ def _size(outline: Outline, scale: float) -> tuple[int, int] | None:
 
 
 def _reduced(pixels: Bytes, size: tuple[int, int], alpha: float) -> Bytes:
-    """Return an image of another size, with its opacity in it, shape ``(n_pixels, 4)``."""
+    """Return a resized image with premultiplied opacity, shape ``(n_pixels, 4)``."""
     faded = pixels.copy()
     faded[..., 3] = np.rint(faded[..., 3] * alpha)
     image = Image.fromarray(faded).convert("RGBa").resize(size, Image.Resampling.HAMMING)

@@ -1,4 +1,4 @@
-"""Frames of a simulation's worlds, drawn by compiled kernels, and figures of them in files."""
+"""Renders frames of a simulation's worlds with compiled kernels, and writes figures of them."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
 
 
 class Renderer:
-    """Pictures of a simulation's worlds. It only reads, and costs nothing until the first frame.
+    """Draws pictures of a simulation's worlds. It only reads, and costs nothing before the first frame.
 
     Args:
-        scenario: What is simulated, for names, colours and plot options.
-        model: The simulation's constants.
+        scenario: The scenario, for names, colours and plot options.
+        model: Constants of the simulation.
         state: Its present state.
         sensors: Its sensor groups.
-        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
-        size: Width and height of the frames in pixels, made even; None for ``figure_pixels`` where the
-            scenario sets it, else for what the world's proportions ask for (600 x 600 for a square).
-        trails: Where bodies have been, kept by who steps the worlds; by default paths and trails go through the poses
-            at which frames were drawn.
-        explored: Which cells of the world its robots have seen (``Simulation.explored``); what is left lies in fog.
-        share: Divides the work of ``frames`` among threads, as ``Shards.run`` of the engine does; None for one thread.
+        learners: Bodies whose goals and trajectories are drawn by default.
+        size: Width and height of the frames in pixels, rounded to even numbers; None for the scenario's
+            ``figure_pixels``, or else for a size by the proportions of the world (600 x 600 for a square).
+        trails: Past poses of bodies, recorded by the caller at each step; by default, the poses at which frames were
+            drawn.
+        explored: Cells of the world that its robots have seen (``Simulation.explored``); the others lie in fog.
+        share: Divides the work of ``frames`` among threads, like ``Shards.run`` of the engine; None for one thread.
             Frames do not depend on it.
     """
 
@@ -66,53 +66,53 @@ class Renderer:
 
     @property
     def layout(self) -> Layout:
-        """Where the world is on a frame; with a viewpoint, on one that shows the whole world."""
+        """The layout of a frame; with a viewpoint, that of a frame that shows the whole world."""
         return self._whole if self._looked_at is None else self._whole.showing(self._looked_at)
 
     @property
     def trails(self) -> Trails:
-        """Where bodies have been."""
+        """Past poses of bodies."""
         return self._reader.trails
 
     def seen(self, world: int = 0) -> Layout:
-        """Return where the world is on a frame of it that is drawn now, also with a viewpoint."""
+        """Return the layout of a frame that is drawn now, which follows a viewpoint."""
         center = None if self._looked_at is not None else self._reader.center(world)
         return self.layout if center is None else self._whole.centred(*center)
 
     def look_at(self, limits: Limits | None) -> None:
-        """Show another part of the world from now on, in frames and in figures.
+        """Set the part of the world that later frames and figures show.
 
         Args:
-            limits: That part [m]: x_min, y_min, x_max, y_max; None for what the scenario says. Where its proportions
-                are not those of the drawing area, more is shown on both sides.
+            limits: The part [m]: x_min, y_min, x_max, y_max, enlarged to the proportions of the drawing area; None for
+                the default of the scenario.
 
         Raises:
-            OptionError: The numbers bound no area.
+            OptionError: If the limits are not finite or not increasing.
         """
         self._looked_at = None if limits is None else self._whole.showing(limits).limits
 
     def lay_over(self, overlay: Overlay, world: int = 0) -> None:
-        """Draw marks over a world from now on, in frames and in figures."""
+        """Set the marks over a world in later frames and figures."""
         self._reader.lay_over(world, overlay)
 
     def scene(self, world: int = 0, status: str = "") -> Scene:
-        """Return what a frame of the world would show, as data."""
+        """Return the content of a frame of the world, as data."""
         return self._reader.read(world, status)
 
     def clear(self, world: int | None = None) -> None:
-        """Forget the trails of one world, or of all; for the beginning of an episode."""
+        """Clear the trails of one world, or of all worlds, at the start of an episode."""
         self._reader.clear(world)
 
     def frame(self, world: int = 0, status: str = "") -> Bytes:
         """Draw a world.
 
         Args:
-            world: Its index.
-            status: How its episode stands: ``running``, ``success``, ``collision``, ``timeout``, ``left_world``
-                or any other text; the outcomes tint the frame. Read from the state when empty.
+            world: Index of the world.
+            status: Status of its episode: ``running``, ``success``, ``collision``, ``timeout``, ``left_world`` or any
+                other text; outcomes tint the frame. Empty to derive it from the state.
 
         Returns:
-            The picture, uint8, shape ``(height, width, 3)``; the caller's own, never written again.
+            The picture, uint8, shape ``(height, width, 3)``, a fresh array.
         """
         picture: Bytes = self.frames([world], [status])[0]
         return picture
@@ -121,14 +121,14 @@ class Renderer:
         """Draw several worlds.
 
         Args:
-            worlds: Their indices.
-            statuses: How their episodes stand, one for each, see ``frame``; none to read all from the state.
+            worlds: Indices of the worlds.
+            statuses: Status of each episode, see ``frame``; empty to derive all from the state.
 
         Returns:
             The pictures, uint8, shape ``(n, height, width, 3)``.
 
         Raises:
-            ValueError: There are not as many statuses as worlds.
+            ValueError: If the numbers of statuses and worlds differ.
         """
         chosen, given = np.array(worlds, np.int64), list(statuses) or [""] * len(worlds)
         if len(given) != len(chosen):
@@ -146,9 +146,9 @@ class Renderer:
 
         Args:
             path: File to write: ``.png``, ``.pdf``, ``.svg`` or another format that matplotlib writes.
-            world: Its index.
-            status: As for ``frame``.
-            dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
+            world: Index of the world.
+            status: Status of its episode, as for ``frame``.
+            dots_per_inch: 100 for the size of a frame, 200 for twice the width and height in pixels.
         """
         from irsim_gym.render.figure import Frame, save_figure
 
@@ -157,11 +157,11 @@ class Renderer:
         save_figure(scene, self.seen(world), around, path, plot.saved_figure, dots_per_inch)
 
     def close(self) -> None:
-        """Free the memory that frames are drawn with; a later frame makes it anew."""
+        """Free the memory for drawing frames; a later frame allocates it again."""
         self._painter = None
 
     def _painter_for(self, lowest: float) -> FramePainter:
-        """Return the painter, a new one where a mark lies below what the present one takes for ground."""
+        """Return the painter, or a new one if a mark lies below the ground of the present one."""
         if self._painter is None or lowest < self._painter.covered:
             self._painter = FramePainter(
                 self._scenario,

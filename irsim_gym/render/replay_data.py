@@ -1,4 +1,4 @@
-"""A recorded episode as plain data, for a page that plays it back."""
+"""Records an episode as plain data, for a page that replays it."""
 
 from __future__ import annotations
 
@@ -21,42 +21,42 @@ if TYPE_CHECKING:
 TIME = 1e-4
 VALUE = 1e-6
 ENDLESS = 1e6
-"""A larger number of an agent, such as the clearance in an empty world, is left out."""
+"""Limit for values of agents; larger ones, such as the clearance in an empty world, are omitted."""
 
 
 class Recording:
-    """How one episode looked at each of its moments, and how its agents fared.
+    """A recording of one episode: its scenes, and the values of its agents.
 
-    ``data`` returns what a page plays; `irsim_gym.render.replay_page` writes it. It is plain JSON; tables of numbers
-    are packed (`irsim_gym.render.packing`), and what changes seldom is a list of ``[moment, value]``, one for each
-    change:
+    ``data`` returns the content of a page, which `irsim_gym.render.replay_page` writes. It is plain JSON. Tables of
+    numbers are packed (`irsim_gym.render.packing`), and values that change seldom are lists of ``[moment, value]``, one
+    for each change:
 
-    - ``name``: its name in a list of episodes; ``details``: other facts, words by name;
-    - ``title``: the picture's heading; ``bounds``: the world's rectangle [m]; ``look``: ``axis``, ``title`` (there is a
-      line above), ``titled`` (it is a title alone); ``center``: the point in the middle of the picture, or None;
+    - ``name``: its name in the list of episodes; ``details``: further facts, text by name;
+    - ``title``: heading of the picture; ``bounds``: the world's rectangle [m]; ``look``: ``axis``, ``title`` (whether
+      there is a line above), ``titled`` (whether it is only a title); ``center``: the point in the middle of the
+      picture, or None;
     - ``count``: number of moments; ``time`` of each [s];
-    - ``status``, and ``titles`` (what a script wrote above the world, or None): changes; ``tones``: the colour of each
-      status;
-    - ``bodies``: ``name``, ``fixed``, ``shape`` (number of the outline), and ``poses``: x, y, then heading and what the
-      mark of the heading is turned by; None where the body is not there;
+    - ``status`` and ``titles`` (titles set by a script, or None): changes; ``tones``: the colour of each status;
+    - ``bodies``: ``name``, ``fixed``, ``shape`` (number of the outline), and ``poses``: x, y, then heading and turn of
+      the heading's mark; None while the body is absent;
     - ``scans``: ``body``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading), ``speeds``; a range
       from above ``near`` to below ``far`` is a hit;
     - ``fog``: the cells that no robot has seen, see ``FogTrack``, or None;
-    - ``items``: what is drawn, the lowest first: ``rank`` (of `irsim_gym.render.vocabulary`), ``draw`` (a primitive of
-      the page's script), and what that one reads: ``pen``, ``shape``, ``body`` and ``scan`` by number, ``places``
-      (x, y and perhaps heading), ``spans`` (first moment, end, first moment, end...) of those not always seen;
-    - ``agents``: ``name``, ``outcome`` (changes), and at each moment ``values``, ``action`` and ``terms`` of the
+    - ``items``: the drawn items, the lowest first: ``rank`` (of `irsim_gym.render.vocabulary`), ``draw`` (a primitive
+      of the page's script) and its fields: ``pen``, ``shape``, ``body`` and ``scan`` by number, ``places`` (x, y and
+      optionally heading), ``spans`` (first moment, end, first moment, end...) of items that are not always visible;
+    - ``agents``: ``name``, ``outcome`` (changes), and for each moment ``values``, ``action`` and ``terms`` of the
       reward.
 
     Args:
-        scenario: What is simulated, for its drawing options.
-        agents: Names of the robots whose numbers are recorded.
-        details: Other facts, such as the policy and the level.
+        scenario: The scenario, for its drawing options.
+        agents: Names of the robots whose values are recorded.
+        details: Further facts, such as the policy and the level.
 
     Attributes:
-        name: Its name in a list of episodes.
+        name: Its name in the list of episodes.
         look: ``axis``, ``title``, ``titled``, see above.
-        saved_figure: Resolution, margins and background of pictures of it.
+        saved_figure: Resolution, margins and background of saved figures.
     """
 
     def __init__(
@@ -84,41 +84,41 @@ class Recording:
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """Names of the robots whose numbers are recorded."""
+        """Names of the robots whose values are recorded."""
         return self._agents
 
     @property
     def times(self) -> Sequence[float]:
-        """The moments [s]."""
+        """The times of the moments [s]."""
         return self._times
 
     @property
     def last(self) -> Scene:
-        """What the last moment looked like.
+        """The scene of the last moment.
 
         Raises:
-            ValueError: Nothing was noted.
+            ValueError: If nothing was recorded.
         """
         if self._last is None:
             raise ValueError("nothing was recorded")
         return self._last
 
     def moving(self, moment: int) -> dict[str, DrawnBody]:
-        """Return by name the bodies that can move and were there, as they stood at a moment."""
+        """Return the movable bodies that are present at a moment, by name."""
         tracks = (track for tracks in self._bodies.values() for track in tracks if not track.fixed)
         return {view.name: view for track in tracks if (view := track.view(moment)) is not None}
 
     def note(self, scene: Scene, poses: Floats, values: Sequence[Mapping[str, object]] = ()) -> None:
-        """Add a moment.
+        """Record a moment.
 
         Args:
-            scene: What a frame would show.
+            scene: The scene.
             poses: Poses of the bodies [m, m, rad], by id, shape ``(n_bodies, 3)``.
-            values: For each agent its ``outcome`` (text), numbers by any names, and, where there are such, ``action``
-                (numbers) and ``terms`` (numbers by name).
+            values: For each agent, its ``outcome`` (text), numbers by any names, and optionally ``action`` (numbers)
+                and ``terms`` (numbers by name).
 
         Raises:
-            ValueError: There are not as many values as agents.
+            ValueError: If the numbers of values and agents differ.
         """
         if len(values) != len(self._agents):
             raise ValueError(f"values of {len(self._agents)} agents are needed, got {len(values)}")
@@ -150,17 +150,17 @@ class Recording:
         self._last = scene
 
     def redraw(self, scene: Scene) -> None:
-        """Take other marks for the latest moment: those of this scene."""
+        """Replace the marks of the latest moment by those of a scene."""
         self._overlays[-1], self._last = scene.overlay, scene
 
     def data(self, shared: SharedItems | None = None) -> dict[str, Any]:
         """Return the episode as JSON.
 
         Args:
-            shared: Where its pens, shapes and pictures go, to which it refers by number.
+            shared: Receives its pens, shapes and pictures, which it refers to by number.
 
         Raises:
-            ValueError: Nothing was noted.
+            ValueError: If nothing was recorded.
         """
         last, count, shared = self.last, len(self._times), shared or SharedItems()
         centers, bodies = np.array(self._centers), [track for tracks in self._bodies.values() for track in tracks]
@@ -187,7 +187,7 @@ class Recording:
         }
 
     def _items(self, bodies: Sequence[BodyTrack], items: Items) -> Items:
-        """Add all that is drawn."""
+        """Add all items."""
         for view, spans in self._maps.things.values():
             items.add(map_figure(view), spans=spans)
         for tone, spans in self._outcomes.things.values():
@@ -218,7 +218,7 @@ class Recording:
                 self._track(view, fields.get(id(view.style)), fixed).note(view, poses[view.body], moment)
 
     def _track(self, view: DrawnBody, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
-        """Return where a body's poses go; one whose outline has changed is another body."""
+        """Return the track for a body's poses; a body whose outline has changed gets a new one."""
         tracks = self._bodies.setdefault(view.name, [])
         if not tracks or not tracks[-1].fits(view):
             tracks.append(BodyTrack(view, field, fixed=fixed))
@@ -252,17 +252,17 @@ class Recording:
 
 
 def _series(values: Iterable[Any]) -> dict[str, Any]:
-    """Pack the numbers of an agent; those that are missing or endless are left out."""
+    """Pack values of an agent, without missing or very large ones."""
     found = np.array([np.nan if value is None else float(value) for value in values])
     return packed(np.where(np.abs(found) < ENDLESS, found, np.nan), VALUE)
 
 
 def _keys(rows: Iterable[Mapping[str, object]]) -> list[str]:
-    """Return the keys of all rows, in the order in which they come."""
+    """Return the keys of all rows, in order of appearance."""
     return list(dict.fromkeys(key for row in rows for key in row))
 
 
 def _filled(actions: Sequence[Any]) -> Floats:
-    """Return actions as a table, NaN where there was none, as before the first step."""
+    """Return actions as a table, with NaN for missing ones, for example before the first step."""
     width = max(len(action) for action in actions if action is not None)
     return np.array([np.full(width, np.nan) if action is None else action for action in actions], np.float64)

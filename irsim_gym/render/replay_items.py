@@ -1,4 +1,4 @@
-"""What a page draws, as JSON: pens, shapes and pictures by number, and primitives in drawing order."""
+"""The items of a replay page as JSON: pens, shapes and pictures by number, and primitives in drawing order."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from irsim_gym.render.primitives import Ink, Pen, Primitive, Shape
 from irsim_gym.render.vocabulary import RANKS
 
 FINE = 1e-4
-"""Unit of numbers up to 1; that of larger ones is a millimetre."""
+"""Unit of numbers up to 1; the unit of larger ones is a millimetre."""
 RANK_NUMBERS = {name: number for number, name in enumerate(RANKS)}
 
 
 class SharedItems:
-    """Pens, shapes and pictures (PNG images as data URLs) of all episodes of a page; equal ones are held once."""
+    """Pens, shapes and pictures (PNG images as data URLs) of all episodes of a page, without duplicates."""
 
     def __init__(self) -> None:
         self._tables: dict[str, dict[str, int]] = {"pens": {}, "shapes": {}, "pictures": {}}
 
     def number(self, table: str, thing: object) -> int:
-        """Return the number of a thing in a table."""
+        """Return the number of an entry in a table, after adding it if it is new."""
         known = self._tables[table]
         return known.setdefault(json.dumps(thing), len(known))
 
     def shape(self, shape: Shape) -> int:
         """Return the number of a shape."""
-        return self.number("shapes", _given(shape, self))
+        return self.number("shapes", _fields_as_json(shape, self))
 
     def data(self) -> dict[str, list[Any]]:
         """Return the tables as JSON."""
@@ -42,7 +42,7 @@ class SharedItems:
 
 
 class Items:
-    """Collects what is drawn in one episode.
+    """Collects the items of one episode.
 
     Args:
         shared: Pens, shapes and pictures of the page.
@@ -53,8 +53,8 @@ class Items:
         self._rows: list[tuple[float, int, dict[str, Any]]] = []
 
     def add(self, thing: Primitive, **where: object) -> None:
-        """Add a primitive, with the number of its ``body`` or ``scan``, or the ``spans`` in which it is seen."""
-        data = _given(thing, self._shared)
+        """Add a primitive, with the number of its ``body`` or ``scan``, or the ``spans`` in which it is visible."""
+        data = _fields_as_json(thing, self._shared)
         del data["layer"]
         self._rows.append((thing.layer, RANK_NUMBERS[thing.rank], {"draw": type(thing).__name__, **data, **where}))
 
@@ -64,14 +64,14 @@ class Items:
 
 
 def css(ink: Ink) -> str:
-    """Return a colour as browsers write it, ``#rrggbb`` or ``#rrggbbaa``."""
+    """Return a colour in CSS notation, ``#rrggbb`` or ``#rrggbbaa``."""
     red, green, blue, opacity = colour(ink.colour, ink.opacity)
     parts = [round(ink.brightness * value) for value in (red, green, blue)]
     return "#" + bytes([*parts, round(255.0 * opacity)]).hex().removesuffix("ff" if opacity >= 1.0 else "")
 
 
-def _given(thing: Any, shared: SharedItems) -> dict[str, object]:
-    """Return the fields of a primitive, a pen or a shape as JSON, without those that are at their defaults."""
+def _fields_as_json(thing: Any, shared: SharedItems) -> dict[str, object]:
+    """Return the fields of a primitive, a pen or a shape as JSON, without those at their defaults."""
     data = {}
     for name, value in thing._asdict().items():
         is_given = len(value) if isinstance(value, np.ndarray) else value != thing._field_defaults.get(name, ...)
@@ -85,7 +85,7 @@ def _plain(value: object, shared: SharedItems) -> object:
         case Ink():
             return css(value)
         case Pen():
-            return shared.number("pens", _given(value, shared))
+            return shared.number("pens", _fields_as_json(value, shared))
         case Shape():
             return shared.shape(value)
         case np.ndarray() if value.ndim == 3:
@@ -96,7 +96,7 @@ def _plain(value: object, shared: SharedItems) -> object:
                 value, 1 if is_whole else FINE if np.abs(value).max(initial=0.0) <= 1.0 else METRE, still=False
             )
         case tuple() if hasattr(value, "_fields"):
-            return _given(value, shared)
+            return _fields_as_json(value, shared)
         case tuple():
             return [_plain(part, shared) for part in value]
         case float():

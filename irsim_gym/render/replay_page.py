@@ -1,4 +1,4 @@
-"""Writes recorded episodes as one HTML file that plays them back, without anything from elsewhere."""
+"""Writes recorded episodes as one self-contained HTML file that replays them."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ SCHEMA, VERSION = "irsim_gym replay", 2
 
 
 def save_html(path: str | Path, recordings: Sequence[Recording], title: str = "") -> Path:
-    """Write episodes to a page with play, scrubber, zoom and a plot of reward terms; return its path.
+    """Write episodes to a page with play controls, zoom and a plot of reward terms; return its path.
 
-    The page holds its data, deflated and in base64: ``schema``, ``version``, ``title``, ``theme`` (what the script has
-    to know of the drawing vocabulary), ``pens``, ``shapes`` and ``pictures`` (each once), and ``episodes``, see
-    `Recording`.
+    The page embeds its data, deflated and in base64: ``schema``, ``version``, ``title``, ``theme`` (constants of the
+    drawing vocabulary for the script), ``pens``, ``shapes`` and ``pictures`` (without duplicates), and ``episodes``,
+    see `Recording`.
 
     Args:
-        path: File to write, ``.html``; missing folders are made.
-        recordings: The episodes, as they stand in the page's list.
-        title: Heading of the page; by default the first episode's.
+        path: File to write, ``.html``; missing folders are created.
+        recordings: The episodes, in the order of the page's list.
+        title: Heading of the page; by default, that of the first episode.
 
     Raises:
-        ValueError: No episode, one without a moment, or another suffix.
+        ValueError: If there are no episodes, an episode is empty, or the suffix is not supported.
     """
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm"):
@@ -47,10 +47,10 @@ def save_html(path: str | Path, recordings: Sequence[Recording], title: str = ""
 
 
 def read_html(path: str | Path) -> dict[str, Any]:
-    """Return the data of a page that ``save_html`` has written.
+    """Return the data of a page that ``save_html`` wrote.
 
     Raises:
-        ValueError: The file is no such page.
+        ValueError: If the file is not such a page.
     """
     found = held_data(Path(path))
     data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}
@@ -60,7 +60,7 @@ def read_html(path: str | Path) -> dict[str, Any]:
 
 
 def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
-    """Return all that a page knows."""
+    """Return the data of a page."""
     shared = SharedItems()
     episodes = [recording.data(shared) for recording in recordings]
     return {

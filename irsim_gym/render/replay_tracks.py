@@ -1,4 +1,4 @@
-"""What a recording keeps of bodies, scans, fog, maps and marks, over time."""
+"""The histories of bodies, scans, fog, maps and marks in a recording."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ SPEED = 1e-3
 
 
 class Changes:
-    """A value that changes seldom: each moment at which it changes, and its value from then on."""
+    """A value that changes seldom: the moments at which it changes, with its new values."""
 
     def __init__(self) -> None:
         self.list: list[list[Any]] = []
 
     def note(self, moment: int, value: object) -> None:
-        """Note the value at a moment."""
+        """Record the value at a moment."""
         if not self.list or self.list[-1][1] != value:
             self.list.append([moment, value])
 
 
 class Seen:
-    """Things that are seen at some moments only, in the order in which they come.
+    """Things that are visible at some moments only, in order of appearance.
 
     Attributes:
-        things: By key, the thing and its spans: first moment, end, first moment, end...
+        things: Each thing by its key, with its spans: first moment, end, first moment, end...
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class Seen:
         self._moment = -1
 
     def note(self, moment: int, key: Hashable, thing: object) -> None:
-        """Note that a thing is seen at a moment."""
+        """Record that a thing is visible at a moment."""
         if moment != self._moment:
             self._moment, self._latest = moment, []
         spans = self.things.setdefault(key, (thing, []))[1]
@@ -56,7 +56,7 @@ class Seen:
             spans += [moment, moment + 1]
 
     def note_again(self, moment: int) -> None:
-        """Note that what was seen one moment before, and nothing else, is seen at this one."""
+        """Record that exactly the things of the previous moment are visible at this one."""
         if self._moment == moment - 1:
             self._moment = moment
             for spans in self._latest:
@@ -67,9 +67,9 @@ class BodyTrack:
     """A rigid body and its poses.
 
     Args:
-        view: The body at first.
-        field: Width [rad] and depth [m] of its field of view; None where that is not shown.
-        fixed: It never moves.
+        view: The body at the start.
+        field: Width [rad] and depth [m] of its field of view; None if that is not shown.
+        fixed: Whether it never moves.
     """
 
     def __init__(self, view: DrawnBody, field: tuple[float, float] | None, *, fixed: bool) -> None:
@@ -77,22 +77,22 @@ class BodyTrack:
         self._rows: dict[int, Floats] = {}
 
     def fits(self, view: DrawnBody) -> bool:
-        """Return whether the body still has its outline."""
+        """Return whether the body still has the same outline."""
         if view.form is not self._form and not _alike(view.form, self._form):
             return False
         self._form = view.form
         return True
 
     def note(self, view: DrawnBody, pose: Floats, moment: int) -> None:
-        """Note where the body is, and where its mark points."""
+        """Record the pose of the body, and the direction of its mark."""
         self._rows[moment] = np.array([*pose, view.turn])
 
     def stay(self, moment: int) -> None:
-        """Note that it is where it was."""
+        """Record that its pose has not changed."""
         self._rows[moment] = self._rows[moment - 1]
 
     def view(self, moment: int) -> DrawnBody | None:
-        """Return the body as it stood at a moment, without an image; None where it was not there."""
+        """Return the body at a moment, without an image; None if it is absent."""
         row = self._rows.get(moment)
         if row is None:
             return None
@@ -108,7 +108,7 @@ class BodyTrack:
         )
 
     def data(self, count: int, shared: SharedItems) -> dict[str, Any]:
-        """Return the body as JSON, with a pose for each of ``count`` moments."""
+        """Return the track as JSON, with a pose for each of ``count`` moments."""
         rows = np.full((count, 4), np.nan)
         for moment, row in self._rows.items():
             rows[moment] = row
@@ -120,7 +120,7 @@ class BodyTrack:
         }
 
     def draw(self, items: Items, number: int, struck: Seen) -> None:
-        """Add what is drawn of the body with this number; ``struck`` knows by name who collides."""
+        """Add the items of the body with this number; ``struck`` holds colliding bodies by name."""
         for thing in vocabulary.body(self._view, self._field, fixed=self.fixed):
             items.add(thing, body=number)
         if self._view.name in struck.things:
@@ -129,11 +129,11 @@ class BodyTrack:
 
 
 class ScanTrack:
-    """What a range sensor saw.
+    """The scans of a range sensor.
 
     Args:
         view: The first scan.
-        name: Name of the body that carries it.
+        name: Name of the body that carries the sensor.
     """
 
     def __init__(self, view: ScanView, name: str) -> None:
@@ -141,7 +141,7 @@ class ScanTrack:
         self._rows: list[tuple[int, ScanView]] = []
 
     def note(self, view: ScanView, moment: int) -> None:
-        """Note a scan."""
+        """Record a scan."""
         self._rows.append((moment, view))
 
     def data(self, count: int) -> dict[str, Any]:
@@ -168,7 +168,7 @@ class ScanTrack:
         }
 
     def draw(self, items: Items, number: int) -> None:
-        """Add what is drawn of the scan with this number."""
+        """Add the items of the scan with this number."""
         for beams in vocabulary.scan(self._view.style, len(self._view.angles)):
             items.add(beams, scan=number)
 
@@ -177,7 +177,7 @@ class FogTrack:
     """The cells that no robot has seen yet.
 
     Args:
-        view: The fog at first.
+        view: The fog at the start.
     """
 
     def __init__(self, view: FogView) -> None:
@@ -186,7 +186,7 @@ class FogTrack:
         self._changes: list[list[Any]] = []
 
     def note(self, view: FogView, moment: int) -> None:
-        """Note which cells are covered."""
+        """Record which cells are covered."""
         covered = view.covered.ravel()
         changed = np.flatnonzero(covered != self._covered)
         if len(changed):
@@ -194,7 +194,7 @@ class FogTrack:
         self._covered = covered.copy()
 
     def data(self) -> dict[str, Any]:
-        """Return the fog as JSON: at each moment the cells that change, as differences; none is covered before."""
+        """Return the fog as JSON: the cells that change at each moment, as differences; initially none is covered."""
         return {
             "extent": [round(float(value), 6) for value in self._view.extent],
             "size": list(self._view.covered.shape),
@@ -213,7 +213,7 @@ def _alike(one: Form, other: Form) -> bool:
 
 
 def map_figure(view: MapView) -> Figure:
-    """Return a map: boxes of occupied cells, with a thin edge that keeps thin walls visible and hides seams."""
+    """Return a map as boxes of occupied cells, with a thin edge that keeps thin walls visible and hides seams."""
     boxes: list[list[int]] = []
     open_runs: dict[tuple[int, int], int] = {}
     for column, cells in enumerate([*view.occupied, np.zeros(view.occupied.shape[1], np.bool_)]):
@@ -230,7 +230,7 @@ def map_figure(view: MapView) -> Figure:
 
 
 def marks_seen(overlays: Sequence[Overlay]) -> Seen:
-    """Return the marks that lay over the world at each moment; what is drawn anew as it was is one mark."""
+    """Return the marks over the world with their spans; marks that are drawn again unchanged count as one."""
     seen, looks = Seen(), dict[int, Hashable]()
     for moment, overlay in enumerate(overlays):
         if moment and overlay is overlays[moment - 1]:
@@ -245,6 +245,6 @@ def marks_seen(overlays: Sequence[Overlay]) -> Seen:
 
 
 def _look(mark: Mark) -> Hashable:
-    """Return what makes a mark look as it does; the parts of a form are the same objects for all marks of one kind."""
+    """Return a key of a mark's appearance; the parts of its form are identified as objects, which marks share."""
     values = [tuple(map(id, value)) if isinstance(value, tuple) else value for value in vars(mark).values()]
     return type(mark), *(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)

@@ -1,4 +1,4 @@
-"""Reads what range sensors see from the arrays of a simulation."""
+"""Reads the scans of range sensors from the arrays of a simulation."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ HIT_MARGIN = 1e-3
 
 
 class ScanReader:
-    """Makes views of the scans of one group of sensors, all at once.
+    """Makes views of all scans of one group of sensors.
 
     Args:
-        group: The sensors; ``ranges`` and ``angles`` are among their arrays.
-        styles: How the bodies look that bear them.
+        group: The sensors, whose arrays include ``ranges`` and ``angles``.
+        styles: Styles of all bodies.
     """
 
     def __init__(self, group: Group, styles: Sequence[BodyStyle]) -> None:
@@ -37,12 +37,12 @@ class ScanReader:
         self._surrounds = span > 2.0 * np.pi * (1.0 - 1.5 / max(len(self._angles), 2))
 
     def read(self, world: int, poses: Floats, present: Flags) -> list[ScanView]:
-        """Return what the sensors of the bodies see that are there.
+        """Return the scans of the sensors of present bodies.
 
         Args:
             world: Index of the world.
             poses: Poses of all bodies in it [m, m, rad], shape ``(n_bodies, 3)``.
-            present: Which of them are there, shape ``(n_bodies,)``.
+            present: Which bodies are present, shape ``(n_bodies,)``.
         """
         if not self._shown:
             return []

@@ -1,4 +1,4 @@
-"""What is drawn: one world at one moment, as plain data."""
+"""Scenes: the content of a picture of one world at one moment, as plain data."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from irsim_gym.world.marks import NOTHING, Overlay
 
 @dataclass(frozen=True, eq=False)
 class ImageView:
-    """An image that is drawn in place of a footprint, stretched over the rectangle around it.
+    """An image that replaces a footprint, stretched over its bounding rectangle.
 
     Attributes:
-        pixels: Its colours and opacity, row 0 at the top, uint8, shape ``(height, width, 4)``. The image's right
-            is the body's front. The same object for all bodies and frames that show it; never written.
-        corners: Where its lower left, lower right, upper right and upper left corners are [m], shape ``(4, 2)``.
+        pixels: Its pixels, RGBA, row 0 at the top, uint8, shape ``(height, width, 4)``, read-only. The right side of
+            the image is the front of the body. The same object for all bodies and frames with this image.
+        corners: Its lower left, lower right, upper right and upper left corners [m], shape ``(4, 2)``.
         alpha: Its opacity.
     """
 
@@ -27,15 +27,15 @@ class ImageView:
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """A footprint in the body frame, the same object however the body moves.
+    """A footprint in the body frame, the same object while the body moves.
 
     Attributes:
         lines: Chains of vertices [m], each of shape ``(n_vertices, 2)``; closed ones repeat the first vertex.
         discs: x, y, radius of its discs [m], shape ``(n_discs, 3)``.
-        solid: Its closed chains bound an area.
-        mark: Corners of the mark that shows where it heads [m], shape ``(n_corners, 2)``; empty for none.
-        corners: Corners of the rectangle around it [m], as of an ``ImageView``; None for an empty footprint.
-        ghost: The outline that it leaves behind, or None.
+        solid: Whether its closed chains bound an area.
+        mark: Corners of the mark of its heading [m], shape ``(n_corners, 2)``; empty for none.
+        corners: Corners of its bounding rectangle [m], as in ``ImageView``; None for an empty footprint.
+        ghost: The outline for its trail, or None.
     """
 
     lines: tuple[Floats, ...]
@@ -55,14 +55,14 @@ class DrawnBody:
         name: Its name in the scenario.
         lines: Chains of vertices [m], each of shape ``(n_vertices, 2)``; closed ones repeat the first vertex.
         discs: x, y, radius of its discs [m], shape ``(n_discs, 3)``.
-        solid: Its closed chains bound an area.
-        heading: Corners of the mark that shows where it heads [m], shape ``(n_corners, 2)``; empty for none.
-        anchor: Where its label stands [m].
-        style: How it looks.
+        solid: Whether its closed chains bound an area.
+        heading: Corners of the mark of its heading [m], shape ``(n_corners, 2)``; empty for none.
+        anchor: Position of its label [m].
+        style: Its style.
         form: Its footprint in the body frame.
-        pose: Where the body frame is [m, m, rad].
-        turn: The direction in which the mark of the heading points, relative to the heading [rad].
-        image: What is drawn instead of the footprint, or None.
+        pose: Pose of the body [m, m, rad].
+        turn: Direction of the mark of the heading, relative to the heading [rad].
+        image: Image that replaces the footprint, or None.
     """
 
     body: int
@@ -81,17 +81,17 @@ class DrawnBody:
 
 @dataclass(frozen=True, eq=False)
 class GoalView:
-    """Where a body goes.
+    """The goals of a body.
 
     Attributes:
-        x: Abscissa of the next goal [m].
-        y: Its ordinate [m].
-        heading: The heading that counts as arrived [rad]; NaN for any.
-        tolerance: Distance at which it counts as reached [m].
+        x: x of the next goal [m].
+        y: y of the next goal [m].
+        heading: The heading required for arrival [rad]; NaN for any.
+        tolerance: Distance at which the goal counts as reached [m].
         later: The goals after it [m], shape ``(n, 2)``.
-        arrived: The body has reached it.
-        name: Its body's name.
-        style: How its body looks.
+        arrived: Whether the body has arrived.
+        name: Name of the body.
+        style: Style of the body.
     """
 
     x: float
@@ -106,19 +106,19 @@ class GoalView:
 
 @dataclass(frozen=True, eq=False)
 class ScanView:
-    """What a range sensor sees.
+    """A scan of a range sensor.
 
     Attributes:
-        origin: Where it stands [m], shape ``(2,)``.
-        ends: Where its beams end [m], shape ``(n_beams, 2)``.
-        hits: Which beams end on something, shape ``(n_beams,)``.
-        valid: Which of them were measured, those that are not too near, shape ``(n_beams,)``.
-        speeds: Radial velocities [m/s], positive away from the sensor; zeros where it has none, shape ``(n_beams,)``.
-        surrounds: The beams go all around.
-        style: How it looks.
-        body: Id of the body that carries it.
-        heading: Where the sensor looks [rad].
-        angles: Directions of its beams relative to that [rad], shape ``(n_beams,)``.
+        origin: Position of the sensor [m], shape ``(2,)``.
+        ends: Ends of the beams [m], shape ``(n_beams, 2)``.
+        hits: Which beams hit something, shape ``(n_beams,)``.
+        valid: Which beams hit something beyond the minimum range, shape ``(n_beams,)``.
+        speeds: Radial velocities [m/s], positive away from the sensor, shape ``(n_beams,)``; zeros if not measured.
+        surrounds: Whether the beams cover a full turn.
+        style: Its style.
+        body: Id of the body that carries the sensor.
+        heading: Heading of the sensor [rad].
+        angles: Directions of the beams relative to the heading [rad], shape ``(n_beams,)``.
     """
 
     origin: Floats
@@ -135,11 +135,11 @@ class ScanView:
 
 @dataclass(frozen=True, eq=False)
 class TrailView:
-    """Where a body has been.
+    """The path of a body.
 
     Attributes:
-        points: Its positions, the last one now [m], shape ``(n, 2)``.
-        style: How its body looks.
+        points: Its positions up to the present one [m], shape ``(n, 2)``.
+        style: Style of the body.
     """
 
     points: Floats
@@ -148,15 +148,15 @@ class TrailView:
 
 @dataclass(frozen=True, eq=False)
 class FieldView:
-    """What a body could see.
+    """The field of view of a body.
 
     Attributes:
-        x: Abscissa of its apex [m].
-        y: Its ordinate [m].
+        x: x of its apex [m].
+        y: y of its apex [m].
         heading: Direction of its middle [rad].
         span: Its width [rad].
         radius: Its depth [m].
-        style: How its body looks.
+        style: Style of the body.
     """
 
     x: float
@@ -172,11 +172,11 @@ class LabelView:
     """A text.
 
     Attributes:
-        x: Abscissa of its middle [m].
-        y: Ordinate of its foot [m].
+        x: x of its middle [m].
+        y: y of its lower edge [m].
         text: The words.
-        style: How its body looks.
-        under: Below which ordinate it may stand instead [m], or None.
+        style: Style of its body.
+        under: y of an alternative upper edge [m], or None.
     """
 
     x: float
@@ -192,9 +192,9 @@ class MapView:
 
     Attributes:
         extent: Its rectangle [m]: x_min, y_min, x_max, y_max.
-        occupied: Which cells are, shape ``(n_columns, n_rows)``, from the lower left corner.
+        occupied: Occupied cells, shape ``(n_columns, n_rows)``, from the lower left corner.
         colour: Colour of occupied cells.
-        alpha: Their opacity.
+        alpha: Opacity of occupied cells.
     """
 
     extent: tuple[float, float, float, float]
@@ -205,11 +205,11 @@ class MapView:
 
 @dataclass(frozen=True, eq=False)
 class FogView:
-    """What nobody has seen yet: it lies above the map and fixed bodies, below all else.
+    """The fog over unseen cells, which lies above the map and fixed bodies and below everything else.
 
     Attributes:
         extent: Its rectangle [m]: x_min, y_min, x_max, y_max.
-        covered: Which cells are covered, shape ``(n_columns, n_rows)``, from the lower left corner.
+        covered: Covered cells, shape ``(n_columns, n_rows)``, from the lower left corner.
         colour: Its colour.
         alpha: Its opacity.
     """
@@ -225,24 +225,24 @@ class Scene:
     """One world at one moment.
 
     Attributes:
-        world: Its index.
-        bounds: Its rectangle [m]: x_min, y_min, x_max, y_max, shape ``(4,)``.
+        world: Index of the world.
+        bounds: Rectangle of the world [m]: x_min, y_min, x_max, y_max, shape ``(4,)``.
         title: Heading of the picture.
         time: Elapsed time [s].
-        status: How the episode stands, e.g. ``"running"``.
-        fixed: Bodies that never move. The same object as long as none of them has changed.
+        status: Status of the episode, e.g. ``"running"``.
+        fixed: Bodies that never move. The same object until one of them changes.
         moving: The other bodies, in drawing order.
-        struck: The bodies among both that take part in a robot's collision.
-        goals: Goals that are shown.
-        scans: Scans that are shown.
-        trails: Trajectories that are shown.
-        ghosts: Outlines that bodies have left behind.
-        fields: Fields of view that are shown.
+        struck: Bodies of both that take part in a robot's collision.
+        goals: Visible goals.
+        scans: Visible scans.
+        trails: Visible paths.
+        ghosts: Outlines in trails.
+        fields: Visible fields of view.
         labels: Texts beside bodies and goals.
-        map: The occupancy map, or None. The same object as long as it has not changed.
-        center: Point that stays in the middle of the picture [m], or None.
-        fog: What nobody has seen yet, or None. The same object as long as it has not changed.
-        overlay: What somebody drew over the world. The same object as long as it has not changed.
+        map: The occupancy map, or None. The same object until it changes.
+        center: Point in the middle of the picture [m], or None.
+        fog: The fog, or None. The same object until it changes.
+        overlay: Marks over the world. The same object until they change.
     """
 
     world: int

@@ -1,4 +1,4 @@
-"""A window that shows a simulation at the speed of life."""
+"""A window that shows a simulation in real time."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 class Screen:
-    """Shows pictures in a window that opens with the first one, and keeps each as long as it lasts in the world.
+    """Shows pictures in real time, in a window that opens with the first picture.
 
-    A person may close the window: whoever shows pictures goes on without it, and is warned once. A copy has no window
-    yet and opens its own. In a forked process the window is the parent's, and stays: there is none, with a warning.
+    If the user closes the window, later pictures are ignored, with one warning. A copy opens its own window. In a
+    forked process, the window remains with the parent process, and pictures are ignored, with a warning.
 
     Args:
-        title: What stands above the window.
+        title: Title of the window.
     """
 
     def __init__(self, title: str) -> None:
@@ -37,8 +37,8 @@ class Screen:
 
     @property
     def is_wanted(self) -> bool:
-        """Nobody has closed the window."""
-        self._look_after()
+        """Whether pictures are shown: False after the user has closed the window, or in a forked process."""
+        self._check_window()
         return not self._given_up
 
     @property
@@ -47,14 +47,14 @@ class Screen:
         return self._window
 
     def show(self, picture: Bytes, seconds: float = 0.0) -> None:
-        """Show a picture as soon as the one before has had its time.
+        """Show a picture after the previous one has been shown for its time.
 
         Args:
             picture: uint8, shape ``(height, width, 3)``.
-            seconds: Time in the world since the picture before [s].
+            seconds: Time in the world since the previous picture [s].
 
         Raises:
-            NoWindowError: There is no display, or no toolkit that works.
+            NoWindowError: If there is no display or no working toolkit.
         """
         if not self.is_wanted:
             return
@@ -71,29 +71,29 @@ class Screen:
             late = time.perf_counter() - due
             self._shown_until = due if late < seconds else due + late
         self._window.show(picture)
-        self._look_after()
+        self._check_window()
 
     def refresh(self) -> None:
-        """Let come in what a person did to the window meanwhile."""
-        self._look_after()
+        """Process the window's pending events."""
+        self._check_window()
         if self._window is not None:
             self._window.wait(0.0)
-            self._look_after()
+            self._check_window()
 
     def close(self) -> None:
         """Close the window. A later picture opens a new one."""
-        self._look_after(warn=False)
+        self._check_window(warn=False)
         if self._window is not None:
             self._window.close()
             self._end()
         self._window, self._given_up = None, False
 
-    def _look_after(self, *, warn: bool = True) -> None:
-        """Let go of a window that was closed, or that belongs to the process that this one was forked from."""
+    def _check_window(self, *, warn: bool = True) -> None:
+        """Drop a window that was closed, or that belongs to the parent of this forked process."""
         if self._window is None:
             return
         if self._process != os.getpid():
-            # Kept, as its end would be told to the parent's display; another one would break the parent's connection.
+            # Kept alive: closing it, or opening another one, would break the parent's connection to the display.
             self._inherited, self._window, self._given_up = self._window, None, True
             if warn:
                 warnings.warn("the window is the parent process's: this one goes on without a window", stacklevel=2)
@@ -108,7 +108,7 @@ class Screen:
 
 
 def _close(window: Window, process: int, thread: int) -> None:
-    """Close the window of a screen that is gone, where its toolkit allows it: in its own process and thread."""
+    """Close the window of a deleted screen, if this is the process and thread that opened it."""
     if (process, thread) == (os.getpid(), threading.get_ident()):
         window.close()
 

@@ -1,4 +1,4 @@
-"""Where the columns of observations look: a picture of a level around a robot, with numbered sectors over it."""
+"""Plots the directions of observation columns: a level around a robot, overlaid with numbered sectors."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from irsim_gym.render.tiles import few_columns
 PANEL = 4.6
 """Side of a panel [inch]."""
 MOST_NUMBERS = 40
-"""With more sectors than this only some of their numbers are written."""
+"""Maximum number of sector numbers; with more sectors, only some numbers are written."""
 BEYOND = 1.2
-"""How much farther than the sectors a panel reaches."""
+"""Extent of a panel relative to the sectors."""
 ROBOT_HALF = 0.5
 
 
 @dataclass(frozen=True)
 class SectorPanel:
-    """Columns that look into directions.
+    """Columns that belong to directions.
 
     Attributes:
         title: Their name.
-        note: What they hold.
-        first: Number of the first of them.
-        sectors: From which angle to which each looks [degree], 0 straight ahead, positive to the left.
-        values: What they read now, from 0 (least) to 1 (greatest).
+        note: Their meaning.
+        first: Number of the first column.
+        sectors: Start and end angle of each [degree], 0 straight ahead, positive to the left.
+        values: Their present values, scaled from 0 (minimum) to 1 (maximum).
     """
 
     title: str
@@ -52,11 +52,11 @@ class SectorPanel:
 
 @dataclass(frozen=True)
 class ImagePanel:
-    """A picture that a robot observes, or one channel of it.
+    """An image observation of a robot, or one channel of it.
 
     Attributes:
         title: Its name.
-        note: What it shows.
+        note: Its meaning.
         image: uint8, ``(height, width)`` or ``(height, width, 3)``.
     """
 
@@ -75,16 +75,16 @@ def draw_sectors(
     *,
     dots_per_inch: int = 110,
 ) -> None:
-    """Draw where columns look, a panel for each, the robot in the middle with its heading up.
+    """Draw the directions of columns, one panel each, with the robot in the middle and its heading up.
 
     Args:
         path: File to write, ``.png``, ``.pdf``, ``.svg``.
-        panels: What is shown.
+        panels: The panels.
         scene: The level.
         pose: The robot's pose [m, m, rad].
-        reach: How far sectors are drawn [m].
-        title: Heading.
-        dots_per_inch: Resolution of pixels.
+        reach: Radius of the sectors [m].
+        title: Heading of the figure.
+        dots_per_inch: Resolution.
     """
     columns = few_columns(len(panels))
     rows = math.ceil(len(panels) / columns)
@@ -113,7 +113,7 @@ def _draw_image(axes: Axes, panel: ImagePanel) -> None:
 
 
 def _draw_level(axes: Axes, scene: Scene, pose: Floats, most: float) -> None:
-    """Draw what is around a robot, seen with its heading up."""
+    """Draw the surroundings of a robot, with its heading up."""
     axes.set(xlim=(-most, most), ylim=(-most, most), aspect="equal", facecolor=theme.CARD)
     corners = scene.bounds[[0, 2, 2, 0]], scene.bounds[[1, 1, 3, 3]]
     inside = _seen(np.stack(corners, axis=1), pose)
@@ -147,7 +147,7 @@ def _draw_body(axes: Axes, body: DrawnBody, pose: Floats) -> None:
 
 
 def _seen(points: Floats, pose: Floats) -> Floats:
-    """Return points [m] as they lie in the panel: across to the right, up ahead of the robot."""
+    """Return points [m] in the panel's frame: the first axis to the robot's right, the second ahead."""
     dx, dy = points[:, 0] - pose[0], points[:, 1] - pose[1]
     cosine, sine = math.cos(pose[2]), math.sin(pose[2])
     seen: Floats = np.stack([dx * sine - dy * cosine, dx * cosine + dy * sine], axis=1)
@@ -155,7 +155,7 @@ def _seen(points: Floats, pose: Floats) -> Floats:
 
 
 def _draw_panel(axes: Axes, panel: SectorPanel, reach: float) -> None:
-    """Draw sectors, the fuller their colour the more they read, with their numbers."""
+    """Draw numbered sectors, in stronger colour for larger values."""
     axes.annotate("", (0.0, 0.35 * reach), (0.0, 0.0), zorder=7, arrowprops={"arrowstyle": "->", "color": theme.INK})
     every = math.ceil(len(panel.sectors) / MOST_NUMBERS)
     for k, (begin, end) in enumerate(panel.sectors):

@@ -1,4 +1,4 @@
-"""From rows of segments to shapes that can be drawn."""
+"""Converts rows of segments to drawable shapes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ WEDGE = np.array([[0.70, 0.0], [-0.46, 0.50], [-0.20, 0.0], [-0.46, -0.50]])
 
 
 def chains(segments: Floats) -> tuple[Floats, ...]:
-    """Join segments that follow each other.
+    """Join consecutive segments.
 
     Args:
         segments: x0, y0, x1, y1 of each [m], shape ``(n_segments, 4)``.
@@ -40,7 +40,7 @@ def box(segments: Floats, discs: Floats) -> tuple[float, float, float, float] | 
 
 
 def wedge(segments: Floats, discs: Floats) -> Floats:
-    """Return the corners of a mark within a footprint that points ahead.
+    """Return the corners of a mark inside a footprint that points ahead.
 
     Args:
         segments: The footprint's segments in the body frame [m], shape ``(n_segments, 4)``.
@@ -83,9 +83,9 @@ def windscreen(segments: Floats, discs: Floats) -> Floats:
 
 
 def replaced(shape: str, segments: Floats, discs: Floats) -> tuple[Floats, Floats]:
-    """Return a footprint's segments and discs, drawn as another shape: a circle or a rectangle around it.
+    """Return segments and discs of a shape that replaces a footprint: a circle or a rectangle around it.
 
-    Any other shape leaves the footprint as it is.
+    For any other shape, return the footprint unchanged.
     """
     extent = box(segments, discs)
     if extent is None or shape not in ("circle", "rectangle"):
@@ -104,7 +104,7 @@ def replaced(shape: str, segments: Floats, discs: Floats) -> tuple[Floats, Float
 
 
 def arrow(length: float, width: float) -> Floats:
-    """Return the corners of an arrow from the body's origin straight ahead, in the body frame, shape ``(7, 2)``."""
+    """Return the corners of an arrow from the body's origin straight ahead, in the body frame [m], shape ``(7, 2)``."""
     neck, shaft, half = 0.55 * length, 0.14 * width, 0.5 * width
     return np.array(
         [[0.0, shaft], [neck, shaft], [neck, half], [length, 0.0], [neck, -half], [neck, -shaft], [0.0, -shaft]]
@@ -112,7 +112,7 @@ def arrow(length: float, width: float) -> Floats:
 
 
 def placed(points: Floats, pose: Floats) -> Floats:
-    """Move points of the body frame, shape ``(n, 2)`` [m], to the world frame."""
+    """Transform points from the body frame, shape ``(n, 2)`` [m], to the world frame."""
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
     turned: Floats = points @ np.array([[cosine, sine], [-sine, cosine]])
     return turned + pose[:2]

@@ -1,4 +1,4 @@
-"""A whole episode in one picture: a sheet of its moments."""
+"""Contact sheets: moments of an episode in one picture."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from irsim_gym.render.tiles import grid
 MOMENTS = 12
 FINENESS = 8
 WIDEST = 1800
-"""A sheet is reduced to so many pixels."""
+"""Maximum width of a sheet [pixels]."""
 READABLE = 0.8
-"""Frames stand side by side as long as none becomes smaller than this share of one that is about 600 x 600."""
+"""Minimum size of a frame in a sheet, relative to a frame of about 600 x 600."""
 
 
 class Moments:
-    """Frames of evenly spaced moments of an episode whose length is not known beforehand.
+    """Frames of evenly spaced moments of an episode of unknown length.
 
-    Only few are drawn: those at multiples of a stride that doubles whenever there are ``FINENESS`` times as many as are
-    wanted, so that each is off by an eighth of their distance at most.
+    Only frames at multiples of a stride are drawn. The stride doubles whenever there are more than ``FINENESS`` times
+    ``count`` of them, so that each moment is off by at most an eighth of the spacing.
 
     Args:
-        count: How many are wanted, at least 2.
+        count: Number of frames, at least 2.
 
     Raises:
-        ValueError: Fewer are wanted.
+        ValueError: If ``count`` is below 2.
     """
 
     def __init__(self, count: int = MOMENTS) -> None:
@@ -47,7 +47,7 @@ class Moments:
         self._latest: Callable[[], Bytes] | None = None
 
     def offer(self, draw: Callable[[], Bytes]) -> None:
-        """Offer the frame of the next moment, to be drawn now or, if it is the last one, at the end."""
+        """Offer the frame of the next moment; it is drawn now, at the end if it is the last one, or not at all."""
         self._latest = draw
         if self._number % self._stride == 0:
             self._kept.append((self._number, PackedFrame.of(draw())))
@@ -58,10 +58,10 @@ class Moments:
         self._number += 1
 
     def frames(self) -> list[Bytes]:
-        """Return the frames, the first and the last moment among them; all where there are fewer than wanted.
+        """Return the frames, including the first and last moment; all frames if there are fewer than ``count``.
 
         Raises:
-            ValueError: None was offered.
+            ValueError: If no frame was offered.
         """
         if not self._number:
             raise ValueError("an episode needs at least one frame")
@@ -73,23 +73,23 @@ class Moments:
 
 
 def spaced(number: int, count: int) -> Ints:
-    """Return ``count`` of the moments 0 to ``number - 1``, evenly spaced, or all where there are not so many."""
+    """Return ``count`` evenly spaced moments from 0 to ``number - 1``, or all if there are fewer."""
     return np.unique(np.rint(np.linspace(0, number - 1, min(number, count))).astype(np.int64))
 
 
 def nearest(known: Ints, wanted: Ints) -> list[int]:
-    """Return the places of those ascending numbers that are nearest to others, each once."""
+    """Return the indices of the numbers in ``known`` (ascending) that are nearest to those in ``wanted``, each once."""
     places: list[int] = np.unique(np.abs(known[:, None] - wanted[None]).argmin(axis=0)).tolist()
     return places
 
 
 def contact_sheet(episodes: Sequence[Sequence[Bytes]], captions: Sequence[str], columns: int | None = None) -> Bytes:
-    """Put the frames of episodes below each other, in rows.
+    """Arrange the frames of episodes in rows, one episode below the other.
 
     Args:
-        episodes: Frames of each, uint8 ``(height, width, 3)``, all of one shape.
-        captions: Text above each episode; an empty one leaves no room.
-        columns: Frames in a row; None for as many as can be read, so that the rows are full.
+        episodes: Frames of each episode, uint8 ``(height, width, 3)``, all of one shape.
+        captions: Text above each episode; an empty text takes no room.
+        columns: Frames per row; None for as many as stay readable and fill the rows well.
 
     Returns:
         The sheet, uint8, at most ``WIDEST`` pixels wide.
@@ -114,7 +114,7 @@ def contact_sheet(episodes: Sequence[Sequence[Bytes]], captions: Sequence[str], 
 
 
 def reduced(frame: Bytes, width: int) -> Bytes:
-    """Return a frame that is not wider than so many pixels."""
+    """Return a frame reduced to at most ``width`` pixels in width."""
     if frame.shape[1] <= width:
         return frame
     size = width, round(width * frame.shape[0] / frame.shape[1])
@@ -122,7 +122,7 @@ def reduced(frame: Bytes, width: int) -> Bytes:
 
 
 def _columns(count: int, shape: tuple[int, ...]) -> int:
-    """Return a number of columns that lets frames ``(height, width)`` be read and leaves few cells of the last row."""
+    """Return a number of columns that keeps frames ``(height, width)`` readable and the last row full."""
     height, width = shape
     least = READABLE * REFERENCE_SIDE * math.sqrt(width / height)
     most = max(int(WIDEST / min(width, least)), 1)
@@ -130,7 +130,7 @@ def _columns(count: int, shape: tuple[int, ...]) -> int:
 
 
 def save_sheet(picture: Bytes, path: Path) -> Path:
-    """Write a picture to a file, in the format of its suffix, such as ``.png``; it is there only when it is whole."""
+    """Write a picture atomically to a file, in the format of its suffix, such as ``.png``."""
     with whole_file(path) as part:
         Image.fromarray(picture).save(part)
     return path

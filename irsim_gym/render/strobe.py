@@ -1,4 +1,4 @@
-"""A whole episode in one figure: the ways that bodies went, coloured by time."""
+"""Strobe figures: an episode in one figure, with paths coloured by time."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ from irsim_gym.render.styles import TOP, BodyStyle
 GHOSTS = 8
 COLOURS = "viridis"
 WAY_WIDTH = 2.4
-"""Width of a way [pixels of a frame of 600 x 600]."""
+"""Width of a path [pixels of a frame of 600 x 600]."""
 PIECES = 60
 LABEL_ROOM = 24.0
-"""How far apart two times have to be so that both are written [pixels of a frame of 600 x 600]."""
+"""Minimum distance between two written times [pixels of a frame of 600 x 600]."""
 OTHERS = 0.12
-"""Opacity of bodies that are nobody's."""
+"""Opacity of bodies that are not agents."""
 
 
 def strobe(recording: Recording, layout: Layout, count: int = GHOSTS) -> Scene:
-    """Return the last scene of an episode with the ways of its agents, and where bodies stood on the way.
+    """Return the last scene of an episode with the paths of its agents and earlier outlines of bodies.
 
-    A way is coloured by time, from dark to light, and the first agent's outlines bear the time.
+    Paths are coloured by time, from dark to light, and the outlines of the first agent are labelled with their time.
 
     Args:
-        recording: The episode; its agents' ways are drawn, or those of all robots where nobody is named.
-        layout: Where the picture shows the world.
-        count: At how many moments bodies are drawn.
+        recording: The episode with its agents.
+        layout: Layout of the picture.
+        count: Number of moments at which bodies are drawn.
     """
     moments = spaced(len(recording), count)
     last = recording.last
@@ -61,7 +61,7 @@ def strobe(recording: Recording, layout: Layout, count: int = GHOSTS) -> Scene:
 
 
 def _way(recording: Recording, name: str, layout: Layout) -> Iterator[TrailView]:
-    """Yield the pieces of a body's way, each in the colour of its time."""
+    """Yield the pieces of a body's path, each in the colour of its time."""
     views = [recording.moving(moment).get(name) for moment in range(len(recording))]
     points = np.array([(np.nan, np.nan) if view is None else view.anchor for view in views])
     cuts = np.unique(np.rint(np.linspace(0, len(points) - 1, PIECES + 1)).astype(int))
@@ -77,11 +77,11 @@ def _way(recording: Recording, name: str, layout: Layout) -> Iterator[TrailView]
 
 
 def _time_labels(told: Sequence[tuple[DrawnBody, float]], room: float) -> Iterator[LabelView]:
-    """Yield the times beside a body; where it stood for longer, the first and the last of them.
+    """Yield labels with the times of a body; where it stays for longer, with the first and the last time.
 
     Args:
         told: The body, and the time [s], in order.
-        room: How far apart two labels have to be [m].
+        room: Minimum distance between two labels [m].
     """
     k = 0
     while k < len(told):

@@ -1,4 +1,4 @@
-"""How things look: a scenario's plot options where it sets them, the theme elsewhere."""
+"""Styles of bodies and scans, from a scenario's plot options and the theme."""
 
 from __future__ import annotations
 
@@ -16,63 +16,63 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 GROUND, TOP = 1.0, 1e9
-"""Layers: that of obstacles, and that of what covers everything."""
+"""The layer of obstacles, and the layer above everything."""
 ARROW = "gold"
-"""Colour of arrows, which reach beyond their footprint, where the scenario gives none."""
+"""Default colour of arrows that extend beyond the footprint."""
 CLEAR = "none"
 LINESTYLES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 
 
 @dataclass(frozen=True)
 class BodyStyle:
-    """How one body is drawn; lengths in points of the figure unless they say [m].
+    """The style of a body. Lengths are typographic points unless marked as [m].
 
-    Colours that come with an opacity have theirs in it; an edge's may be ``"none"``.
+    Opacities include those of the given colours. The colour of an edge may be ``"none"``.
 
     Attributes:
-        colour: Its fill, and the colour of its line when it is a curve.
-        edge_colour: Colour of its edge; None for a darker shade of the fill.
-        filled: Its area is filled.
-        alpha: Its opacity.
-        image_alpha: Opacity of its image.
-        line_width: Width of its edge.
-        wall_width: Width of its line when it is a curve.
-        line_style: Style of its edge.
-        order: Bodies with a higher number are drawn over those with a lower one.
-        show_goal: Mark its goal.
-        goal_colour: Colour of the mark.
-        goal_alpha: Opacity of the mark.
-        goal_order: Its layer.
-        show_arrow: Mark where it heads.
-        arrow: Length and width of that mark [m]; None for one that fits into the footprint.
-        arrow_colour: Colour of that mark.
-        arrow_alpha: Opacity of that mark; one within the footprint fades with it.
-        arrow_order: Its layer; None for the body's.
-        show_trajectory: Draw where it has been.
-        trajectory_colour: Colour of that line.
-        trajectory_style: Style of that line.
-        trajectory_width: Width of that line [m]; None for the theme's.
-        trajectory_alpha: Opacity of that line at its head.
-        trajectory_length: So many of the latest positions are drawn; 0 for all.
-        trajectory_order: Layer of that line.
-        ghost: How the outlines look that it leaves behind; None for none.
-        ghost_shape: Shape of those outlines; None for the body's own.
-        ghost_every: It leaves one at every n-th step.
-        ghost_length: So many of the latest outlines are drawn; 0 for all.
-        show_sensor: Draw what its sensors see.
-        show_field: Draw its field of view.
+        colour: Fill colour, or the colour of the line of a curve.
+        edge_colour: Edge colour; None for a darker shade of the fill.
+        filled: Whether the area is filled.
+        alpha: Opacity.
+        image_alpha: Opacity of the image.
+        line_width: Width of the edge.
+        wall_width: Width of the line of a curve.
+        line_style: Style of the edge.
+        order: Layer; bodies in higher layers cover those in lower ones.
+        show_goal: Whether to draw the goal.
+        goal_colour: Colour of the goal.
+        goal_alpha: Opacity of the goal.
+        goal_order: Layer of the goal.
+        show_arrow: Whether to mark the heading.
+        arrow: Length and width of the mark [m]; None for a mark inside the footprint.
+        arrow_colour: Colour of the mark.
+        arrow_alpha: Opacity of the mark; includes that of the body for a mark inside the footprint.
+        arrow_order: Layer of the mark; None for that of the body.
+        show_trajectory: Whether to draw the path.
+        trajectory_colour: Colour of the path.
+        trajectory_style: Line style of the path.
+        trajectory_width: Width of the path [m]; None for that of the theme.
+        trajectory_alpha: Opacity of the path at its end.
+        trajectory_length: Number of the latest positions to draw; 0 for all.
+        trajectory_order: Layer of the path.
+        ghost: Style of the outlines in the trail; None for no trail.
+        ghost_shape: Shape of the outlines; None for that of the body.
+        ghost_every: Steps between two outlines.
+        ghost_length: Number of the latest outlines to draw; 0 for all.
+        show_sensor: Whether to draw the sensors' readings.
+        show_field: Whether to draw the field of view.
         field_colour: Colour of the field of view.
-        field_edge_colour: Colour of its edge.
-        field_alpha: Its opacity.
-        field_order: Its layer.
-        label: Text beside it; empty for none.
-        goal_label: Text beside its goal; empty for none.
-        label_colour: Colour of those texts.
-        label_halo: Colour of a rim around their letters; none if empty.
-        label_size: Their size.
-        label_alpha: Their opacity.
-        label_offset: Where the text stands, from the body's origin [m]; None for above the body.
-        label_order: Layer of those texts.
+        field_edge_colour: Edge colour of the field of view.
+        field_alpha: Opacity of the field of view.
+        field_order: Layer of the field of view.
+        label: Text beside the body; empty for none.
+        goal_label: Text beside the goal; empty for none.
+        label_colour: Colour of the texts.
+        label_halo: Colour of a halo around their letters; empty for none.
+        label_size: Type size of the texts.
+        label_alpha: Opacity of the texts.
+        label_offset: Position of the text relative to the body's origin [m]; None for above the body.
+        label_order: Layer of the texts.
     """
 
     colour: str
@@ -122,21 +122,21 @@ class BodyStyle:
 
 @dataclass(frozen=True)
 class VelocityStyle:
-    """How radial velocities are drawn.
+    """The style of radial velocities.
 
     Attributes:
-        coloured: Beams have the colours of their velocities.
-        rest_colour: Colour of what keeps its distance.
-        away_colour: Colour of what goes away.
-        nearer_colour: Colour of what comes nearer.
-        full_speed: Speed of the full colour [m/s].
-        width: Width of beams that hit.
+        coloured: Whether beams are coloured by velocity.
+        rest_colour: Colour for velocity 0.
+        away_colour: Colour for motion away from the sensor.
+        nearer_colour: Colour for motion towards the sensor.
+        full_speed: Speed at which the colour is saturated [m/s].
+        width: Width of beams that hit something.
         free_colour: Colour of the other beams.
-        free_alpha: Their opacity.
-        free_width: Their width.
-        mark_size: Area of the marks at the points that are hit [point^2]; 0 for none.
-        mark_edge_colour: Colour of their edges.
-        mark_edge_width: Width of their edges.
+        free_alpha: Opacity of the other beams.
+        free_width: Width of the other beams.
+        mark_size: Area of the marks at hit points [point^2]; 0 for none.
+        mark_edge_colour: Edge colour of the marks.
+        mark_edge_width: Edge width of the marks.
     """
 
     coloured: bool
@@ -155,13 +155,13 @@ class VelocityStyle:
 
 @dataclass(frozen=True)
 class ScanStyle:
-    """How a scan is drawn.
+    """The style of a scan.
 
     Attributes:
         colour: Colour of beams and hits.
-        alpha: Strength of the beams; 0.3 is what the theme is made for. With coloured velocities opacity of those that
-            hit.
-        velocity: How radial velocities are drawn; None for a sensor without.
+        alpha: Opacity of the beams, which forms scale; the theme is designed for 0.3. With coloured velocities, the
+            opacity of beams that hit something.
+        velocity: Style of radial velocities; None if the sensor does not measure them.
     """
 
     colour: str = theme.BEAM
@@ -170,41 +170,45 @@ class ScanStyle:
 
 
 def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
-    """Return how a body of the scenario is drawn; a learner shows its goal and trajectory unasked."""
+    """Return the style of a body; a learner shows its goal and trajectory by default."""
     plot, robot = body.plot, body.role == "robot"
     own = str(body.color if plot.obj_color is None else plot.obj_color)
     label, arrow = _short_name(body.name, robot), _arrow(plot)
     band = plot.traj_width is not None
     colour, alpha = faded(own, plot.obj_alpha)
-    goal_colour, goal_alpha = faded(_or(plot.goal_color, own), plot.goal_alpha)
-    arrow_colour, arrow_alpha = faded(_or(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha)
-    path_colour, path_alpha = faded(_or(plot.traj_color, own), _or(plot.traj_alpha, 0.5 if band else 0.85))
+    goal_colour, goal_alpha = faded(_or_default(plot.goal_color, own), plot.goal_alpha)
+    arrow_colour, arrow_alpha = faded(
+        _or_default(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha
+    )
+    path_colour, path_alpha = faded(
+        _or_default(plot.traj_color, own), _or_default(plot.traj_alpha, 0.5 if band else 0.85)
+    )
     field_colour, field_alpha = faded(plot.fov_color, plot.fov_alpha)
     label_colour, label_alpha = faded(plot.text_color, plot.text_alpha)
     return BodyStyle(
         colour=colour,
         alpha=alpha,
         image_alpha=plot.obj_alpha,
-        line_width=_or(plot.obj_linewidth, 1.0),
-        wall_width=_or(plot.obj_linewidth, 2.2),
+        line_width=_or_default(plot.obj_linewidth, 1.0),
+        wall_width=_or_default(plot.obj_linewidth, 2.2),
         line_style=_line_style(plot.obj_linestyle),
-        order=float(_or(plot.obj_zorder, 3 if robot else 1)),
-        show_goal=_or(plot.show_goal, learner),
+        order=float(_or_default(plot.obj_zorder, 3 if robot else 1)),
+        show_goal=_or_default(plot.show_goal, learner),
         goal_colour=goal_colour,
         goal_alpha=goal_alpha,
-        goal_order=_or(plot.goal_zorder, GROUND),
-        show_arrow=_or(plot.show_arrow, not body.static and not is_omni(body) and body.description is None),
+        goal_order=_or_default(plot.goal_zorder, GROUND),
+        show_arrow=_or_default(plot.show_arrow, not body.static and not is_omni(body) and body.description is None),
         arrow=arrow,
         arrow_colour=arrow_colour,
         arrow_alpha=arrow_alpha if arrow else arrow_alpha * alpha,
         arrow_order=plot.arrow_zorder,
-        show_trajectory=_or(plot.show_trajectory, learner),
+        show_trajectory=_or_default(plot.show_trajectory, learner),
         trajectory_colour=path_colour,
         trajectory_style=_line_style(plot.traj_style),
         trajectory_width=plot.traj_width,
         trajectory_alpha=path_alpha,
         trajectory_length=plot.keep_traj_length,
-        trajectory_order=_or(plot.traj_zorder, GROUND),
+        trajectory_order=_or_default(plot.traj_zorder, GROUND),
         ghost=_ghost(plot, own) if plot.show_trail else None,
         ghost_shape=plot.trail_type,
         ghost_every=plot.trail_freq,
@@ -214,24 +218,24 @@ def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
         field_colour=field_colour,
         field_edge_colour=plot.fov_edge_color,
         field_alpha=field_alpha,
-        field_order=_or(plot.fov_zorder, GROUND),
+        field_order=_or_default(plot.fov_zorder, GROUND),
         label=label if plot.show_text else "",
         goal_label=label if plot.show_goal_text else "",
         label_colour=label_colour,
         label_size=plot.text_size,
         label_alpha=label_alpha,
         label_offset=plot.text_position,
-        label_order=_or(plot.text_zorder, TOP),
+        label_order=_or_default(plot.text_zorder, TOP),
     )
 
 
 def is_omni(body: BodySpec) -> bool:
-    """Return whether a body moves without turning."""
+    """Return whether a body can move in any direction without turning."""
     return getattr(body.kinematics, "drive", None) in (OMNI_WORLD, OMNI_BODY)
 
 
 def field_of_view(body: BodySpec) -> tuple[float, float] | None:
-    """Return width [rad] and depth [m] of a body's field of view: its own, else its first scanner's; None without."""
+    """Return width [rad] and depth [m] of a body's field of view, by default those of its first scanner, or None."""
     scanners = [sensor for sensor in body.sensors if hasattr(sensor, "angle_range") and hasattr(sensor, "range_max")]
     span = scanners[0].angle_range if body.fov is None and scanners else body.fov
     depth = scanners[0].range_max if body.fov_radius is None and scanners else body.fov_radius
@@ -239,10 +243,10 @@ def field_of_view(body: BodySpec) -> tuple[float, float] | None:
 
 
 def scan_style(sensor: object) -> ScanStyle:
-    """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
+    """Return the style of a sensor's scan from the sensor's options; those in ``plot`` take precedence."""
     plot: Any = getattr(sensor, "plot", None)
-    own = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
-    alpha = _or(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
+    own = _or_default(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
+    alpha = _or_default(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
     if not hasattr(plot, "velocity_color"):
         return ScanStyle(*faded(own, alpha))
     velocity = VelocityStyle(
@@ -259,25 +263,25 @@ def scan_style(sensor: object) -> ScanStyle:
         mark_edge_colour=plot.velocity_marker_edge_color,
         mark_edge_width=plot.velocity_marker_edge_width,
     )
-    return ScanStyle(*faded(own, _or(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
+    return ScanStyle(*faded(own, _or_default(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
 
 
-def _or(value: T | None, otherwise: T) -> T:
-    """Return an option that a scenario gives, else what is drawn without it."""
+def _or_default(value: T | None, otherwise: T) -> T:
+    """Return a given option, or else its default."""
     return otherwise if value is None else value
 
 
 def _arrow(plot: ObjectPlot) -> tuple[float, float] | None:
-    """Return length and width of an arrow [m]; None where the scenario gives neither."""
+    """Return length and width of an arrow [m]; None if neither is given."""
     if plot.arrow_length is None and plot.arrow_width is None:
         return None
-    return _or(plot.arrow_length, 0.4), _or(plot.arrow_width, 0.6)
+    return _or_default(plot.arrow_length, 0.4), _or_default(plot.arrow_width, 0.6)
 
 
 def _ghost(plot: ObjectPlot, own: str) -> BodyStyle:
-    """Return how the outlines look that a body leaves behind."""
-    edge, edge_alpha = faded(_or(plot.trail_edgecolor, own), plot.trail_alpha)
-    fill, fill_alpha = faded(_or(plot.trail_color, own), plot.trail_alpha)
+    """Return the style of the outlines in a body's trail."""
+    edge, edge_alpha = faded(_or_default(plot.trail_edgecolor, own), plot.trail_alpha)
+    fill, fill_alpha = faded(_or_default(plot.trail_color, own), plot.trail_alpha)
     return BodyStyle(
         colour=fill,
         edge_colour=CLEAR if edge_alpha == 0.0 else edge,
@@ -285,12 +289,12 @@ def _ghost(plot: ObjectPlot, own: str) -> BodyStyle:
         alpha=fill_alpha if plot.trail_fill else edge_alpha,
         line_width=plot.trail_linewidth,
         wall_width=plot.trail_linewidth,
-        order=_or(plot.trail_zorder, GROUND),
+        order=_or_default(plot.trail_zorder, GROUND),
     )
 
 
 def faded(colour: str, alpha: float) -> tuple[str, float]:
-    """Return a colour without the opacity that it may have of its own, and both opacities together."""
+    """Return a colour without its own opacity, and the product of both opacities."""
     if colour.lower() == CLEAR:
         return "#000000", 0.0
     if colour.startswith("#") and len(colour) in (5, 9):
@@ -304,6 +308,6 @@ def _line_style(name: str) -> str:
 
 
 def _short_name(name: str, robot: bool) -> str:
-    """Return the label that IR-SIM puts beside a body: r0 for robot_0; other names as they are."""
+    """Return the label of a body as in IR-SIM: r0 for robot_0; other names are unchanged."""
     head, _, number = name.rpartition("_")
     return ("r" if robot else "o") + number if head in ("robot", "obstacle") and number.isdigit() else name

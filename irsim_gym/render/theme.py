@@ -1,7 +1,7 @@
-"""The look: colours, line widths and type sizes that a scenario does not set itself.
+"""The theme: default colours, line widths and type sizes.
 
-Widths and type sizes are points of a figure whose resolution grows with its size, so that a large frame is
-an enlarged small one.
+Widths and type sizes are points of a figure whose resolution grows with its size, so that a large frame is an
+enlarged small one.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ MAP = "#334155"
 FOG = "#C3CAD3"
 HEADING = "#FFFFFF"
 GOAL_ARROW = (7.0, 6.0, 3.0, 0.55)
-"""Of the arrow at a goal whose heading counts: its shaft's least length, its head's length and half its width, and half
-the shaft's width [point]. The shaft ends at the circle."""
+"""Dimensions of the arrow at a goal with a heading: minimum length of the shaft, length and half width of the head, and
+half width of the shaft [point]. The shaft ends at the circle."""
 SHADOWS = ((2.2, 0.05), (1.2, 0.07))
-"""How far each shadow lies aside [point], and its opacity."""
+"""Shift [point] and opacity of each shadow."""
 FLAG = (6.5, 10.5)
-"""Width and height of a goal's flag, from its foot [point]."""
+"""Width and height of a goal's flag [point]."""
 FLAG_POLE = ((0.0, 0.0), (0.0, 10.0))
 FLAG_PENNANT = ((0.0, 10.0), (6.25, 7.75), (0.0, 5.5))
-"""Corners of a flag's parts, upwards from its foot [point]."""
+"""Corners of a flag's parts, relative to its foot, y upwards [point]."""
 GOAL_FILL, REACHED_FILL, FILLED_RADIUS = 0.14, 0.30, 18.0
-"""Opacity of a goal's circle, and once it is reached; in larger circles [point] it falls with their area."""
+"""Opacity of a goal's circle before and after arrival, and the radius [point] above which it falls with the area."""
 PATH_WIDTH = 1.9
-"""Width of a path without one of its own [point]."""
+"""Default width of a path [point]."""
 IMPACT = "#DC2626"
 
 OUTCOMES = {
@@ -51,15 +51,15 @@ RUNNING = "#3B82F6"
 
 
 def status_colour(status: str) -> str:
-    """Return the colour of a status line; that of a running episode for a status without one of its own."""
+    """Return the colour of a status, by default that of a running episode."""
     return OUTCOMES.get(status_key(status), RUNNING)
 
 
 def ends_episode(status: str) -> bool:
-    """Return whether the status is an outcome, which tints the frame."""
+    """Return whether a status is an outcome, which tints the frame."""
     return status_key(status) in OUTCOMES
 
 
 def status_key(status: str) -> str:
-    """Return a status as the outcomes above are spelt: ``"Left world"`` is ``left_world``."""
+    """Return a status in the spelling of outcomes: ``"Left world"`` becomes ``left_world``."""
     return status.strip().lower().replace(" ", "_")

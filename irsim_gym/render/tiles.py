@@ -1,4 +1,4 @@
-"""Several pictures as one, side by side in rows."""
+"""Arranges several pictures in a grid."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
 
 SCREEN = (1280, 760)
-"""Width and height that tiles have to share when they are to fit on a screen [pixel]."""
+"""Width and height for all tiles together, so that they fit on a screen [pixel]."""
 SMALLEST_TILE = 96
 
 
 def grid(frames: Sequence[Bytes], columns: int | None = None) -> Bytes:
-    """Put frames side by side, in rows of ``columns`` (None: up to four).
+    """Arrange frames in rows of ``columns`` frames; None for up to four.
 
     Args:
-        frames: uint8, shape ``(height, width, 3)``; smaller ones are set at the top left of their cell.
-        columns: Frames in a row.
+        frames: Frames, uint8, shape ``(height, width, 3)``; smaller ones are placed at the top left of their cell.
+        columns: Frames per row.
     """
     columns = min(columns or few_columns(len(frames)), len(frames))
     rows = math.ceil(len(frames) / columns)
     height, width = (max(frame.shape[axis] for frame in frames) for axis in (0, 1))
     picture = np.empty((rows * height, columns * width, 3), np.uint8)
     if len(frames) < rows * columns or any(frame.shape[:2] != (height, width) for frame in frames):
-        for channel in range(3):  # each by itself, which is ten times as fast
+        for channel in range(3):  # ten times as fast as one assignment
             picture[..., channel] = int(theme.PAPER[1 + 2 * channel : 3 + 2 * channel], 16)
     for k, frame in enumerate(frames):
         row, column = divmod(k, columns)
@@ -37,25 +37,24 @@ def grid(frames: Sequence[Bytes], columns: int | None = None) -> Bytes:
 
 
 def few_columns(count: int) -> int:
-    """Return a number of columns that fills the rows evenly: at most four, two by two for four."""
+    """Return a number of columns that fills the rows evenly: at most four, but two for four pictures."""
     return count if count <= 3 else math.ceil(count / math.ceil(count / 4)) if count != 4 else 2
 
 
 def fitting(
     count: int, size: tuple[int, int], columns: int | None = None, room: tuple[int, int] = SCREEN
 ) -> tuple[int, tuple[int, int]]:
-    """Return in how many columns, and how large, pictures fit best into a rectangle.
+    """Return the number of columns and the size with which pictures fit best into a rectangle.
 
     Args:
         count: Number of pictures, at least one.
-        size: Width and height of a picture as it is [pixel]; it is never enlarged.
-        columns: A number of columns that has to be; None for the one that shows the pictures large and leaves few
-            cells empty.
+        size: Width and height of a picture [pixel]; pictures are never enlarged.
+        columns: A fixed number of columns; None for the one that shows the pictures large and leaves few cells empty.
         room: Width and height of the rectangle [pixel].
 
     Returns:
-        Columns, and width and height of each picture [pixel]: even, and at least ``SMALLEST_TILE`` unless ``size`` is
-        smaller, even where that is more than the room.
+        Number of columns, and width and height of each picture [pixel]: even, and at least ``SMALLEST_TILE`` unless
+        ``size`` is smaller, even if that exceeds the room.
     """
     width, height = size
 

@@ -1,4 +1,4 @@
-"""Which toolkit opens a window: the one of the user's own backend, else the first that works."""
+"""Selects the toolkit for windows: that of the user's backend, else the first that works."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ DRIVERS = {
     "MPLBACKEND": "chooses how matplotlib draws; without a display it opens no window either",
     "QT_QPA_PLATFORM": "chooses where Qt shows windows; a display is asked for first",
 }
-"""Variables with which people run other environments without a display, and what they do here."""
+"""Environment variables for running other environments without a display, and their effect here."""
 
 
 def new_manager(figure: Figure) -> Any:
-    """Return the manager of a new window that holds a figure; pyplot neither knows nor is changed by it.
+    """Return the manager of a new window with a figure, independent of pyplot.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works.
+        NoWindowError: If there is no display or no working toolkit.
     """
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         set_ones = [f"{name}={os.environ[name]} {does}. " for name, does in DRIVERS.items() if os.environ.get(name)]
@@ -49,7 +49,7 @@ def new_manager(figure: Figure) -> Any:
             module = importlib.import_module(BACKENDS[toolkit])
             with matplotlib.rc_context({"toolbar": "None"}):
                 return module.FigureCanvas.new_manager(figure, 0)
-        except Exception as error:  # a toolkit raises whatever it likes
+        except Exception as error:  # toolkits raise exceptions of any type
             reasons.append(f"{toolkit}: {(str(error).strip() or repr(error)).splitlines()[0]}")
     missing = (
         "no GUI toolkit of matplotlib works here. Install one, e.g. Tk (python3-tk of the system) or "
@@ -63,7 +63,7 @@ def new_manager(figure: Figure) -> Any:
 
 
 def has_focus(manager: object) -> bool:
-    """Return whether the keys go to the window; True where its toolkit cannot tell."""
+    """Return whether the window has the keyboard focus; True if its toolkit cannot tell."""
     window = manager.window if hasattr(manager, "window") else getattr(manager, "frame", None)
     for name in ("focus_displayof", "isActiveWindow", "is_active", "IsActive"):
         if hasattr(window, name):
@@ -73,7 +73,7 @@ def has_focus(manager: object) -> bool:
 
 
 def event_time(event: object) -> float:
-    """Return when a toolkit's event happened [s], by its own clock; where it does not tell, the time of now."""
+    """Return the time of a toolkit's event by the toolkit's clock [s]; the present time if it has none."""
     for name in ("time", "timestamp", "GetTimestamp"):
         told = getattr(event, name, None)
         told = told() if callable(told) else told
@@ -83,7 +83,7 @@ def event_time(event: object) -> float:
 
 
 def _order() -> list[str]:
-    """Return the toolkits in the order in which they are tried: the user's own first."""
+    """Return the toolkits in the order of trial: the user's own first."""
     chosen = str(dict.__getitem__(matplotlib.rcParams, "backend")).lower()
     own = [toolkit for toolkit in BACKENDS if chosen.startswith(toolkit)]
     return own + [toolkit for toolkit in BACKENDS if toolkit not in own]

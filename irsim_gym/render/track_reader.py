@@ -1,4 +1,4 @@
-"""Reads where bodies have been: their paths, and the outlines that they have left behind."""
+"""Reads the paths and trails of bodies."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from irsim_gym.world.trails import Trails
 
 
 class TrackReader:
-    """Makes views of paths and of outlines left behind.
+    """Makes views of paths and of the outlines in trails.
 
     Args:
-        trails: Where bodies have been.
+        trails: Past poses of bodies.
         bodies: Makes views of bodies.
-        styles: How they look.
+        styles: Styles of the bodies.
     """
 
     def __init__(self, trails: Trails, bodies: BodyReader, styles: Sequence[BodyStyle]) -> None:
@@ -29,7 +29,7 @@ class TrackReader:
         self._ghosts = [(k, body) for k, body in tracked if styles[body].ghost is not None]
 
     def paths(self, world: int, present: Flags) -> tuple[TrailView, ...]:
-        """Return the paths of the bodies that are there."""
+        """Return the paths of present bodies."""
         if not self._paths:
             return ()
         _, table = self._trails.noted(world)
@@ -41,7 +41,7 @@ class TrackReader:
         return tuple(views)
 
     def ghosts(self, world: int, present: Flags) -> tuple[DrawnBody, ...]:
-        """Return the outlines that are left behind, the oldest first."""
+        """Return the outlines in the trails of present bodies, the oldest first."""
         found: list[tuple[int, int, Form, Floats]] = []
         for k, body in self._ghosts:
             if present[body]:
@@ -55,7 +55,7 @@ class TrackReader:
 
 
 def _latest(poses: Floats, length: int) -> Floats:
-    """Return the latest poses that are known; 0 for all."""
+    """Return the latest ``length`` known poses; all for 0."""
     gone = np.isnan(poses[:, 0])
     if gone.any():
         poses = poses[~gone]

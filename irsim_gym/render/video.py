@@ -1,4 +1,4 @@
-"""Films from frames: mp4 and gif files that appear only when they are complete."""
+"""Writes films: mp4 and gif files that appear only when complete."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from rich.progress import Progress
 from irsim_gym.arraytypes import Bytes
 
 CODEC = "libx264"
-# Constant quality without visible loss; the index at the front lets browsers start before the end. Of flat colours the
-# preset "medium" makes as large a file in twice the time.
+# Constant quality without visible loss; with the index at the front, browsers can start before the download ends. For
+# flat colours, the preset "medium" takes twice the time for a file of the same size.
 CODEC_OPTIONS = ["-crf", "18", "-preset", "veryfast", "-movflags", "+faststart", "-loglevel", "error"]
-# Browsers slow a gif down whose frames are shown for less [hundredths of a second].
+# Browsers slow down gifs with shorter frames [hundredths of a second].
 SHORTEST_GIF_FRAME = 2
 GIF_COLOURS = 256
-# A palette is given up when more than one of these shares of the pixels is off by more than so many levels: many are a
-# little off, or a colour is missing that only a thin line has.
+# A palette is replaced if more than a share of the pixels is off by more than a number of levels: many pixels are
+# slightly off, or the colour of a thin line is missing.
 LARGEST_SHARES_OFF = ((0.02, 4), (1e-4, 48))
 
 
 class VideoWriter:
     """Writes frames to a film, one after another; use it in a ``with`` statement.
 
-    The file is written under another name and renamed at the end, so that ``path`` never holds half a film;
-    after an exception nothing is left.
+    The film is written to a temporary file and renamed at the end, so that ``path`` never holds an incomplete film.
+    After an exception, the temporary file is removed.
 
     Args:
-        path: File to write; ``.mp4`` (H.264, yuv420p) or ``.gif``. Missing folders are made.
+        path: File to write, ``.mp4`` (H.264, yuv420p) or ``.gif``. Missing folders are created.
         fps: Frames per second.
 
     Raises:
-        ValueError: Another suffix, or a frame rate that is not positive.
+        ValueError: If the suffix is not supported, or the frame rate is not positive.
     """
 
     def __init__(self, path: str | Path, fps: float) -> None:
@@ -62,7 +62,7 @@ class VideoWriter:
             frame: uint8, shape ``(height, width, 3)``, the same for all frames.
 
         Raises:
-            ValueError: The frame is no picture, or its shape differs from the first one's.
+            ValueError: If the frame is not a picture, or its shape differs from that of the first frame.
         """
         if self._encoder is None:
             if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3:
@@ -78,7 +78,7 @@ class VideoWriter:
         """Finish the film.
 
         Raises:
-            ValueError: It has no frame.
+            ValueError: If the video has no frames.
         """
         if self._encoder is None:
             raise ValueError(f"no frames for {self.path}")
@@ -87,7 +87,7 @@ class VideoWriter:
         self._part.replace(self.path)
 
     def discard(self) -> None:
-        """Give the film up, leaving no file."""
+        """Discard the film and remove its temporary file."""
         if self._encoder is not None:
             self._encoder.abandon()
             self._encoder = None
@@ -112,13 +112,14 @@ def write_video(
     """Write frames to one film, or to several (mp4 and gif) at once.
 
     Args:
-        frames: uint8, shape ``(height, width, 3)`` each; they are taken one by one and not kept.
+        frames: Frames, uint8, shape ``(height, width, 3)``; they are consumed one by one and not kept.
         path: File or files to write, ``.mp4`` or ``.gif``.
         fps: Frames per second.
-        total: How many frames there are, for a progress bar on the terminal; None shows none.
+        total: Number of frames, for a progress bar on the terminal; None for no bar.
 
     Raises:
-        ValueError: No frames, frames of different shapes, another suffix, or a frame rate that is not positive.
+        ValueError: If there are no frames, their shapes differ, the suffix is not supported, or the frame rate is not
+            positive.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
     writers = [VideoWriter(each, fps) for each in paths]
@@ -137,7 +138,7 @@ def write_video(
 
 
 def _even(frame: Bytes) -> Bytes:
-    """Repeat the last row and column where their number is odd: H.264 with yuv420p takes even sizes only."""
+    """Repeat the last row and column if their number is odd, since H.264 with yuv420p requires even sizes."""
     height, width = frame.shape[:2]
     if height % 2 == 0 and width % 2 == 0:
         return frame
@@ -145,26 +146,26 @@ def _even(frame: Bytes) -> Bytes:
 
 
 class _Encoder(ABC):
-    """One file format."""
+    """An encoder for one file format."""
 
     @abstractmethod
     def __init__(self, path: Path, fps: float) -> None: ...
 
     @abstractmethod
     def append(self, frame: Bytes) -> None:
-        """Take a frame."""
+        """Add a frame."""
 
     @abstractmethod
     def finish(self) -> None:
-        """Write what is left and close the file."""
+        """Write the remaining data and close the file."""
 
     @abstractmethod
     def abandon(self) -> None:
-        """Let go of the file."""
+        """Close the file without finishing it."""
 
 
 class _Mp4(_Encoder):
-    """H.264 as every player reads it, by imageio's ffmpeg."""
+    """H.264 in a widely supported profile, encoded by imageio's ffmpeg."""
 
     def __init__(self, path: Path, fps: float) -> None:
         self._writer: Any = imageio.get_writer(
@@ -191,8 +192,8 @@ class _Mp4(_Encoder):
 class _Gif(_Encoder):
     """A looping gif without dithering, which flat colours do not need.
 
-    A palette serves as long as it fits, because frames with one palette compress to half the size. Frames last
-    whole hundredths of a second, so durations are rounded along the film, not one by one.
+    A palette is reused as long as it fits, because frames with the same palette compress to half the size. Frames last
+    whole hundredths of a second, so durations are rounded cumulatively.
     """
 
     def __init__(self, path: Path, fps: float) -> None:
@@ -210,7 +211,7 @@ class _Gif(_Encoder):
             self._shown_from.append(begin)
 
     def _reduced(self, frame: Bytes) -> Image.Image:
-        """Reduce the colours with the last palette, or with a new one where that would be seen."""
+        """Reduce the colours with the last palette, or with a new one if the difference would be visible."""
         picture = Image.fromarray(frame)
         if self._palette is not None:
             reduced = picture.quantize(palette=self._palette, dither=Image.Dither.NONE)
@@ -223,8 +224,8 @@ class _Gif(_Encoder):
         end = max(round(100 * self._count / self._fps), self._shown_from[-1] + SHORTEST_GIF_FRAME)
         durations = [10 * (after - begin) for begin, after in pairwise([*self._shown_from, end])]
         first, *others = self._images
-        # Pillow's optimizing takes half of the time for a fifth of the file, and gives some frames an alpha channel,
-        # which many readers refuse.
+        # Pillow's optimization takes half of the time, saves a fifth of the file, and gives some frames an alpha
+        # channel that many readers reject.
         how: dict[str, Any] = {"loop": 0, "disposal": 1, "optimize": False}
         first.save(self._path, save_all=True, append_images=others, duration=durations, **how)
         self._images = []
@@ -234,7 +235,7 @@ class _Gif(_Encoder):
 
 
 def _is_faithful(reduced: Image.Image, frame: Bytes) -> bool:
-    """Return whether hardly a colour has visibly changed, by every second pixel of every second row."""
+    """Return whether colours have hardly changed, in every second pixel of every second row."""
     colours = np.array(reduced.getpalette(), np.int16).reshape(-1, 3)
     shown = colours[np.asarray(reduced)[::2, ::2]]
     off = np.abs(shown - frame[::2, ::2]).max(axis=2)

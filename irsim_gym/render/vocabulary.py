@@ -1,7 +1,7 @@
-"""How the views of a scene look: what covers what, and the primitives that stand for each view.
+"""The drawing vocabulary: the drawing order, and the primitives of each view of a scene.
 
-All that draws scenes reads this one table; a replay page gets it as JSON (`replay_items`), so that what is added here
-out of known primitives needs no JavaScript.
+All renderers of scenes use it. A replay page gets the primitives as JSON (`replay_items`), so that new views made of
+known primitives need no JavaScript.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, faded
 from irsim_gym.world.marks import LineMark, Mark, PointsMark, TextMark
 
 HALF_A_WALL = 1.1
-"""Half the width of a wall's line [point]: one along the world's border is drawn whole."""
+"""Half the width of a wall's line [point], so that a wall along the world's border is drawn in full width."""
 LABEL_HEIGHT, LETTER_WIDTH = 1.3, 0.7
-"""Height of a label and width of one of its letters, in type sizes."""
+"""Height of a label and width of a letter, relative to the type size."""
 THINNEST_BAND = 0.3
-"""The least width of a line with a width in metres [point]."""
+"""Minimum width of a line with a width in metres [point]."""
 
 
 class Rank(NamedTuple):
-    """How a kind of thing is drawn.
+    """The properties of a rank.
 
     Attributes:
-        reach: How far it may reach over the world's border [point]; None for not cut there.
+        reach: Extent beyond the world's border before clipping [point]; None for no clipping.
         switch: Name of the page's switch that shows it; empty for none.
     """
 
@@ -66,7 +66,7 @@ RANKS = {
     "words": Rank(),
     "frame": Rank(),
 }
-"""What is drawn, by name; within a layer, later ones cover earlier ones."""
+"""All ranks by name; within a layer, later ranks cover earlier ones."""
 
 POLE = Shape(offsets=(np.array(theme.FLAG_POLE),))
 PENNANT = Shape(offsets=(np.array([*theme.FLAG_PENNANT, theme.FLAG_PENNANT[0]]),))
@@ -74,7 +74,7 @@ WAYPOINT = Shape(dot=2.25)
 
 
 def page_constants() -> dict[str, Any]:
-    """Return what a page's script has to know beside what it draws."""
+    """Return the constants for the script of a page."""
     lines = zip(("dashed", "dashdot", "dotted"), DASHES[1:].tolist(), strict=True)
     return {
         "card": theme.CARD,
@@ -94,12 +94,12 @@ def page_constants() -> dict[str, Any]:
 
 
 def body(view: DrawnBody, span: tuple[float, float] | None, *, fixed: bool) -> Iterator[Primitive]:
-    """Yield what is drawn of a body, in its own frame, except when it collides.
+    """Yield the primitives of a body in its own frame, except those of collisions.
 
     Args:
         view: The body.
-        span: Width [rad] and depth [m] of its field of view; None where that is not shown.
-        fixed: It never moves.
+        span: Width [rad] and depth [m] of its field of view; None if that is not shown.
+        fixed: Whether it never moves.
     """
     style, form = view.style, view.form
     rank = "fixed" if fixed else "bodies"
@@ -128,7 +128,7 @@ def body(view: DrawnBody, span: tuple[float, float] | None, *, fixed: bool) -> I
 
 
 def way(style: BodyStyle) -> Way:
-    """Return how is drawn where a body has been."""
+    """Return the primitive of a body's path."""
     ink, width = Ink(style.trajectory_colour, style.trajectory_alpha), style.trajectory_width
     pen = Pen(None, ink, width or theme.PATH_WIDTH, style.trajectory_style, width is not None, "butt")
     return Way("paths", style.trajectory_order, pen, style.trajectory_length)
@@ -145,9 +145,9 @@ def is_filled(form: Form, style: BodyStyle) -> bool:
 
 
 def footprint(form: Form, style: BodyStyle) -> tuple[Pen, ...]:
-    """Return the pens that draw a footprint, one after the other.
+    """Return the pens for a footprint, in order.
 
-    One that consists of several opaque parts has no edges where they overlap.
+    Two pens are used for a footprint of several opaque parts, so that edges inside overlaps are hidden.
     """
     filled = is_filled(form, style)
     fill, edge = Ink(style.colour, style.alpha), Ink(style.colour, style.alpha, 0.68 if filled else 1.0)
@@ -161,19 +161,19 @@ def footprint(form: Form, style: BodyStyle) -> tuple[Pen, ...]:
 
 
 def shadows() -> Iterator[tuple[float, Pen]]:
-    """Yield how far the shadows of a fixed body lie to the right and below [point], and how they are drawn."""
+    """Yield the shift to the right and downwards [point] and the pen of each shadow of a fixed body."""
     for shift, opacity in theme.SHADOWS:
         yield shift, Pen(Ink(theme.SHADOW, opacity), Ink(theme.SHADOW, 0.4 * opacity), 1.5)
 
 
 def impact(form: Form) -> Iterator[Figure]:
-    """Yield the edge of a body that collides, in its own frame."""
+    """Yield the edges of a colliding body, in its own frame."""
     for width, opacity in ((5.0, 0.25), (1.8, 1.0)):
         yield Figure("impacts", TOP, Pen(edge=Ink(theme.IMPACT, opacity), width=width), outline(form))
 
 
 def goal(view: GoalView) -> Iterator[Primitive]:
-    """Yield a goal: the circle of its tolerance, an arrow where a heading counts, later goals, a flag and a label."""
+    """Yield a goal: the circle of its tolerance, an arrow if the heading counts, later goals, a flag and a label."""
     style, layer, foot = view.style, view.style.goal_order, np.array([[view.x, view.y]])
     faint, strong, full = (Ink(style.goal_colour, share * style.goal_alpha) for share in (0.45, 0.9, 1.0))
     fill = Ink(style.goal_colour, (theme.REACHED_FILL if view.arrived else theme.GOAL_FILL) * style.goal_alpha)
@@ -193,14 +193,14 @@ def goal(view: GoalView) -> Iterator[Primitive]:
 
 
 def label(style: BodyStyle, rank: str, text: str) -> Words:
-    """Return a text beside a body; its name stands above it, wherever its label does."""
+    """Return a text beside a body; only labels, not names, use the label's offset."""
     offset = style.label_offset if rank == "labels" else None
     ink = Ink(style.label_colour, style.label_alpha)
     return Words(rank, style.label_order, text, style.label_size, ink, offset=offset)
 
 
 def goal_arrow(radius: float) -> Shape:
-    """Return the arrow at a goal with a circle of this radius [m], where its shaft ends; see ``theme.GOAL_ARROW``."""
+    """Return the arrow at a goal, whose shaft ends at the circle of this radius [m]; see ``theme.GOAL_ARROW``."""
     least, head, wide, thin = theme.GOAL_ARROW
     reach = np.array([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]) * max(radius, 1e-3)
     sides = [(0.0, thin), (0.0, thin), (0.0, wide), (head, 0.0), (0.0, -wide), (0.0, -thin), (0.0, -thin), (0.0, thin)]
@@ -208,7 +208,7 @@ def goal_arrow(radius: float) -> Shape:
 
 
 def scan(style: ScanStyle, beams: int) -> Iterator[Beams]:
-    """Yield what is drawn of a scan with so many beams."""
+    """Yield the primitives of a scan with ``beams`` beams."""
     speed, tone, alpha = style.velocity, style.colour, style.alpha
     if speed is not None and speed.coloured:
         free = Pen(edge=Ink(speed.free_colour, speed.free_alpha), width=speed.free_width, cap="butt")
@@ -229,7 +229,7 @@ def scan(style: ScanStyle, beams: int) -> Iterator[Beams]:
 
 
 def speed_inks(style: ScanStyle, opacity: float) -> SpeedInks | None:
-    """Return the colours of radial velocities; None for a sensor that measures none."""
+    """Return the colours of radial velocities; None if the sensor does not measure them."""
     speed = style.velocity
     if speed is None:
         return None
@@ -238,12 +238,12 @@ def speed_inks(style: ScanStyle, opacity: float) -> SpeedInks | None:
 
 
 def fog(view: FogView) -> Cover:
-    """Return the fog."""
+    """Return the primitive of the fog."""
     return Cover("fog", GROUND, Ink(view.colour, view.alpha))
 
 
 def outcome(colour: str, bounds: Floats) -> Iterator[Figure]:
-    """Yield what shows an outcome: a touch of its colour over the world's rectangle, and a frame around that."""
+    """Yield the marks of an outcome: a tint over the world's rectangle, and a border around it."""
     x_min, y_min, x_max, y_max = bounds.tolist()
     shape = Shape((np.array([(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max), (x_min, y_min)]),))
     yield Figure("touch", GROUND, Pen(Ink(colour, 0.07)), shape)
@@ -251,7 +251,7 @@ def outcome(colour: str, bounds: Floats) -> Iterator[Figure]:
 
 
 def mark(drawn: Mark) -> Primitive:
-    """Return what is drawn of a mark that somebody laid over the world."""
+    """Return the primitive of a mark over the world."""
     ink = Ink(*faded(drawn.color, drawn.alpha))
     match drawn:
         case LineMark():

@@ -1,4 +1,4 @@
-"""Where obstacles stand in the levels of an evaluation."""
+"""The density of obstacles over the levels of an evaluation."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ FINER = 2
 
 
 class Density:
-    """The share of levels in which a place is occupied.
+    """The share of levels in which each place is occupied.
 
     Args:
         bounds: The world's rectangle [m]: x_min, y_min, x_max, y_max, ``(4,)``.
 
     Attributes:
-        differs: They do not stand in the same places in all levels.
+        differs: Whether obstacles differ between levels.
     """
 
     def __init__(self, bounds: Floats) -> None:

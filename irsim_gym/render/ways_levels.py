@@ -1,4 +1,4 @@
-"""Single levels in the picture of an evaluation: the obstacles, the ways and how they ended."""
+"""Draws single levels in the picture of an evaluation: obstacles, paths and outcomes."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class DrawnLevel:
     """A level in the picture.
 
     Attributes:
-        number: Its number.
-        time: How long it took [s].
-        ways: The ways of its agents.
-        fixed: Bodies that stand.
-        moving: Other bodies, agents among them, where they were at its end.
-        agents: Ids of the agents, one for each way.
+        number: Number of the level.
+        time: Duration [s].
+        ways: Paths of the agents.
+        fixed: Standing bodies.
+        moving: Other bodies, including agents, at the end of the level.
+        agents: Ids of the agents, one for each path.
         map: Its occupancy map, or None.
     """
 
@@ -52,25 +52,25 @@ class DrawnLevel:
 
     @property
     def outcome(self) -> str:
-        """How it ended: with success if all agents arrived, else with what happened last in ``ORDER`` to one."""
+        """Outcome of the level: success if all agents arrived, else that of its agents' which is last in ``ORDER``."""
         return max((way.outcome for way in self.ways), key=rank_of)
 
     def __str__(self) -> str:
-        """Say how it ended: ``collision, 3.2 s``; of several agents how many arrived."""
+        """Return the outcome as text: ``collision, 3.2 s``; for several agents, the number that arrived."""
         arrived = sum(way.outcome == "success" for way in self.ways)
         words = words_of(self.outcome) if len(self.ways) == 1 else f"{arrived} of {len(self.ways)} arrive"
         return f"{words}, {self.time:.1f} s"
 
 
 def worth_showing(levels: Sequence[DrawnLevel], count: int) -> list[DrawnLevel]:
-    """Return a few levels: failed ones, each outcome among them as far as there is room, then successful ones.
+    """Select levels to show: failed ones with as many different outcomes as possible, then successful ones.
 
     Args:
-        levels: Those that there are.
-        count: How many are wanted.
+        levels: All levels.
+        count: Number of levels to select.
 
     Returns:
-        Levels of one outcome beside each other, by number; the rarest failure first, successes last.
+        Levels grouped by outcome and sorted by number; the rarest failure first, successes last.
     """
     by_number = sorted(levels, key=lambda level: level.number)
     often = Counter(level.outcome for level in by_number)
@@ -88,7 +88,7 @@ def worth_showing(levels: Sequence[DrawnLevel], count: int) -> list[DrawnLevel]:
 
 
 def draw_level(axes: Axes, level: DrawnLevel, bounds: Sequence[float]) -> None:
-    """Draw a level, with its number and how it ended above."""
+    """Draw a level, with its number and outcome above."""
     show_world(axes, bounds)
     if level.map is not None:
         x_min, y_min, x_max, y_max = level.map.extent

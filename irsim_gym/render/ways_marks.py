@@ -1,4 +1,4 @@
-"""How ways and their ends are drawn in pictures of evaluations."""
+"""Draws paths and their ends in pictures of evaluations."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from irsim_gym.render import theme
 
 MARKS = {"collision": "X", "timeout": "s", "left_world": "D", "deadlock": "P"}
 ORDER = ("success", "timeout", "deadlock", "left_world", "collision")
-"""Ways are drawn in this order: what is rare and matters lies on top."""
+"""Drawing order of paths, so that rare and important outcomes are on top."""
 OTHER = "#7B8794"
 BEYOND = 0.045
-"""What is seen around the world, as a share of its longer side: some leave it."""
+"""Margin around the world as a share of its longer side, since paths may leave the world."""
 
 
 @dataclass(frozen=True)
 class DrawnWay:
-    """A way in the picture.
+    """A path in the picture.
 
     Attributes:
-        points: Positions [m], ``(n, 2)``; one where only its end is known.
-        goal: Where it should end [m], ``(2,)``, or NaN.
-        outcome: How it ended, e.g. ``"collision"``.
+        points: Positions [m], ``(n, 2)``; a single one if only the end is known.
+        goal: The goal [m], ``(2,)``, or NaN.
+        outcome: The outcome, e.g. ``"collision"``.
     """
 
     points: Rays
@@ -46,17 +46,17 @@ def colour_of(outcome: str) -> str:
 
 
 def words_of(outcome: str) -> str:
-    """Return an outcome as it is written: ``left_world`` is "left world"."""
+    """Return an outcome as text: ``left_world`` becomes "left world"."""
     return outcome.replace("_", " ")
 
 
 def rank_of(outcome: str) -> int:
-    """Return the place of an outcome in ``ORDER``."""
+    """Return the index of an outcome in ``ORDER``."""
     return ORDER.index(outcome) if outcome in ORDER else 0
 
 
 def draw_lines(axes: Axes, ways: Sequence[DrawnWay], opacity: float, width: float = 1.0) -> None:
-    """Draw ways, the successful ones paler and below the others."""
+    """Draw paths, the successful ones paler and below the others."""
     ordered = sorted(ways, key=lambda way: rank_of(way.outcome))
     pale = {outcome: (0.75 if outcome == "success" else 0.95) * opacity for outcome in ORDER}
     lines: Any = LineCollection([way.points for way in ordered], linewidths=width, capstyle="round", zorder=2)
@@ -65,13 +65,13 @@ def draw_lines(axes: Axes, ways: Sequence[DrawnWay], opacity: float, width: floa
 
 
 def draw_starts_and_goals(axes: Axes, ways: Sequence[DrawnWay], size: float) -> None:
-    """Mark where ways begin, and where they should end."""
+    """Mark the starts and goals of paths."""
     draw_dots(axes, (way.points[0] for way in ways), theme.INK_LIGHT, "o", size, hollow=True)
     draw_dots(axes, (way.goal for way in ways), theme.INK, "^", size)
 
 
 def draw_ends(axes: Axes, ways: Sequence[DrawnWay], size: float) -> None:
-    """Mark where ways have failed."""
+    """Mark the ends of failed paths."""
     for outcome in ORDER[1:]:
         ends = (way.points[-1] for way in ways if way.outcome == outcome)
         draw_dots(axes, ends, colour_of(outcome), MARKS[outcome], size, order=4.0)
@@ -87,7 +87,7 @@ def draw_dots(
     hollow: bool = False,
     order: float = 3.0,
 ) -> None:
-    """Draw a marker at each place [m] that is known."""
+    """Draw a marker at each known place [m]."""
     points = np.array(list(places), np.float64).reshape(-1, 2)
     points = points[~np.isnan(points).any(axis=1)]
     face = "none" if hollow else to_rgba(colour, 0.85)
@@ -98,7 +98,7 @@ def draw_dots(
 
 
 def show_world(axes: Axes, bounds: Sequence[float]) -> None:
-    """Show a world's rectangle [m], x_min, y_min, x_max, y_max, with a frame and without ticks."""
+    """Draw a world's rectangle [m], x_min, y_min, x_max, y_max, with a border and without ticks."""
     x_min, y_min, x_max, y_max = bounds
     beyond = BEYOND * max(x_max - x_min, y_max - y_min)
     axes.set(xlim=(x_min - beyond, x_max + beyond), ylim=(y_min - beyond, y_max + beyond), aspect="equal")
@@ -110,7 +110,7 @@ def show_world(axes: Axes, bounds: Sequence[float]) -> None:
 
 
 def legend(outcomes: Iterable[str]) -> list[Line2D]:
-    """Return what a legend says of outcomes, starts and goals."""
+    """Return the legend's entries for outcomes, starts and goals."""
     common: dict[str, Any] = {"markersize": 5, "markeredgewidth": 0.7}
     found = set(outcomes)
     handles = [
@@ -124,5 +124,5 @@ def legend(outcomes: Iterable[str]) -> list[Line2D]:
 
 
 def paler(count: int) -> float:
-    """Return the opacity of so many ways, or how much smaller so many marks are."""
+    """Return an opacity for ``count`` paths, or a scale factor for ``count`` marks."""
     return min(1.0, math.sqrt(40.0 / max(count, 1)))

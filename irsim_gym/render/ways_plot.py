@@ -1,4 +1,4 @@
-"""The ways of evaluated policies over the world: where they succeed, and where and how they fail."""
+"""Plots the paths of evaluated policies: where they succeed, and where and how they fail."""
 
 from __future__ import annotations
 
@@ -36,32 +36,32 @@ from irsim_gym.render.ways_marks import (
 )
 
 PANEL, WIDE_PANEL = 4.6, 9.0
-"""Longer side of a panel, and of one that has its levels below [inch]."""
+"""Longer side of a panel, and of a panel with its levels below [inch]."""
 WIDE = 0.6
-"""Worlds whose height is less than this share of their width have their levels below the panel."""
+"""Ratio of height to width of a world below which its levels are placed below the panel."""
 COLUMNS, ROWS = 3, 2
 SHOWN_LEVELS = COLUMNS * ROWS
-"""How many levels are shown beside a panel."""
+"""Number of levels beside a panel."""
 HEAD, GAP, NARROWEST = 0.4, 0.16, 1.35
-"""Room for the words above a level, between two levels, and the least width that a level has [inch]."""
+"""Height of the text above a level, gap between levels, and minimum width of a level [inch]."""
 LEFT, RIGHT, TITLE, ABOVE, BELOW = 0.45, 0.2, 0.35, 0.55, 0.6
-"""Margins on the left and on the right, and room for the heading, and above and below each panel [inch]."""
+"""Margins on the left and right, height of the heading, and room above and below each panel [inch]."""
 LETTER, LINE, ENTRY = 0.064, 0.17, 1.0
-"""Width of a letter of the note, height of its lines, and width of an entry of the legend [inch]."""
+"""Width of a letter and height of a line of the note, and width of an entry of the legend [inch]."""
 FEW = 40
-"""A panel has so many whole ways that succeeded, and as many that failed: more cannot be told apart."""
+"""Maximum number of whole successful paths in a panel, and of failed ones; more would be indistinguishable."""
 
 
 @dataclass(frozen=True)
 class WaysPanel:
-    """What one policy did.
+    """The results of one policy.
 
     Attributes:
-        title: Its name.
-        success: What is said of its success.
-        ways: Whole ways, and the ends of others.
-        counts: How often each outcome occurred, over all levels.
-        levels: Levels that are shown by themselves; empty where all levels look alike.
+        title: Name of the policy.
+        success: Text about its success.
+        ways: Whole paths, and the ends of others.
+        counts: Number of times each outcome occurred, over all levels.
+        levels: Levels that are shown individually; empty if all levels look alike.
     """
 
     title: str
@@ -76,11 +76,11 @@ Place = tuple[float, float, float, float]
 
 
 class WaysPlan:
-    """Where panels and levels stand.
+    """The positions of panels and levels.
 
     Args:
         bounds: The world's rectangle [m].
-        panels: What is shown.
+        panels: The panels.
 
     Attributes:
         width: Width of the picture [inch].
@@ -110,13 +110,13 @@ class WaysPlan:
         self.height = TITLE + math.ceil(len(panels) / self._columns) * (ABOVE + self._block[1] + BELOW)
 
     def panel(self, k: int) -> Place:
-        """Return the place of a panel."""
+        """Return the position of a panel."""
         row, column = divmod(k, self._columns)
         left = LEFT + column * (self._block[0] + LEFT)
         return left, TITLE + ABOVE + row * (ABOVE + self._block[1] + BELOW), *self._panel
 
     def cells(self, k: int) -> Iterator[Place]:
-        """Yield the places of the levels of a panel."""
+        """Yield the positions of the levels of a panel."""
         left, top, wide, high = self.panel(k)
         for cell in range(SHOWN_LEVELS):
             row, column = divmod(cell, COLUMNS)
@@ -136,17 +136,17 @@ def draw_ways(
     *,
     dots_per_inch: int = 120,
 ) -> None:
-    """Draw the ways of policies, a panel for each and beside it some of its levels, into files.
+    """Draw the paths of policies into files, with a panel for each policy and some of its levels beside it.
 
-    Green ways have arrived; marks show where the others ended. What is grey is occupied, the darker in the more levels.
+    Green paths have arrived; marks show the ends of the others. Grey areas are occupied, darker ones in more levels.
 
     Args:
         paths: Files to write, ``.png``, ``.pdf``, ``.svg``.
         panels: The policies.
-        density: Where obstacles are.
-        title: Heading.
-        note: What is shown, below the panels.
-        dots_per_inch: Resolution of pixels.
+        density: Density of obstacles.
+        title: Heading of the figure.
+        note: Explanation below the panels.
+        dots_per_inch: Resolution.
     """
     figure = plot_ways(panels, density, title, note)
     for path in paths:
@@ -155,7 +155,7 @@ def draw_ways(
 
 
 def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: str) -> Figure:
-    """Return the picture of ``draw_ways``."""
+    """Return the figure of ``draw_ways``."""
     plan = WaysPlan(density.bounds, panels)
     entries = legend(outcome for panel in panels for outcome in panel.counts)
     room = plan.width - LEFT - RIGHT
@@ -186,7 +186,7 @@ def _draw_panel(axes: Axes, panel: WaysPanel, density: Density) -> None:
     x_min, y_min, x_max, y_max = density.bounds
     dark = ["#DDE2E7", "#9DA9B5"] if density.differs else ["#B8C0CA", "#5B6774"]
     grey = LinearSegmentedColormap.from_list("occupied", [theme.CARD, *dark])
-    shades = PowerNorm(0.5, vmin=0.0, vmax=1.0)  # what is there in few levels can be seen too
+    shades = PowerNorm(0.5, vmin=0.0, vmax=1.0)  # makes obstacles of few levels visible
     axes.imshow(density.shares(), cmap=grey, norm=shades, extent=(x_min, x_max, y_min, y_max), zorder=0)
     whole = [way for way in panel.ways if len(way.points) > 1]
     shown = [way for way in whole if way.outcome == "success"][:FEW]
@@ -213,7 +213,7 @@ def _write(axes: Axes, panel: WaysPanel) -> None:
 
 
 def _add_ticks(axes: Axes, bounds: Sequence[float]) -> None:
-    """Add coordinates; the last one along the world's width bears the unit."""
+    """Add coordinates; the last one along the x axis has the unit."""
     x_min, y_min, x_max, y_max = bounds
     box, scale = axes.get_window_extent(), DOTS_PER_INCH / axes.figure.dpi
     wide, high = box.width * scale, box.height * scale

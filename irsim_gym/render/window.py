@@ -1,4 +1,4 @@
-"""A window that shows pictures and tells what is done to it with keys and mouse."""
+"""A window that shows pictures and reports events of keyboard and mouse."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ NAMES: dict[EventName, str] = {
 DOTS_PER_INCH = 100.0
 PAUSE_S = 0.005
 FINE_SCREEN = 1.5
-"""Pixels of the screen for one of a window's from which on pictures are enlarged."""
+"""Ratio of screen pixels to window pixels from which pictures are enlarged."""
 
 
 @dataclass(frozen=True)
 class WindowEvent:
-    """Something that a person did.
+    """An event of the user.
 
     Attributes:
-        key: For keys: the name as matplotlib has it, e.g. ``w``, ``alt+1``, ``escape``; empty otherwise.
-        column: Where the mouse is on the picture, in its pixels from the left; may lie outside.
-        row: In pixels from the top.
-        button: For mouse buttons: 1 left, 2 middle, 3 right; 0 otherwise.
-        steps: For the wheel: how far it was turned, away from the person positive.
-        time: When it was done, by the clock of the toolkit [s].
+        key: For keys, matplotlib's name, e.g. ``w``, ``alt+1``, ``escape``; empty otherwise.
+        column: Position of the mouse on the picture in pixels from the left; may lie outside.
+        row: Position in pixels from the top.
+        button: For mouse buttons, 1 left, 2 middle, 3 right; 0 otherwise.
+        steps: For the wheel, the number of steps, positive away from the user.
+        time: Time of the event by the toolkit's clock [s].
     """
 
     key: str = ""
@@ -58,23 +58,23 @@ class WindowEvent:
 
 
 class Window:
-    """A window of matplotlib's, opened and closed without pyplot.
+    """A window of matplotlib, without pyplot.
 
-    Pictures of another size than the window are enlarged or shrunk to fit. matplotlib's own keys (s saves, q quits) are
-    off. Made and used in one thread, the main one with most toolkits.
+    Pictures are scaled to fit the window. matplotlib's own keys (s saves, q quits) are disabled. A window must be
+    created and used in one thread; most toolkits require the main thread.
 
     Args:
         width: Width of the area for pictures in pixels.
         height: Its height.
-        title: What stands above it.
+        title: Title of the window.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works; or this process was forked from one that had
-            opened a window, whose connection to the display it would break.
+        NoWindowError: If there is no display or no working toolkit, or if this process was forked from one with a
+            window, whose connection to the display would break.
     """
 
     _process: ClassVar[int] = 0
-    """Who opened the first one: a fork inherits the number, and the toolkit's connection."""
+    """Id of the process that opened the first window; a fork inherits it along with the toolkit's connection."""
 
     def __init__(self, width: int, height: int, title: str = "irsim_gym") -> None:
         if Window._process not in (0, os.getpid()):
@@ -99,26 +99,26 @@ class Window:
         self._manager.set_window_title(title)
         self._manager.show()
         self.wait(0.0)
-        if self._canvas.device_pixel_ratio < FINE_SCREEN:  # a pixel of the picture is one of the screen: fast and sharp
+        if self._canvas.device_pixel_ratio < FINE_SCREEN:  # map picture pixels to screen pixels: fast and sharp
             self._manager.resize(width, height)
         self._canvas.draw()
         self.wait(0.0)
 
     @property
     def closed(self) -> bool:
-        """It was closed, by the program or by the person."""
+        """Whether the program or the user has closed the window."""
         return self._closed
 
     @property
     def focused(self) -> bool:
-        """Keys go to it; True where the toolkit cannot tell, False once it is closed."""
+        """Whether the window has the keyboard focus; True if the toolkit cannot tell, False if it is closed."""
         return not self._closed and has_focus(self._manager)
 
     def show(self, picture: Bytes) -> None:
-        """Show a picture, and let what was done meanwhile come in. Does nothing once it is closed.
+        """Show a picture and process pending events. Do nothing if the window is closed.
 
         Args:
-            picture: uint8, shape ``(height, width, 3)``; it is copied.
+            picture: The picture, uint8, shape ``(height, width, 3)``; it is copied.
         """
         if self._closed:
             return
@@ -132,13 +132,13 @@ class Window:
         self.wait(0.0)
 
     def wait(self, seconds: float) -> None:
-        """Let events come in for a time [s]; return at once when the window is closed."""
+        """Process events for a time [s]; return at once if the window is closed."""
         until = time.perf_counter() + seconds
         while not self._closed:
             try:
                 self._canvas.flush_events()
             except Exception:
-                if not self._closed:  # Tk complains about a window that was closed meanwhile
+                if not self._closed:  # Tk raises if the window was closed meanwhile
                     raise
             left = until - time.perf_counter()
             if left <= 0.0:
@@ -148,24 +148,24 @@ class Window:
             self._release()
 
     def connect(self, name: EventName, callback: Callable[[WindowEvent], None]) -> None:
-        """Call a function each time that something is done to the window, while it shows, waits or closes.
+        """Call a function at each event of a type, while the window shows, waits or closes.
 
         Args:
-            name: What: a key or a mouse button that goes down or up, the mouse that moves or leaves, the wheel.
-            callback: Gets where and what.
+            name: Type of the event.
+            callback: Function that gets the event.
         """
         if not self._closed:
             self._canvas.mpl_connect(NAMES[name], lambda event: callback(self._plain(event)))
 
     def close(self) -> None:
-        """Close it. May be called twice."""
+        """Close the window. Calling it again has no effect."""
         if not self._closed:
             self._closed = True
             self._manager.destroy()
         self._release()
 
     def _release(self) -> None:
-        """Free what the toolkit made, here and now: Tk complains when another thread's collection of garbage does."""
+        """Free the toolkit's objects at once, since Tk fails if another thread's garbage collection frees them."""
         if self._canvas is not None:
             self._figure = self._manager = self._canvas = self._picture = None
             gc.collect()
@@ -174,7 +174,7 @@ class Window:
         self._closed = True
 
     def _plain(self, event: Any) -> WindowEvent:
-        """Return what matplotlib tells, with places on the picture."""
+        """Convert an event of matplotlib, with its position on the picture."""
         width, height = self._canvas.get_width_height(physical=True)
         column, row = self._picture.place(event.x or 0.0, height - (event.y or 0.0), width, height)
         button = getattr(event, "button", None)
@@ -189,26 +189,26 @@ class Window:
 
 
 class _Picture(Artist):
-    """The picture that a figure shows, as large as fits."""
+    """The picture of a figure, as large as fits."""
 
     def __init__(self, width: int, height: int) -> None:
         super().__init__()
         self.rgba = np.full((height, width, 4), 255, np.uint8)
 
     def set(self, picture: Bytes) -> None:  # type: ignore[override]
-        """Take a picture, shape ``(height, width, 3)``."""
+        """Set the picture, shape ``(height, width, 3)``."""
         if picture.shape[:2] != self.rgba.shape[:2]:
             self.rgba = np.full((*picture.shape[:2], 4), 255, np.uint8)
-        for channel in range(3):  # four times as fast as one slice
+        for channel in range(3):  # four times as fast as one assignment
             self.rgba[..., channel] = picture[..., channel]
 
     def place(self, x: float, y: float, width: float, height: float) -> tuple[float, float]:
-        """Return column and row on the picture of a point of the window, which is so wide and high."""
+        """Return column and row on the picture of a point in a window of the given size."""
         scale, left, top = self._fit(width, height)
         return (x - left) / scale, (y - top) / scale
 
     def draw(self, renderer: RendererBase) -> None:
-        """Draw it, in the middle of the figure."""
+        """Draw the picture in the middle of the figure."""
         assert self.figure is not None
         width, height = renderer.get_canvas_width_height()
         scale, left, top = self._fit(width, height)
@@ -216,11 +216,11 @@ class _Picture(Artist):
         if scale != 1.0:
             size = max(round(scale * shown.shape[1]), 1), max(round(scale * shown.shape[0]), 1)
             shown = np.asarray(Image.fromarray(shown).resize(size, Image.Resampling.BILINEAR))
-        # Rows of matplotlib's pictures begin at the lower edge.
+        # Rows of images in matplotlib begin at the lower edge.
         renderer.draw_image(renderer.new_gc(), left, round(height - top - len(shown)), shown[::-1])
 
     def _fit(self, width: float, height: float) -> tuple[float, int, int]:
-        """Return the enlargement and the picture's left and upper edge in a window that is so wide and high."""
+        """Return the scale and the left and upper edge of the picture in a window of the given size."""
         rows, columns = self.rgba.shape[:2]
         scale = min(width / columns, height / rows)
         return scale, round(0.5 * (width - scale * columns)), round(0.5 * (height - scale * rows))

@@ -1,6 +1,6 @@
-"""What a scenario file says.
+"""Scenario files.
 
-The names are loaded when they are first used: listing the shipped files needs no validation library.
+The names are loaded on first use, so that listing the shipped files needs no validation library.
 """
 
 from __future__ import annotations

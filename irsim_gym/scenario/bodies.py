@@ -1,4 +1,4 @@
-"""Checked entries to bodies: defaults filled in, and the checks that need several keys at once."""
+"""Makes bodies from checked entries: fills in defaults, and runs the checks that need several keys."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from irsim_gym.scenario.validation import BAD, Report
 
 
 def make_bodies(entry: BodyEntry, index: int, first: int, group: int, report: Report) -> list[BodySpec]:
-    """Return the bodies of an entry; an empty list when one of its values was refused.
+    """Return the bodies of an entry; an empty list if one of its values is invalid.
 
     Args:
         entry: The entry, checked.
         index: Index of its placement.
         first: Number of its first body.
-        group: Group of its bodies when it names none.
+        group: Group of its bodies if it names none.
         report: Collects the problems.
     """
     patterns: dict[tuple[int, ...], BodySpec | None] = {}
@@ -59,7 +59,7 @@ def _named(pattern: BodySpec, entry: BodyEntry, i: int, number: int) -> BodySpec
 
 
 def name_of(entry: BodyEntry, i: int, number: int) -> tuple[Place, str]:
-    """Return path and name of the entry's i-th body, which has this number in the scenario."""
+    """Return path and name of the entry's i-th body, which is body ``number`` of the scenario."""
     place, name = entry.of("name", i)
     return place, f"{entry.raw.role}_{number}" if name is None or name is BAD else name
 
@@ -71,7 +71,7 @@ def _default_color(body: BodySpec) -> str:
 
 
 def _default_image(body: BodySpec) -> str | None:
-    """Return the image of a car whose entry says nothing about how it looks."""
+    """Return the default image of a car whose entry sets no looks; None for other bodies."""
     plot = body.plot
     is_plain = plot.obj_color is None and plot.obj_linewidth is None and plot.obj_linestyle in ("-", "solid")
     is_box = FOOTPRINTS.name_of(type(body.shape)) == "rectangle"
@@ -83,7 +83,7 @@ def _is_car(body: BodySpec) -> bool:
 
 
 def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -> BodySpec | None:
-    """Return the entry's i-th body without name and colour, after the checks that need several keys at once."""
+    """Return the entry's i-th body without name and colour, after the checks that need several keys."""
     given = {key: entry.of(key, i) for key in FIELDS if key not in OF_ENTRY}
     values = {key: value for key, (_, value) in given.items()}
     places = {key: place for key, (place, _) in given.items()}
@@ -135,7 +135,7 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
 
 
 def _drawn_speeds(values: Mapping[str, Any]) -> tuple[float, ...]:
-    """Return the greatest speeds that a level can draw, for each velocity of the drive that is one; else nothing."""
+    """Return the upper bound of ``speed_range`` for each velocity of the drive that is a speed; empty without one."""
     if values["speed_range"] is None or values["kinematics"] is None:
         return ()
     return (float(values["speed_range"][1]),) * body_checks.speed_count(values["kinematics"])
@@ -151,7 +151,7 @@ def _padded(values: tuple[float, ...], size: int, default: float) -> tuple[float
 
 
 def placement_of(entry: BodyEntry, first: int, report: Report) -> PlacementSpec:
-    """Return how the entry's bodies are placed."""
+    """Return the placement of the entry's bodies."""
     members = tuple(range(first, first + entry.count))
     role: Any = entry.raw.role
     return PlacementSpec(members, entry.placement, entry.number_range, role, report.source.line(entry.raw.place))
@@ -160,7 +160,7 @@ def placement_of(entry: BodyEntry, first: int, report: Report) -> PlacementSpec:
 def with_map(
     world: WorldSpec, bodies: tuple[BodySpec, ...], placements: tuple[PlacementSpec, ...], line: int
 ) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
-    """Return bodies and placements with the obstacle map as the last body: a fixed obstacle in a group of its own."""
+    """Return bodies and placements with the obstacle map as last body: a fixed obstacle in its own group."""
     names, number = {body.name for body in bodies}, len(bodies)
     name = f"{OBSTACLE}_{number}"
     while name in names:

@@ -1,4 +1,4 @@
-"""Checks that look at several keys of a body at once."""
+"""Checks that involve several keys of a body."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from irsim_gym.scenario.validation import BAD, Report
 
 FULL_TURN = 2.0 * math.pi
 TURN_TOLERANCE = 0.01
-"""How far [rad] a width may be from a full turn: [-3.14, 3.14] is one, and begins at its lower end."""
+"""Tolerance for the width of a full turn [rad]: [-3.14, 3.14] counts as one."""
 
 TURNS = ("angular", "steer")
-"""Velocities of drives that are no speeds."""
+"""Velocities of drives that are not speeds."""
 
 SCANNER = "add sensors: [{name: lidar2d}] to it"
-"""What to do where a scan is missing."""
+"""Advice if a scan is missing."""
 
 CURE = "add kinematics or remove the {key}"
 
@@ -34,12 +34,12 @@ def command_size(drive: Any) -> int:
 
 
 def speed_count(drive: Any) -> int:
-    """Return how many of a drive's velocities are speeds [m/s]; these come first."""
+    """Return the number of a drive's velocities that are speeds [m/s]; they come first."""
     return sum(name not in TURNS for name in drive.command_names)
 
 
 def check_body(values: Values, places: Places, report: Report) -> bool:
-    """Make each check whose values could be read; return whether all could, and none found anything."""
+    """Run each check whose values are readable; return whether all values are readable and all checks pass."""
     needs = {
         check_drive: ("kinematics", "behavior", "group_behavior", "static"),
         check_scan: ("kinematics", "behavior", "group_behavior", "static", "sensors"),
@@ -58,7 +58,7 @@ def check_body(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_drive(values: Values, places: Places, report: Report) -> bool:
-    """Tell a behaviour that cannot drive what there is; one that has nothing to drive is only doubtful."""
+    """Report a behaviour that cannot drive the body's kinematics; a body without kinematics is only a doubt."""
     drive = values["kinematics"]
     good = True
     families: tuple[tuple[str, Registry], ...] = (("behavior", BEHAVIORS), ("group_behavior", GROUP_BEHAVIORS))
@@ -78,7 +78,7 @@ def check_drive(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_scan(values: Values, places: Places, report: Report) -> bool:
-    """Tell a behaviour that reads its body's scan where the body has no range sensor."""
+    """Report a behaviour that reads its body's scan if the body has no range sensor."""
     if values["static"] or values["kinematics"] is None or has_range_sensor(values["sensors"] or ()):
         return True
     families: tuple[tuple[str, Registry], ...] = (("behavior", BEHAVIORS), ("group_behavior", GROUP_BEHAVIORS))
@@ -90,12 +90,12 @@ def check_scan(values: Values, places: Places, report: Report) -> bool:
 
 
 def has_range_sensor(sensors: Sequence[object]) -> bool:
-    """Return whether some sensors have one among them that behaviours can read: it tells the angles of its ranges."""
+    """Return whether one of the sensors is a range sensor that behaviours can read, which must have angles."""
     return any(getattr(sensor, "reading", "") == "ranges" and hasattr(sensor, "angles") for sensor in sensors)
 
 
 def check_dimensions(values: Values, places: Places, report: Report) -> bool:
-    """Tell vectors of the wrong length, and dimensions that are not the drive's."""
+    """Report vectors of the wrong length, and dimensions that differ from the drive's."""
     good, drive = True, values["kinematics"]
     name = "a body without kinematics" if drive is None else f"'{KINEMATICS.name_of(type(drive))}'"
     size, state_size = command_size(drive), 3 if drive is None else drive.state_size
@@ -120,7 +120,7 @@ def check_dimensions(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_limits(values: Values, places: Places, report: Report) -> bool:
-    """Tell limits that leave no velocity."""
+    """Report limits that allow no velocity."""
     if values["kinematics"] is None:
         return True
     size = command_size(values["kinematics"])
@@ -133,7 +133,7 @@ def check_limits(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_speeds(values: Values, places: Places, report: Report) -> bool:
-    """Tell a range of speeds that is none, or that the drive has no use for."""
+    """Report a range of speeds that is invalid, or that the drive does not use."""
     if values["speed_range"] is None:
         return True
     place, (low, high), drive = places["speed_range"], values["speed_range"], values["kinematics"]
@@ -150,7 +150,7 @@ def check_speeds(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_angle_range(values: Values, places: Places, report: Report) -> bool:
-    """Tell an interval of headings that is not a full turn."""
+    """Report an interval of headings that is not a full turn."""
     low, high = values["angle_range"]
     if abs(high - low - FULL_TURN) > TURN_TOLERANCE:
         message = f"must be a full turn wide (2 pi), such as [-pi, pi], got {show(values['angle_range'])}"
@@ -160,7 +160,7 @@ def check_angle_range(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_wheelbase(values: Values, places: Places, report: Report) -> bool:
-    """Tell a drive that needs a distance of its axles where neither it nor the shape gives one."""
+    """Report a drive that needs a wheelbase if neither it nor the shape gives one."""
     drive, shape = values["kinematics"], values["shape"]
     if values["static"] or not getattr(drive, "needs_wheelbase", False):
         return True
@@ -172,7 +172,7 @@ def check_wheelbase(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_view(values: Values, places: Places, report: Report) -> bool:
-    """Tell a field of view of which a part is neither given nor that of a range sensor."""
+    """Report a field of view with only one of width and depth, given or from a range sensor."""
     fov, radius = field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
     if (fov is None) == (radius is None):
         return True
@@ -182,7 +182,7 @@ def check_view(values: Values, places: Places, report: Report) -> bool:
 
 
 def field_of_view(fov: float | None, radius: float | None, sensors: Sequence[Any]) -> tuple[float | None, float | None]:
-    """Return width [rad] and depth [m] of a field of view; what is None is that of the first range sensor."""
+    """Return width [rad] and depth [m] of a field of view; None is replaced by the value of the first range sensor."""
     lidar = next((sensor for sensor in sensors if getattr(sensor, "reading", "") == "ranges"), None)
     if lidar is not None:
         fov = lidar.angle_range if fov is None else fov

@@ -1,4 +1,4 @@
-"""Known colours (matplotlib's names, and numbers), so that a misspelt one is reported with its line."""
+"""Known colours (matplotlib's names, and numbers), so that misspelt ones are reported with their line."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _OTHER = re.compile(
 
 
 def as_text(color: object) -> Any:
-    """Return red, green, blue and perhaps opacity from 0 to 1 as ``#rrggbb`` or ``#rrggbbaa``; all else unchanged."""
+    """Convert red, green, blue and optional opacity from 0 to 1 to ``#rrggbb[aa]``; return other values unchanged."""
     if not isinstance(color, list | tuple) or len(color) not in (3, 4):
         return color
     if not all(isinstance(part, int | float) and not isinstance(part, bool) and 0 <= part <= 1 for part in color):
@@ -42,7 +42,7 @@ def as_text(color: object) -> Any:
 
 
 def color_problem(name: str | None) -> str:
-    """Return what is wrong with a colour name; empty when nothing is, or none is given."""
+    """Return what is wrong with a colour name; empty if it is valid or None."""
     if name is None or name.lower() in NAMES or _OTHER.fullmatch(name):
         return ""
     return f"no colour named '{name[:40]}'{suggestion(name[:40].lower(), NAMES)}"

@@ -1,7 +1,7 @@
-"""YAML text to plain data with lines: bounded and safe; keys given twice are reported.
+"""Converts YAML text to plain data with line numbers: bounded, safe, and with reports of repeated keys.
 
-The parser's events are put together here rather than by PyYAML's own composer: that is where depth, the number of
-values after aliases are expanded, anchors that contain themselves and duplicate keys can be checked.
+It replaces PyYAML's composer, because only here can depth, the number of values after alias expansion, anchors that
+contain themselves and duplicate keys be checked.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Fatal(Exception):  # noqa: N818  (it never leaves the package: source.py turns it into a ScenarioError)
-    """Reading cannot go on."""
+    """A problem that stops reading."""
 
     def __init__(self, line: int, message: str) -> None:
         self.line = line
@@ -35,14 +35,14 @@ class Fatal(Exception):  # noqa: N818  (it never leaves the package: source.py t
 
 @dataclass
 class Document:
-    """What a file holds.
+    """The content of a file.
 
     Attributes:
         data: The plain data.
-        lines: Line of each value by its path: of its key or list item, or of the scalar itself.
+        lines: Line of each value by its path: that of its key or list item, or of the scalar itself.
         problems: Line, path and message of each mistake.
-        repeats: Line, path and message of each key that its mapping has already, and whether a block of further keys
-            belongs to it; the last one holds.
+        repeats: Line, path and message of each repeated key, and whether it holds a block of further keys; the last
+            value counts.
     """
 
     data: Any = None
@@ -53,7 +53,7 @@ class Document:
 
 @dataclass
 class _Node:
-    """A value before aliases are expanded; ``error`` is reported wherever the value is used."""
+    """A value before aliases are expanded; its ``error`` is reported wherever the value is used."""
 
     line: int
     scalar: Any = None
@@ -65,15 +65,15 @@ class _Node:
 
     @property
     def holds_keys(self) -> bool:
-        """It is a mapping, or a list of them."""
+        """Whether the value is a mapping or a list with a mapping."""
         return self.pairs is not None or any(item.pairs is not None for item in self.items or ())
 
 
 def compose(text: str) -> Document:
-    """Return the one document of a YAML text.
+    """Return the only document of a YAML text.
 
     Raises:
-        Fatal: The text is no YAML, is empty, holds several documents or breaks a bound.
+        Fatal: If the text is not YAML, is empty, holds several documents or exceeds a bound.
     """
     try:
         root = _Composer(text).document()
@@ -173,7 +173,7 @@ class _Composer:
 
 
 class _Expansion:
-    """Turns nodes into data, aliases and merge keys included."""
+    """Converts nodes to data, expanding aliases and merge keys."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
@@ -231,7 +231,7 @@ class _Expansion:
         return True
 
     def _merge(self, other: _Node, place: Place, data: dict[str, Any]) -> None:
-        """Add the keys of ``<<:`` that are not given; the first mapping that has a key wins."""
+        """Add the keys of ``<<:`` that are not given; the first mapping with a key wins."""
         self._step(other.line)
         if other.pairs is None:
             message = other.error or "'<<' merges mappings only"

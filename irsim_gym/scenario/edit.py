@@ -1,4 +1,4 @@
-"""Scenarios with a body more or less, for worlds that are run by hand."""
+"""Adds bodies to scenarios and removes them, for worlds by hand."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from irsim_gym.scenario.validation import Report
 
 
 def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first: int) -> Scenario:
-    """Return a scenario with the bodies of one more entry at the end; the obstacle map stays the last one.
+    """Return a scenario with the bodies of a further entry at the end, before the obstacle map.
 
     Args:
         scenario: The scenario so far.
         role: ``robot`` or ``obstacle``.
-        entry: What would stand in that section of the file.
-        first: Number of its first body, for names that are not given.
+        entry: The entry, as in that section of a file.
+        first: Number of its first body, for default names.
 
     Raises:
-        ScenarioError: The entry cannot be used; the error lists every problem.
-        ValueError: There is no such role.
+        ScenarioError: If the entry cannot be used; the error lists every problem.
+        ValueError: If there is no such role.
     """
     if role not in ROLES:
         raise ValueError(f"role must be {choices(ROLES)}, got {role!r}")
@@ -59,18 +59,18 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first
 
 
 def _shifted(spec: PlacementSpec, end: int, count: int) -> PlacementSpec:
-    """Return a placement after bodies were put in before body ``end``."""
+    """Return a placement after ``count`` bodies were inserted before body ``end``."""
     return replace(spec, members=tuple(b + count if b >= end else b for b in spec.members))
 
 
 def _shared_plot(scenario: Scenario) -> Mapping[str, Any]:
-    """Return the drawing options that the file gives for all bodies; they were checked when it was read."""
+    """Return the file's drawing options for all bodies, which were checked when it was read."""
     plot = split_sections(scenario.source.data, Report(scenario.source))[0].get("plot")
     return plot if isinstance(plot, Mapping) else {}
 
 
 def remove_body(scenario: Scenario, number: int) -> Scenario:
-    """Return a scenario without a body. Its entry no longer varies in number; without its body the map is gone."""
+    """Return a scenario without a body; its entry no longer varies in number. Without its body, the map is removed."""
     bodies = [body for b, body in enumerate(scenario.bodies) if b != number]
     is_map = scenario.occupied is not None and number == len(scenario.bodies) - 1
     placements: list[PlacementSpec] = []
@@ -90,6 +90,6 @@ def remove_body(scenario: Scenario, number: int) -> Scenario:
 
 
 def _without(body: BodySpec, member: int) -> BodySpec:
-    """Return a body whose group has lost a member; some group behaviours tell members by their number."""
+    """Return a body whose group has lost a member; some group behaviours refer to members by number."""
     recount = getattr(body.group_behavior, "without_member", None)
     return body if recount is None else replace(body, group_behavior=recount(member))

@@ -1,4 +1,4 @@
-"""Entries of ``robot`` and ``obstacle``: each value is checked once, however many bodies share it."""
+"""Reads entries of ``robot`` and ``obstacle``; each value is checked once, however many bodies share it."""
 
 from __future__ import annotations
 
@@ -36,25 +36,25 @@ FAMILIES: dict[str, Registry] = {
     "group_behavior": GROUP_BEHAVIORS,
 }
 SISTERS = {"behavior": "group_behavior", "group_behavior": "behavior"}
-"""Keys that are taken for each other."""
+"""Keys that are often confused."""
 ROBOT, OBSTACLE = "robot", "obstacle"
 EVERYONE = "all"
-"""As ``seen_by``: everybody sees the body."""
+"""Value of ``seen_by`` for a body that all behaviours see."""
 
 NO_DRIVE = "static"
-"""As the name of a drive: the body never moves, as one without kinematics."""
+"""Name of a drive for a body that never moves, like one without kinematics."""
 
 
 @dataclass
 class BodyEntry:
-    """An entry whose values are checked.
+    """A checked entry.
 
     Attributes:
-        raw: What stands in the file.
+        raw: The entry in the file.
         count: Number of its bodies.
-        number_range: Least and greatest number of bodies in a level, or None.
-        placement: Instance of a distribution; None when it was refused.
-        values: For each key the checked values that its bodies share, with their paths.
+        number_range: Minimum and maximum number of bodies in a level, or None.
+        placement: Instance of a distribution; None if it is invalid.
+        values: For each key, the checked values that its bodies share, with their paths.
     """
 
     raw: RawEntry
@@ -64,7 +64,7 @@ class BodyEntry:
     values: dict[str, list[tuple[Place, Any]]] = field(default_factory=dict)
 
     def of(self, key: str, i: int) -> tuple[Place, Any]:
-        """Return path and value of a key for the entry's i-th body; the default and its would-be path if not given."""
+        """Return path and value of a key for the entry's i-th body; the default if the key is not given."""
         values = self.values.get(key)
         if not values:
             default = FIELDS[key].default
@@ -76,8 +76,8 @@ def read_entry(raw: RawEntry, plot: Mapping[str, object], report: Report) -> Bod
     """Check all values of an entry.
 
     Args:
-        raw: What stands in the file.
-        plot: Drawing options for all bodies of the file, which the entry's own override.
+        raw: The entry in the file.
+        plot: Drawing options for all bodies of the file; the entry's own options override them.
         report: Collects the problems.
     """
     entry = BodyEntry(raw)

@@ -16,13 +16,13 @@ Values = Mapping[str, Number]
 
 
 def evaluate(text: str, values: Values | None = None) -> Number | None:
-    """Return the value of an expression such as ``-3*pi/4``; None when the text is not one.
+    """Return the value of an expression such as ``-3*pi/4``; None if the text is not an expression.
 
-    Only whole numbers without division, and ``floor``, give an ``int``. A value that is not finite is None.
+    Only whole numbers without division, and ``floor``, give an ``int``. Non-finite values give None.
 
     Args:
         text: The expression.
-        values: What ``$name`` stands for.
+        values: Values of ``$name``.
     """
     tokens = _tokens(text)
     if not tokens:
@@ -35,7 +35,7 @@ def evaluate(text: str, values: Values | None = None) -> Number | None:
 
 
 def names_in(text: str) -> tuple[str, ...]:
-    """Return the names after ``$`` in a text that consists of the words of an expression; nothing for another text."""
+    """Return the names after ``$`` in a text of expression tokens; empty for other texts."""
     return tuple(token[1:] for token in _tokens(text) if token[0] == "$")
 
 

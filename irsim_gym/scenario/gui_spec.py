@@ -1,4 +1,4 @@
-"""The section ``gui``: what keys and mouse do in a window."""
+"""The section ``gui``: options of keyboard and mouse in a window."""
 
 from __future__ import annotations
 

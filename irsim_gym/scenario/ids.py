@@ -1,7 +1,7 @@
-"""Ids of environments, wherever a scenario is named: what ``irsim_gym/corridor-v0`` stands for.
+"""Resolves ids of environments, such as ``irsim_gym/corridor-v0``, wherever a scenario is named.
 
-An id is ``[module:]namespace/name-vN``, as in Gymnasium; the module is imported first. ``load_scenario`` asks here, so
-whatever takes a scenario's name knows the same ids.
+An id is ``[module:]namespace/name-vN``, as in Gymnasium; the module is imported first. ``load_scenario`` uses this
+module, so that the same ids work in all functions that take a scenario.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ _ID = re.compile(r"(?:([A-Za-z_][\w.]*):)?((?:([\w-]+)/)?[\w-]+?(?:-v(\d+))?)")
 
 
 class Ids:
-    """What ids stand for; where they are registered is said by who registers them (``envs.registration``)."""
+    """Looks ids up in registries, which ``envs.registration`` provides."""
 
     def __init__(self) -> None:
         self._registries: list[Mapping[str, Any]] = []
 
     def look_in(self, registry: Mapping[str, object]) -> None:
-        """Look ids up in a registry too: from each id to an object with the arguments it is made with, ``kwargs``."""
+        """Add a registry: a mapping from ids to objects with ``kwargs``, the arguments that make the environment."""
         if not any(registry is known for known in self._registries):
             self._registries.append(registry)
 
     def find(self, name: Any) -> str | None:
-        """Return the registered id that a name is, without its module; None for a name or a path that is no id.
+        """Return the registered id in a name, without its module; None for a name or path that is not an id.
 
         Raises:
-            UnknownNameError: It is written as an id, but nothing is registered under it; or there is no such module.
+            UnknownNameError: If the name is written as an id but is not registered, or its module does not exist.
         """
         match = _ID.fullmatch(name) if isinstance(name, str) else None
         if match is None:
@@ -55,12 +55,12 @@ class Ids:
         return None
 
     def scenario(self, name: object) -> Any:
-        """Return the scenario that an id stands for; what is no id comes back as it is.
+        """Return the scenario of an id; return anything else unchanged.
 
         Raises:
-            UnknownNameError: It is written as an id, but stands for nothing.
-            MissingScenarioError: It stands for any scenario (``irsim_gym/World-v0``).
-            IrsimGymError: It was registered with more than a scenario, e.g. a task, which Gymnasium alone passes on.
+            UnknownNameError: If the name is written as an id but is not registered, or is no scenario of irsim_gym.
+            MissingScenarioError: If the id stands for any scenario (``irsim_gym/World-v0``).
+            IrsimGymError: If the id is registered with further arguments, e.g. a task, which only Gymnasium passes on.
         """
         one = self.find(name)
         if one is None:
@@ -85,7 +85,7 @@ class Ids:
         return next((registry[one] for registry in self._registries if one in registry), None)
 
     def _advice(self, one: str, namespace: str | None) -> str:
-        """Return what to do about an id under which nothing is registered."""
+        """Return advice about an id that is not registered."""
         known = [other for registry in self._registries for other in registry if other.startswith(f"{namespace}/")]
         if not known:
             return (
@@ -117,5 +117,5 @@ def _import(module: str, name: str) -> None:
 
 
 def _name(one: str) -> str:
-    """Return an id's name alone, without namespace and version."""
+    """Return the name in an id, without namespace and version."""
     return re.sub(r"-v\d+$", "", one.rpartition("/")[2])

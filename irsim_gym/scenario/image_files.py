@@ -1,4 +1,4 @@
-"""Which images a body may be drawn with, and where they are."""
+"""Finds and checks the image files of bodies."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".webp")
 
 
 def image_file(name: str, scenario_file: str) -> Path:
-    """Return the file of a ``description``: one beside the scenario, else the shipped one. It need not be there."""
+    """Return the file of a ``description``: beside the scenario, else a shipped one. It need not exist."""
     file = Path(scenario_file).parent / name
     shipped = library.images()
     return shipped[name] if name in shipped and not file.is_file() else file
 
 
 def image_problem(name: str, scenario_file: str) -> str:
-    """Return what is wrong with a ``description``; empty for a shipped image and for an image file that can be read.
+    """Return what is wrong with a ``description``; empty for a shipped image or a readable image file.
 
     Args:
-        name: The shipped image's name, or a path: absolute, or beside the scenario file.
-        scenario_file: Path of that file; empty for a mapping, whose paths begin at the working directory.
+        name: Name of a shipped image, or a path: absolute, or relative to the scenario file.
+        scenario_file: Path of the scenario file; empty for a mapping, whose paths start at the working directory.
     """
     shipped = library.images()
     file = image_file(name, scenario_file)
@@ -41,7 +41,7 @@ def image_problem(name: str, scenario_file: str) -> str:
 
 
 def _unreadable(file: Path, name: str) -> str:
-    """Return why a file is no image; empty when it is one."""
+    """Return why a file cannot be read as an image; empty if it can."""
     from PIL import Image, UnidentifiedImageError
 
     try:

@@ -1,4 +1,4 @@
-"""What somebody may have meant by a keyword that an environment does not take."""
+"""Hints about keywords that an environment does not take."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from irsim_gym.errors import nearest
 
 EVERYWHERE = ("task", "max_steps", "render_mode", "strict")
-"""Keywords of whatever makes an environment."""
+"""Keywords of all functions that make an environment."""
 
 _ITSELF = "pass its contents as keywords of this function"
 _LIMIT = "the time limit is 'max_steps'"
@@ -36,19 +36,19 @@ ELSEWHERE = {
     "render_backend": "there is one renderer, formerly 'raster': leave it out; matplotlib writes figures",
     **dict.fromkeys(("apply_api_compatibility", "new_step_api"), "it belongs to old releases of gym"),
 }
-"""Names that other libraries, and other functions of this one, have for something: what to do here."""
+"""Advice for keywords of other libraries, and of other functions of this one."""
 
 RETIRED = {"render_backend": "raster"}
-"""Keywords of old releases, and the values that say what is always so now."""
+"""Removed keywords, with the values that are still accepted because they match the present behaviour."""
 
 
 def meant(name: str, declared: Iterable[str], taken_by: Mapping[str, str]) -> str:
-    """Return a remark in parentheses on a keyword that nobody takes; empty where nothing is known.
+    """Return a hint in parentheses about an unknown keyword; empty if there is none.
 
     Args:
         name: The keyword.
         declared: Parameters of the scenario.
-        taken_by: Keywords that some functions alone take, and which.
+        taken_by: Keywords that only some functions take, and the names of these functions.
     """
     hints = [f"an argument of {taken_by[name]}"] if name in taken_by else []
     near = nearest(name, [*declared, *EVERYWHERE, *taken_by])

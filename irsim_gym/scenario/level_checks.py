@@ -1,4 +1,4 @@
-"""The key ``levels``: a file of levels beside the scenario, and whether both fit."""
+"""Load the file of levels that the key ``levels`` names, and check that it fits the scenario."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from irsim_gym.scenario.validation import Report
 
 
 def read_level_file(data: object, place: Place, source: Source, report: Report) -> LevelSet | None:
-    """Return the levels of the file that ``levels`` names; None without any, or after telling what is wrong."""
+    """Return the levels of the file that ``levels`` names; None without a file, or after reporting problems."""
     if data is None:
         return None
     if not isinstance(data, str) or not data.strip():
@@ -33,7 +33,7 @@ def read_level_file(data: object, place: Place, source: Source, report: Report) 
 
 
 def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -> None:
-    """Report what is wrong with a file of levels, each with the array where it is."""
+    """Report the mistakes of a file of levels, each with its array."""
     for name, text in mistakes:
         report.add((*place, name) if name else place, text if name else f"{file}: {text}")
 
@@ -41,10 +41,10 @@ def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -
 def home_of(levels: LevelSet) -> tuple[str | Path, Mapping[str, Any]]:
     """Return the scenario that a file of levels names, and the values of its parameters.
 
-    A shipped scenario goes by its name, another one by the name of its file, which is beside that of the levels.
+    A shipped scenario is given by its name, any other by the name of its file in the folder of the file of levels.
 
     Raises:
-        ScenarioError: The file names none.
+        ScenarioError: If the file names no scenario.
     """
     name, values = levels.about.get("scenario"), levels.about.get("parameters", {})
     if not isinstance(name, str) or not name or not isinstance(values, Mapping):
@@ -55,10 +55,10 @@ def home_of(levels: LevelSet) -> tuple[str | Path, Mapping[str, Any]]:
 
 
 def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:
-    """Return a scenario that takes its levels from a file.
+    """Return a scenario with levels from a file.
 
     Raises:
-        ScenarioError: They do not fit.
+        ScenarioError: If the levels do not fit the scenario.
     """
     own, placements = without_map(scenario)
     mistakes = list(misfits(levels, own, placements, scenario.world, scenario.occupied))
@@ -68,13 +68,13 @@ def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:
 
 
 def without_map(scenario: Scenario) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
-    """Return the bodies and placements of a scenario without those of its obstacle map, which are the last ones."""
+    """Return the bodies and placements of a scenario without those of its obstacle map, which come last."""
     end = -1 if scenario.occupied is not None else None
     return scenario.bodies[:end], scenario.placements[:end]
 
 
 def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> tuple[int, ...]:
-    """Return the bodies of which a level draws something: start, goal, outline or presence."""
+    """Return the bodies whose start, goal, outline or presence levels draw."""
     return tuple(
         b
         for b, body in enumerate(bodies)
@@ -85,7 +85,7 @@ def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]
 
 
 def n_goals_drawn(placement: PlacementSpec) -> int:
-    """Return how many goals the distribution of an entry gives each of its bodies."""
+    """Return the number of goals that the distribution of an entry gives each of its bodies."""
     return int(getattr(placement.kind, "n_goals", 1)) if placement.kind.gives_goal else 0
 
 
@@ -96,7 +96,7 @@ def misfits(
     world: WorldSpec,
     occupied: NDArray[np.bool_] | None,
 ) -> Iterator[Mistake]:
-    """Yield where levels and a scenario do not fit: its bodies, without that of the map, and its map."""
+    """Yield mismatches between levels and a scenario: in its bodies, without that of the map, and in its map."""
     if levels.cells is None and getattr(world.obstacle_map, "is_random", False):
         yield "cells", "the scenario draws its obstacle_map: the file must give the cells"
     if levels.cells is not None and occupied is None:
@@ -123,7 +123,7 @@ def misfits(
 def _misfits_of(
     levels: LevelSet, k: int, body: BodySpec, placement: PlacementSpec, *, is_shaped: bool
 ) -> Iterator[Mistake]:
-    """Yield what of one body does not fit."""
+    """Yield mismatches of one body."""
     name, present = f"'{levels.bodies[k]}'", levels.present[:, k]
     if placement.number_range is None and not present.all():
         yield "present", f"{_where(~present, name)}: must be there, since its entry has no number_range"
@@ -146,6 +146,6 @@ def _misfits_of(
 
 
 def _where(bad: Any, name: str) -> str:
-    """Return the first level in which something is bad, and how many more there are."""
+    """Return the first level with a problem, and how many more there are, as text."""
     found = np.flatnonzero(bad)
     return f"level {found[0]}{f' and {len(found) - 1} more' if len(found) > 1 else ''}, {name}"

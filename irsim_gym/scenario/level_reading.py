@@ -1,4 +1,4 @@
-"""From a file to levels, or to the list of all that is wrong with it: arrays first, then the levels in them."""
+"""Reads levels from a file, or lists all its mistakes: first those of arrays, then those of levels."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from irsim_gym.scenario.options import LARGEST
 
 MAX_BYTES = 2**32
 MOST_TOLD = 3
-"""Levels of one array that are named for one mistake."""
+"""Maximum number of levels that are named for one mistake of an array."""
 
 Found = dict[str, NDArray[Any]]
 Mistake = tuple[str, str]
-"""Name of an array, and what is wrong with it."""
+"""Name of an array, and its mistake."""
 
 
 def read_levels(file: str | Path) -> LevelSet:
     """Read a file of levels.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem.
+        ScenarioError: If the file cannot be used; the error lists every problem.
     """
     levels, mistakes = load_levels(Path(file))
     if levels is None or mistakes:
@@ -40,7 +40,7 @@ def read_levels(file: str | Path) -> LevelSet:
 
 
 def load_levels(file: Path) -> tuple[LevelSet | None, list[Mistake]]:
-    """Return the levels of a file, and what is wrong with it; None where no levels can be made of it."""
+    """Return the levels of a file and its mistakes; None for the levels if they cannot be read."""
     try:
         arrays = _arrays(file)
     except _Unreadable as error:
@@ -53,7 +53,7 @@ def load_levels(file: Path) -> tuple[LevelSet | None, list[Mistake]]:
 
 
 class _Unreadable(Exception):  # noqa: N818  (it never leaves this file)
-    """The file holds no arrays."""
+    """A file without readable arrays."""
 
 
 def _arrays(file: Path) -> Found:
@@ -88,7 +88,7 @@ def _missing(arrays: Found) -> Iterator[Mistake]:
 
 
 def _shapes(arrays: Found) -> Iterator[Mistake]:
-    """Yield arrays whose type or shape is wrong; the axes are as long as the first array that has them."""
+    """Yield arrays with a wrong type or shape; the first array with an axis determines its length."""
     sizes: dict[str, tuple[int, str]] = {}
     for name, declared in ARRAYS.items():
         array = arrays.get(name)
@@ -118,7 +118,7 @@ _WORDS = {"U": "text", "f": "numbers", "b": "true or false", "i": "whole numbers
 
 
 def _complete(file: Path, arrays: Found) -> LevelSet:
-    """Return the levels with what the file leaves out."""
+    """Return the levels, with defaults for arrays that the file omits."""
     start = np.ascontiguousarray(arrays["start"], np.float64)
     count, size = start.shape[:2]
     offsets = np.zeros((count, size + 1), np.int64)
@@ -144,7 +144,7 @@ def _complete(file: Path, arrays: Found) -> LevelSet:
 
 
 def _about(text: NDArray[Any] | None) -> Mapping[str, Any]:
-    """Return what the file says about itself; nothing where that is no JSON object."""
+    """Return the file's description of itself; empty if it is not a JSON object."""
     try:
         said = {} if text is None else json.loads(str(text))
     except ValueError:
@@ -153,7 +153,7 @@ def _about(text: NDArray[Any] | None) -> Mapping[str, Any]:
 
 
 def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
-    """Yield what is wrong in single levels."""
+    """Yield mistakes in the values of levels."""
     doubled = sorted({name for name in levels.bodies if levels.bodies.count(name) > 1})
     if doubled:
         yield "bodies", f"the name '{doubled[0]}' is there twice"
@@ -177,7 +177,7 @@ def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
 
 
 def _goal_mistakes(levels: LevelSet) -> Iterator[Mistake]:
-    """Yield goals that are none, and gaps in the order of goals."""
+    """Yield invalid goals, and gaps in the order of goals."""
     x, y, heading = np.moveaxis(levels.goal, 3, 0)
     is_good = (np.abs(x) <= LARGEST) & (np.abs(y) <= LARGEST) & ~(np.abs(heading) > LARGEST)
     is_none = np.array(np.isnan(levels.goal).all(axis=3), np.bool_)
@@ -189,14 +189,14 @@ def _goal_mistakes(levels: LevelSet) -> Iterator[Mistake]:
 
 
 def _per_row(name: str, is_good: Flags, values: NDArray[Any], wish: str) -> Iterator[Mistake]:
-    """Yield the first row of a table that is bad."""
+    """Yield the first bad row of a table."""
     bad = np.flatnonzero(~is_good)
     if bad.size:
         yield name, f"row {bad[0]}: {wish}, got {values[bad[0]]}"
 
 
 def _per_level(name: str, bad: Flags, levels: LevelSet, wish: str, values: NDArray[Any]) -> Iterator[Mistake]:
-    """Yield the first levels in which the values of a body are bad; flags ``(n_levels, n_bodies)``."""
+    """Yield the first levels with bad values of a body, by flags ``(n_levels, n_bodies)``."""
     found = np.argwhere(bad).tolist()
     for level, body in found[:MOST_TOLD]:
         yield name, f"level {level}, '{levels.bodies[body]}': {wish}, got {values[level, body].tolist()}"

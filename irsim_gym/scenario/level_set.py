@@ -1,4 +1,4 @@
-"""Levels as data: what a file of levels holds, by which names, and how it is written."""
+"""Levels as data: the arrays of a file of levels, and how it is written."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from irsim_gym.errors import UnknownNameError, suggestion
 
 SPLITS = ("train", "dev", "test")
 GRAIN = 1e6
-"""Parts of a metre or radian that hashes tell apart: the last bits of a sine differ between processors."""
+"""Resolution of hashes [1/m, 1/rad]; the last bits of a sine differ between processors."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class LevelArray:
     """The declaration of one array of a file of levels.
 
     Attributes:
-        axes: Names of its axes; a digit is a fixed length, and ``body+1`` has one more than there are bodies. An axis
-            in brackets may be left out.
-        kinds: Kinds of element types that are read, as NumPy abbreviates them.
+        axes: Names of its axes; a digit is a fixed length, and ``body+1`` is one more than the number of bodies. An
+            axis in brackets may be omitted.
+        kinds: NumPy's codes of the accepted kinds of types.
         unit: SI unit.
-        meaning: What it holds.
+        meaning: Content of the array.
     """
 
     axes: tuple[str, ...]
@@ -38,7 +38,7 @@ class LevelArray:
     meaning: str
 
     def axes_of(self, n_axes: int) -> tuple[str, ...]:
-        """Return the axes of an array that has so many, without an axis that such an array leaves out."""
+        """Return the names of the axes of an array with ``n_axes`` axes, without axes that it omits."""
         given = len(self.axes) == n_axes
         return tuple(axis.strip("[]") for axis in self.axes if given or not axis.startswith("["))
 
@@ -76,20 +76,20 @@ class LevelSet:
     """Levels, as arrays whose first axis is the level; see ``ARRAYS``.
 
     Attributes:
-        file: Path of the file; empty for levels that are in no file.
+        file: Path of the file; empty for levels without a file.
         bodies: Names of the bodies.
         start: Poses [m, m, rad], shape ``(n_levels, n_bodies, 3)``.
-        goal: Goals in order [m, m, rad], shape ``(n_levels, n_bodies, n_goals, 3)``; NaN after the last one, and where
-            the scenario's own goals stay.
-        present: Bodies that the level has, shape ``(n_levels, n_bodies)``.
+        goal: Goals in order [m, m, rad], shape ``(n_levels, n_bodies, n_goals, 3)``; NaN after the last goal, and for
+            bodies that keep the scenario's own goals.
+        present: Whether the level has each body, shape ``(n_levels, n_bodies)``.
         segments: Sides of outlines [m], shape ``(n_segments, 4)``.
         segment_start: Rows of each body's segments, shape ``(n_levels, n_bodies + 1)``.
         discs: Discs of outlines [m], shape ``(n_discs, 3)``.
         disc_start: Rows of each body's discs, shape ``(n_levels, n_bodies + 1)``.
-        cells: Occupied cells, shape ``(n_levels, columns, rows)``; None where the scenario's map stays.
-        random: Random streams at the start, shape ``(n_levels,)``; None to have them from the scenario's name.
-        splits: First level and number of levels of each split; a single one stands for any.
-        about: Where the levels come from.
+        cells: Occupied cells, shape ``(n_levels, columns, rows)``; None to keep the scenario's map.
+        random: Random streams at the start, shape ``(n_levels,)``; None to derive them from the scenario's name.
+        splits: First level and number of levels of each split; a single split serves as any.
+        about: Origin of the levels.
     """
 
     file: str
@@ -112,10 +112,10 @@ class LevelSet:
         return len(self.start)
 
     def rows(self, split: str) -> tuple[int, int]:
-        """Return the first level of a split, and how many levels it has.
+        """Return the first level of a split and its number of levels.
 
         Raises:
-            UnknownNameError: The file has several splits, but not this one.
+            UnknownNameError: If the file has several splits, but not this one.
         """
         if len(self.splits) == 1:
             return next(iter(self.splits.values()))
@@ -126,7 +126,7 @@ class LevelSet:
 
     @property
     def shaped(self) -> Flags:
-        """Which bodies have their outline from the file, shape ``(n_bodies,)``."""
+        """Whether each body gets its outline from the file, shape ``(n_bodies,)``."""
         rows = np.diff(self.segment_start, axis=1) + np.diff(self.disc_start, axis=1)
         return np.array((rows > 0).any(axis=0), np.bool_)
 
@@ -136,7 +136,7 @@ class LevelSet:
         return self.segments[segments[body] : segments[body + 1]], self.discs[discs[body] : discs[body + 1]]
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays of its file, by name; those that say nothing are left out."""
+        """Return the arrays of the file by name, without those that hold only defaults."""
         found: dict[str, NDArray[Any]] = {"bodies": np.array(self.bodies, np.str_), "start": self.start}
         if not np.isnan(self.goal[..., 0]).all():
             found["goal"] = self.goal if self.goal.shape[2] > 1 else self.goal[:, :, 0]
@@ -152,20 +152,20 @@ class LevelSet:
         return found
 
     def content(self) -> bytes:
-        """Return the content of its file; equal levels give equal bytes."""
+        """Return the content of the file; equal levels give equal bytes."""
         room = io.BytesIO()
         np.savez_compressed(room, allow_pickle=False, **self.arrays())
         return room.getvalue()
 
     def hashes(self) -> Words:
-        """Return a hash of everything that each level gives, shape ``(n_levels,)``.
+        """Return a hash of the whole content of each level, shape ``(n_levels,)``.
 
-        Lengths and angles count to a millionth, so that all machines agree.
+        Lengths and angles are rounded to a millionth, so that the hashes agree on all machines.
         """
         names, shaped = "\0".join(self.bodies).encode(), np.flatnonzero(self.shaped)
         goals = self.goal.reshape(*self.start.shape[:2], 3 * self.goal.shape[2])
-        places = _grains(np.concatenate([self.start, goals], axis=2))
-        outlines = (self.segment_start, _grains(self.segments)), (self.disc_start, _grains(self.discs))
+        places = _to_grains(np.concatenate([self.start, goals], axis=2))
+        outlines = (self.segment_start, _to_grains(self.segments)), (self.disc_start, _to_grains(self.discs))
         hashes = np.zeros(self.count, np.uint64)
         for level in range(self.count):
             present = self.present[level]
@@ -184,17 +184,17 @@ class LevelSet:
 
 
 def with_goal_axis(goal: NDArray[Any]) -> Floats:
-    """Return goals with an axis for goals, shape ``(n_levels, n_bodies, n_goals, 3)``, where theirs may be left out."""
+    """Add the axis of goals if it is missing: return shape ``(n_levels, n_bodies, n_goals, 3)``."""
     return np.ascontiguousarray(goal[:, :, None] if goal.ndim == 3 else goal, np.float64)
 
 
-def _grains(values: Floats) -> Ints:
-    """Return numbers as whole millionths; NaN as the least number."""
+def _to_grains(values: Floats) -> Ints:
+    """Return numbers as whole millionths; NaN as the smallest integer."""
     whole = np.rint(np.nan_to_num(values) * GRAIN).astype("<i8")
     whole[np.isnan(values)] = np.iinfo(np.int64).min
     return whole
 
 
 def set_hash(hashes: Words) -> str:
-    """Return the hash of a whole set of levels, 16 hexadecimal digits, from the hashes of its levels in order."""
+    """Return the hash of a set of levels, 16 hexadecimal digits, from the hashes of its levels in order."""
     return hashlib.blake2b(np.asarray(hashes).astype("<u8").tobytes(), digest_size=8).hexdigest()

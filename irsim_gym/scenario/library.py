@@ -1,4 +1,4 @@
-"""Where the shipped configs are: the one place that knows."""
+"""Locates the shipped configs; no other module knows their place."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SUFFIXES = (".yaml", ".yml")
 
 @functools.cache
 def configs_folder() -> Path:
-    """Return the folder of the shipped configs: in the package when it was built, else in the repository."""
+    """Return the folder of the shipped configs: in an installed package, else in the repository."""
     package = Path(__file__).resolve().parent.parent
     inside = package / "configs"
     return inside if inside.is_dir() else package.parent / "configs"
@@ -53,7 +53,7 @@ def write_template(file: Path) -> None:
     """Write a commented scenario to start from.
 
     Raises:
-        IrsimGymError: The file exists, has another suffix, or its folder does not exist.
+        IrsimGymError: If the file exists, has another suffix, or its folder does not exist.
     """
     if file.suffix not in SUFFIXES:
         raise IrsimGymError(f"a scenario is a .yaml file, got '{file}'")
@@ -68,7 +68,7 @@ def write_template(file: Path) -> None:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """Return the names of the shipped scenarios, without those of the benchmarks."""
+    """Return the names of the shipped scenarios, except benchmarks."""
     return tuple(names("scenarios"))
 
 
@@ -88,17 +88,18 @@ def references_file() -> Path:
 
 
 def every_scenario() -> dict[str, Path]:
-    """Return all shipped scenarios, those of the benchmarks behind the others."""
+    """Return all shipped scenarios, benchmarks last."""
     return {**names("scenarios"), **names("benchmarks")}
 
 
 def find(name: str | Path, section: str = "scenarios") -> Path:
-    """Return the file behind a shipped name or a path.
+    """Return the file of a shipped name or a path.
 
-    A name without folder and suffix is a shipped one, unless a file of that name exists.
+    A name without folder and suffix is looked up among the shipped files first.
 
     Raises:
-        UnknownNameError: Nothing is shipped under the name; the message offers the nearest, also of files nearby.
+        UnknownNameError: If nothing is shipped under the name; the message suggests the nearest name, also of files in
+            the working directory.
     """
     path = Path(name)
     if isinstance(name, Path) or path.suffix in SUFFIXES or len(path.parts) != 1:

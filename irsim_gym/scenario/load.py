@@ -1,4 +1,4 @@
-"""From a name, a file or a mapping to a scenario, or to the list of all its problems."""
+"""Loads a scenario from a name, a file or a mapping, or lists all its problems."""
 
 from __future__ import annotations
 
@@ -43,18 +43,18 @@ def load_scenario(
     """Read and check a scenario.
 
     Args:
-        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data;
-            or the path of a file of levels, .npz, for the scenario that it names, with these levels.
-        parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
-        strict: A key that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
-        warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``), and of keys that are
-            ignored (``IgnoredKeyWarning``).
-        may_pend: Behaviours may be registered later: one with an unknown name raises an error when it has to decide.
+        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or its content as plain
+            data; or the path of a file of levels, .npz, for the scenario that it names with these levels.
+        parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; other parameters keep their defaults.
+        strict: Whether unused keys are errors; False ignores them with an ``IgnoredKeyWarning``.
+        warn: Whether to warn of suspicious values, such as degrees (``ScenarioWarning``), and of ignored keys
+            (``IgnoredKeyWarning``).
+        may_pend: Whether behaviours may be registered later; an unknown one raises an error when it has to decide.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist raises
-            a ScenarioError that is a FileNotFoundError as well.
-        UnknownNameError: Nothing is shipped under the name, or registered under the id, or the scenario has no such
+        ScenarioError: If the scenario cannot be used; the error lists every problem with its line. If the file does
+            not exist, the error is also a FileNotFoundError.
+        UnknownNameError: If no shipped scenario has the name, no environment has the id, or the scenario has no such
             parameter.
         TypeError: ``scenario`` is neither a name, nor a path, nor a mapping.
     """
@@ -77,16 +77,16 @@ def load_scenario(
 def read_scenario(
     source: Source, parameters: Mapping[str, object] | None = None, *, strict: bool = True, may_pend: bool = False
 ) -> Scenario:
-    """Check plain data and return the scenario that it describes; see ``load_scenario``.
+    """Check plain data and return its scenario; see ``load_scenario``.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line.
-        UnknownNameError: It has no such parameter.
+        ScenarioError: If the scenario cannot be used; the error lists every problem with its line.
+        UnknownNameError: If the scenario has no such parameter.
     """
     source, values = fill_in(source, parameters or {}, strict=strict)
     report = Report(source, strict=strict)
     report.may_pend = may_pend
-    _tell_repeats(report)
+    _report_repeats(report)
     sections, roots = split_sections(source.data, report)
     places = _places(sections, roots, report)
     world = _world(sections.get("world"), places["world"], source, report)
@@ -129,8 +129,8 @@ def read_scenario(
     )
 
 
-def _tell_repeats(report: Report) -> None:
-    """Tell keys given twice: of whole sections the last one holds, as in IR-SIM; other values are problems."""
+def _report_repeats(report: Report) -> None:
+    """Report repeated keys as problems if strict, except whole sections; else as doubts, and the last one counts."""
     for problem, is_block in report.source.repeats:
         if report.strict and not is_block:
             report.problems[problem] = None
@@ -139,7 +139,7 @@ def _tell_repeats(report: Report) -> None:
 
 
 def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report) -> dict[str, Place]:
-    """Return the path of each section; a misspelt one is reported, and read under the name it stands for."""
+    """Return the path of each section; report misspelt ones, and read them as the sections they resemble."""
     places: dict[str, Place] = {name: (*roots.get(name, ()), name) for name in SECTIONS}
     for name in [name for name in sections if name not in SECTIONS]:
         if report.is_full:
@@ -152,7 +152,7 @@ def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report
 
 
 def _world(data: object, place: Place, source: Source, report: Report) -> WorldSpec | None:
-    """Return the section ``world``, named after the file when it gives no name."""
+    """Return the section ``world``, named after the file if it has no name."""
     if isinstance(data, Mapping):
         data = {**data, "collision_mode": _collision_mode(data.get("collision_mode"), place, report)}
         if data.get("name") is None and source.file:
@@ -162,7 +162,7 @@ def _world(data: object, place: Place, source: Source, report: Report) -> WorldS
     if isinstance(data, Mapping) and data.get("obstacle_map") is not None:
         made = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
         data = {**data, "obstacle_map": None if made is BAD else made}
-    own = isinstance(data, Mapping) and "obstacle_map" in data  # what a misspelt key holds is not read as a map
+    own = isinstance(data, Mapping) and "obstacle_map" in data  # the value of a misspelt key is not read as a map
     return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
 
 
@@ -180,7 +180,7 @@ def _collision_mode(mode: object, place: Place, report: Report) -> object:
 
 
 def _check_viewpoint(world: WorldSpec | None, bodies: tuple[BodySpec, ...], place: Place, report: Report) -> None:
-    """Tell a viewpoint that names nobody; only once the bodies themselves are right."""
+    """Report a viewpoint that names no body, unless there are other problems already."""
     name = world.plot.viewpoint if world is not None else None
     names = [body.name for body in bodies]
     if isinstance(name, str) and name not in names and not report.problems:
@@ -231,7 +231,7 @@ def _bodies(
 
 
 def _check_watchers(watchers: list[tuple[Place, Any]], bodies: list[BodySpec], report: Report) -> None:
-    """Tell words of ``seen_by`` that nobody answers to; only once the bodies themselves are right."""
+    """Report words of ``seen_by`` that name no role, body or group, unless there are other problems already."""
     known = list(dict.fromkeys([*ROLES, *(body.name for body in bodies), *(body.group_name for body in bodies)]))
     for place, words in [] if report.problems else watchers:
         for word in words or ():
@@ -241,7 +241,7 @@ def _check_watchers(watchers: list[tuple[Place, Any]], bodies: list[BodySpec], r
 
 
 def _check_names(names: list[tuple[Place, str]], report: Report) -> None:
-    """Tell names that two bodies share."""
+    """Report names that two bodies share."""
     first: dict[str, Place] = {}
     for place, name in names:
         if name not in first:

@@ -1,4 +1,4 @@
-"""The key ``obstacle_map``: from what stands there to the cells of a map."""
+"""Reads the key ``obstacle_map``, and makes the cells of the map."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _IRSIM_FOLDER = Path("irsim", "world", "map")
 
 
 def read_map(data: object, place: Place, report: Report) -> Any:
-    """Return the kind of map that ``obstacle_map`` describes: a file's name, a table of cells, or a mapping.
+    """Return the kind of map that ``obstacle_map`` describes by a file name, a table of cells, or a mapping.
 
-    BAD after telling what is wrong.
+    Return BAD after reporting problems.
     """
     if isinstance(data, str):
         data = {"name": "image", "path": data}
@@ -39,13 +39,13 @@ def read_map(data: object, place: Place, report: Report) -> Any:
 
 
 def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -> NDArray[np.bool_] | None:
-    """Return which cells of the world's map are occupied, shape ``(columns, rows)``; None without a map.
+    """Return the occupied cells of the world's map, shape ``(columns, rows)``; None without a map.
 
     Args:
         world: The section ``world``.
         place: Path of ``obstacle_map``.
-        source: Where the scenario was read from.
-        report: Collects the problems: the map cannot be made.
+        source: Source of the scenario.
+        report: Collects the problems.
     """
     if world.obstacle_map is None:
         return None
@@ -74,10 +74,10 @@ def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -
 
 
 def find_map(name: str, folders: tuple[Path, ...]) -> Path:
-    """Return the file of a map: as given, in one of the folders, shipped (the suffix may be left out), or ir-sim's own.
+    """Return the file of a map: as given, in one of the folders, shipped (suffix optional), or of an installed ir-sim.
 
     Raises:
-        OptionError: There is none; the message offers what is shipped.
+        OptionError: If the file is not found; the message lists the shipped maps.
     """
     given = Path(name)
     for file in (given, *(folder / given for folder in folders)):
@@ -108,7 +108,7 @@ def _is_file(file: Path) -> bool:
 
 
 def _irsim_map(given: Path) -> Path | None:
-    """Return a file of the map folder of an installed ir-sim, which is not imported for it; None when there is none."""
+    """Return a file in the map folder of an installed ir-sim, without importing it; None if there is none."""
     if given.is_absolute() or ".." in given.parts:
         return None
     package = importlib.util.find_spec("irsim")

@@ -1,4 +1,4 @@
-"""What went wrong, in words for the person who wrote the file."""
+"""Words for error messages about a file."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ CONTACT_KEYS = {
     "body": {"mass", "friction", "inertia", "restitution"},
     "body.kinematics": {"tau"},
 }
-"""Keys of IR-SIM's contact mode, which is not part of the language, by the mapping that holds them."""
+"""Keys of IR-SIM's contact mode, which is not part of the language, by their mapping."""
 CONTACT_SENSOR = "contact2d"
 CONTACT_MESSAGE = "contact mode is not part of the scenario language"
 
 
 def show(value: object) -> str:
-    """Return a value as it would stand in YAML, shortened."""
+    """Return a value as YAML text, shortened."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -64,7 +64,7 @@ def choices(names: Iterable[str]) -> str:
 
 
 def describe(hint: Any) -> str:
-    """Return what a type allows, in words: ``a list of 3 numbers``."""
+    """Return a description of a type: ``a list of 3 numbers``."""
     origin, args = get_origin(hint), get_args(hint)
     if hasattr(hint, "__metadata__"):
         return describe(args[0])
@@ -92,8 +92,8 @@ def translate(error: Any, value: Any, hint: Any) -> str:
 
     Args:
         error: The record, as ``ValidationError.errors()`` gives it.
-        value: What was found.
-        hint: The type that the option declares.
+        value: The value in the file.
+        hint: The declared type of the option.
     """
     kind, context = error["type"], error.get("ctx", {})
     bounds = {"greater_than": (">", "gt"), "greater_than_equal": (">=", "ge"), "less_than": ("<", "lt")}
@@ -130,7 +130,7 @@ def _literal(value: object, hint: object) -> str:
 
 
 def literal_values(hint: object) -> tuple[Any, ...]:
-    """Return the choices of a ``Literal``, also one inside a union."""
+    """Return the choices of a ``Literal``, which may be inside a union."""
     if get_origin(hint) is Literal:
         return get_args(hint)
     return tuple(value for arg in get_args(hint) for value in literal_values(arg))

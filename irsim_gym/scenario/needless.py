@@ -1,4 +1,4 @@
-"""Keys that IR-SIM 2.12.0 accepts and ignores: they are accepted here too, and reported."""
+"""Keys that IR-SIM 2.12.0 accepts and ignores; they are ignored here too, and reported."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ NEEDLESS: Mapping[str, Mapping[str, str]] = {
     "plot": {"show_goals": f"{_OLD}: show_goal draws the goal"},
     "body.sensors": {"reso": f"{_OLD}: angle_range and number set the beams"},
 }
-"""What becomes of each such key, by the mapping that holds it. Where a kind has an option of this name it counts."""
+"""Message about each such key, by its mapping. If a kind has an option of this name, the option counts."""
 
 UNOBSTRUCTED_MODES = ("reactive", "react", "unobstructed2")
-"""Values of ``collision_mode`` in IR-SIM's files that mean ``unobstructed`` there, as all that it does not know do."""
+"""Values of ``collision_mode`` that mean ``unobstructed`` in IR-SIM, as do all values that it does not know."""
 
 
 def mapping_of(place: Place) -> str:
-    """Return which mapping of a file a path leads to, such as ``world.plot`` or ``body.sensors``."""
+    """Return the name of the mapping at a path, such as ``world.plot`` or ``body.sensors``."""
     names = [part for part in place if isinstance(part, str)]
     names = names[1:] if names[:1] == [WRAPPER] else names
     return ".".join("body" if i == 0 and name in ROLES else name for i, name in enumerate(names))

@@ -1,4 +1,4 @@
-"""Values that are allowed but seldom meant: loading warns of most, ``irsim-gym check`` mentions all of them."""
+"""Finds values that are allowed but suspicious: loading warns of most, and ``irsim-gym check`` lists all of them."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ DEGREES = "angles are in radians; you can write pi/2"
 
 
 def warn(scenario: Scenario) -> None:
-    """Warn of what is hardly ever meant, and of keys that are ignored: once each, whatever their number."""
+    """Warn of suspicious values and of ignored keys, with one warning each."""
     _warn(ScenarioWarning, scenario.source.title, doubts(scenario))
     warn_of_keys(scenario.source.title, scenario.ignored)
 
 
 def warn_of_keys(title: str, ignored: Iterable[Problem]) -> None:
-    """Warn of keys that are ignored; the title names the file."""
+    """Warn of ignored keys; the title names the file."""
     _warn(IgnoredKeyWarning, title, tuple(ignored))
 
 
 def warn_of_starts(scenario: Scenario, found: Sequence[Problem]) -> None:
-    """Warn of robots that begin within an obstacle (``engine.start_checks.find_blocked_starts``)."""
+    """Warn of robots that start inside an obstacle (``engine.start_checks.find_blocked_starts``)."""
     held = [replace(problem, message=f"{problem.message}: the robot is stuck there") for problem in found]
     _warn(ScenarioWarning, scenario.source.title, held)
 
 
 def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem]) -> None:
-    """Warn of all that was found, at the line that called this package."""
+    """Warn of all problems found, at the line that called this package."""
     if not found:
         return
     warn_caller(category(title, found))
 
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
-    """Return what is worth a second look in a scenario, in the order of its lines; nothing of it is an error."""
+    """Return all remarks about a scenario that are not errors, in the order of its lines."""
     found = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
     for body in scenario.bodies:
         found += [Problem(body.line, body.name, message) for message in _goals_outside(body, scenario)]
@@ -52,7 +52,7 @@ def notes(scenario: Scenario) -> tuple[Problem, ...]:
 
 
 def doubts(scenario: Scenario) -> tuple[Problem, ...]:
-    """Return what is hardly ever meant, in the order of its lines."""
+    """Return remarks about suspicious values, in the order of their lines."""
     found = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario)]
     for body in scenario.bodies:
         found += [Problem(body.line, body.name, message) for message in _body_notes(body, scenario)]
@@ -60,7 +60,7 @@ def doubts(scenario: Scenario) -> tuple[Problem, ...]:
 
 
 def _in_order(found: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Return notes by line; a note on several bodies of an entry appears once."""
+    """Return remarks sorted by line; a remark on several bodies of an entry appears once."""
     seen: dict[tuple[int, str], Problem] = {}
     for note in found:
         seen.setdefault((note.line, note.message), note)
@@ -76,7 +76,7 @@ def _world_notes(scenario: Scenario) -> Iterator[Problem]:
 
 
 def _view_notes(scenario: Scenario) -> Iterator[Problem]:
-    """Look at ``fov`` as it stands in the file: a body's own is a full turn at most."""
+    """Yield remarks about ``fov`` as written in the file, since that of a body is limited to a full turn."""
     root: Place = scenario.root.get("robot", ()) or scenario.root.get("obstacle", ())
     sections = scenario.source.data[root[0]] if root else scenario.source.data
     for role in ROLES:
@@ -104,7 +104,7 @@ def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
 
 
 def _is_idle(body: BodySpec, scenario: Scenario) -> bool:
-    """Return whether a body decides but has nowhere to go; as a goal may still be set by hand, nobody is warned."""
+    """Return whether a body decides but has no goal; this is no warning, since a goal may be set by hand."""
     decides = body.behavior or body.group_behavior
     places = bool(body.goal) or scenario.placements[body.entry].kind.gives_goal
     replays = bool(getattr(body.behavior, "replays", False))
@@ -112,7 +112,7 @@ def _is_idle(body: BodySpec, scenario: Scenario) -> bool:
 
 
 def _goals_outside(body: BodySpec, scenario: Scenario) -> Iterator[str]:
-    """Look for goals beyond the world; IR-SIM's bodies may leave it, so nobody is warned."""
+    """Yield remarks about goals outside the world; they are no warnings, since bodies may leave it as in IR-SIM."""
     world = scenario.world
     low, high = world.offset, (world.offset[0] + world.width, world.offset[1] + world.height)
     for goal in body.goal:

@@ -1,4 +1,4 @@
-"""The language as tables, for the command line and the site; made from the declarations themselves."""
+"""Tables of all options for the command line and the documentation, made from their declarations."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ class OptionRow:
 
     Attributes:
         key: Its name in YAML.
-        default: What holds when it is not given; ``required`` when it must be.
-        unit: SI unit, or nothing.
+        default: Its default; ``required`` if it must be given.
+        unit: SI unit, or empty.
         allowed: Type and bounds.
         meaning: What it does.
-        consequence: What a bad value leads to, where the check cannot know.
+        consequence: Effect of a bad value that validation cannot detect.
     """
 
     key: str
@@ -118,7 +118,7 @@ def _sections() -> Iterator[tuple[str, type[Any]]]:
 
 
 def _plot_options(cls: type[Any]) -> type[Any] | None:
-    """Return what declares the drawing options of a kind, None for a kind without."""
+    """Return the class that declares a kind's drawing options; None for a kind without them."""
     info = option_fields(cls).get("plot")
     if info is None:
         return None
@@ -148,10 +148,10 @@ def _cells(row: OptionRow) -> str:
 
 
 def rewritten(page: str) -> str:
-    """Return a page with its tables made anew: what follows the marker is replaced, what stands before it is kept.
+    """Return a page with new tables after the marker; the text before it is kept.
 
     Raises:
-        IrsimGymError: The page has no marker.
+        IrsimGymError: If the page has no marker.
     """
     head, marker, _ = page.partition(MARKER)
     if not marker:

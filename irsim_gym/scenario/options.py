@@ -1,4 +1,4 @@
-"""Field types shared by kinds and specs: one declaration gives validation, schema, table and kernel record."""
+"""Options of kinds and specs: one declaration gives validation, schema, table and kernel record."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OPTIONS_CONFIG = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 REQUIRED: Any = ...
 
 LARGEST = 1e7
-"""Greatest magnitude of a number in a file: with larger ones, products and squares in single precision overflow."""
+"""Maximum magnitude of a number in a file; much larger ones overflow in products, squares and single precision."""
 
 T = TypeVar("T")
 
@@ -33,10 +33,10 @@ def option(
     """Declare one option.
 
     Args:
-        default: Value of a key that is not given; ``REQUIRED`` when it must be.
-        meaning: What the option does, one sentence.
+        default: Value if the key is not given; ``REQUIRED`` if it must be given.
+        meaning: What the option does, in one sentence.
         unit: SI unit without brackets, e.g. ``"m"``.
-        consequence: What a bad value leads to, where validation cannot know.
+        consequence: Effect of a bad value that validation cannot detect.
         **bounds: pydantic's constraints: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``allow_inf_nan``, ...
     """
     extra: dict[str, Any] = {"unit": unit, "consequence": consequence}
@@ -45,11 +45,11 @@ def option(
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(option,))
 def kind(cls: type[T]) -> type[T]:
-    """Make a class a kind: a frozen, strictly validated dataclass of its options.
+    """Turn a class into a kind: a frozen, strictly validated dataclass of its options.
 
-    A kind may have a method ``problems()`` that yields (key, message) for each option that does not fit the others;
-    the reader of scenarios reports them with their lines. An empty key means the kind as a whole. One with
-    ``takes_more = True`` takes options that it does not declare as well, unchecked: see ``more_options``.
+    A kind may have a method ``problems()`` that yields (key, message) for each option that conflicts with others; the
+    reader of scenarios reports them with their lines. An empty key means the kind as a whole. A kind with
+    ``takes_more = True`` also accepts options that it does not declare, without checks: see ``more_options``.
     """
     config = ConfigDict(**{**OPTIONS_CONFIG, "extra": "allow"}) if getattr(cls, "takes_more", False) else OPTIONS_CONFIG
     made: Any = pydantic_dataclass(frozen=True, kw_only=True, config=config)(cls)
@@ -57,13 +57,13 @@ def kind(cls: type[T]) -> type[T]:
 
 
 def more_options(options: object) -> dict[str, Any]:
-    """Return what a file gives beyond the options that a kind declares, by key; a copy."""
+    """Return a copy of the given options that the kind does not declare, by key."""
     declared = option_fields(type(options))
     return {key: copy.deepcopy(value) for key, value in vars(options).items() if key not in declared}
 
 
 def defaults(cls: type[T]) -> T:
-    """Return a kind with all its options at their defaults (type checkers do not see those of ``option``)."""
+    """Return a kind with all options at their defaults (type checkers do not see the defaults of ``option``)."""
     return cls()
 
 
@@ -73,7 +73,7 @@ def option_fields(cls: type[Any]) -> dict[str, FieldInfo]:
 
 
 def unordered_ranges(options: object, *names: str, least: float = -math.inf) -> Iterator[tuple[str, str]]:
-    """Yield a problem for each option ``[low, high]`` that is the wrong way round or begins below ``least``."""
+    """Yield a problem for each option ``[low, high]`` with low > high or low < ``least``."""
     for name in names:
         low, high = getattr(options, name)
         if low > high:
@@ -85,7 +85,7 @@ def unordered_ranges(options: object, *names: str, least: float = -math.inf) -> 
 def crossed_bounds(
     low: Sequence[float], high: Sequence[float], low_name: str = "range_low", high_name: str = "range_high"
 ) -> Iterator[tuple[str, str]]:
-    """Yield a problem if a component of the lower bounds lies above that of the upper ones."""
+    """Yield a problem if a lower bound exceeds its upper bound."""
     if any(a > b for a, b in zip(low, high, strict=True)):
         shown = [f"[{', '.join(f'{value:g}' for value in bounds)}]" for bounds in (low, high)]
         yield low_name, f"must not exceed {high_name}, got {shown[0]} and {shown[1]}"
@@ -94,21 +94,21 @@ def crossed_bounds(
 def kind_of_function(
     family: str, name: str, function: Callable[..., object], base: type[Any], leading: Sequence[str], **members: object
 ) -> type[Any]:
-    """Return a kind whose options are the keyword-only parameters of a function, beside those of ``base``.
+    """Return a kind whose options are those of ``base`` and the keyword-only parameters of a function.
 
     The class gets the members ``function`` and ``own_options``, which returns the function's keywords for an instance.
-    With ``**more`` at the end of its parameters the function takes whatever else the file gives, unchecked.
+    A function with ``**more`` accepts any further options in the file, without checks.
 
     Args:
-        family: What it is, in messages.
-        name: Its name in YAML.
+        family: Name of the family in messages.
+        name: Name of the kind in YAML.
         function: The function.
-        base: What all such kinds have in common.
-        leading: What the function is called with before its options, in messages.
+        base: Base class of all such kinds.
+        leading: Names of the function's parameters before its options, for messages.
         **members: Further members of the class.
 
     Raises:
-        TypeError: The function's parameters are not as above.
+        TypeError: If the function's parameters do not have this form.
     """
     parameters = function_parameters(family, name, function)
     options = _function_options(family, name, parameters, base, leading)
@@ -130,13 +130,13 @@ def make_kind(
     options: dict[str, tuple[Any, Any]],
     **members: object,
 ) -> type[Any]:
-    """Return a kind of what somebody has written, which ``called`` names in messages.
+    """Return a kind made from a function or class of a plugin; its member ``called`` names it in messages.
 
     Args:
-        family: What it is, in messages.
-        name: Its name in YAML.
-        written: What was written, for its documentation.
-        base: What all such kinds have in common.
+        family: Name of the family in messages.
+        name: Name of the kind in YAML.
+        written: The function or class, for its docstring.
+        base: Base class of all such kinds.
         options: Type and declaration of each option.
         **members: Further members of the class, such as ``function``.
     """
@@ -160,7 +160,7 @@ def function_parameters(family: str, name: str, function: Callable[..., object])
     """Return the parameters of a function with their types.
 
     Raises:
-        TypeError: A type does not exist when the program runs.
+        TypeError: If a type annotation cannot be evaluated at run time.
     """
     try:
         return list(inspect.signature(function, eval_str=True).parameters.values())

@@ -33,7 +33,7 @@ ARGUMENTS = frozenset(
         *("wrapper_class", "wrapper_kwargs", "vec_env_cls", "vec_env_kwargs"),
     )
 )
-"""Names that stand for something else where environments are made."""
+"""Names of arguments of functions that make environments, which parameters must not have."""
 
 _TAKEN_BY = {
     "num_threads": "make_vec, make_batch and those of sb3",
@@ -66,7 +66,7 @@ _TAKEN_BY = {
         "load, which runs a file by hand as IR-SIM does",
     ),
 }
-"""Of what else a name is an argument, for somebody who gives it to another function."""
+"""Functions that take an argument of this name, for hints if it is passed to another function."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _WITHIN = re.compile(r"\$\{[ ]*([A-Za-z_][A-Za-z0-9_]*)[ ]*\}", re.ASCII)
@@ -92,7 +92,7 @@ class ParameterSpec:
     meaning: str = option(min_length=1, meaning="What the parameter does, in one sentence; shown in messages.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what does not fit together."""
+        """Yield key and message of conflicting options."""
         bounds = [key for key in ("min", "max") if getattr(self, key) is not None]
         is_number = self.value_type in (int, float)
         if bounds and self.choices is not None:
@@ -108,14 +108,14 @@ class ParameterSpec:
 
     @property
     def value_type(self) -> type[bool | int | float | str]:
-        """Type of its values: that of the default, but for a whole one among bounds or choices that are not whole."""
+        """Type of its values: that of the default, but float for an int default with fractional bounds or choices."""
         others = (self.min, self.max, *(self.choices or ()))
         is_whole = all(not isinstance(one, float) or one.is_integer() for one in others)
         return float if type(self.default) is int and not is_whole else type(self.default)
 
     @property
     def allowed(self) -> str:
-        """What a value may be, in words."""
+        """Description of the allowed values."""
         if self.choices is not None:
             shown = [show(one) for one in self.choices]
             return " or ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)
@@ -129,7 +129,7 @@ class ParameterSpec:
         )
 
     def convert(self, value: object) -> Any:
-        """Return a value in the parameter's type where it can be: numbers may be written as text, e.g. ``"pi/2"``."""
+        """Convert a value to the parameter's type if possible; numbers may be text, e.g. ``"pi/2"``."""
         value = value.item() if isinstance(value, np.generic) else value
         if isinstance(value, str) and isinstance(self.default, bool):
             return {"true": True, "false": False}.get(value.strip().lower(), value)
@@ -140,7 +140,7 @@ class ParameterSpec:
         return value
 
     def refusal(self, value: Any) -> str:
-        """Return why a converted value cannot be used; nothing when it can."""
+        """Return why a converted value is invalid; empty if it is valid."""
         good = type(value) is self.value_type
         if good and type(value) in (int, float):
             low, high = -math.inf if self.min is None else self.min, math.inf if self.max is None else self.max
@@ -153,21 +153,21 @@ class ParameterSpec:
 
 
 def is_free(name: str) -> bool:
-    """Return whether a parameter may have this name: environments have no argument that is called so."""
+    """Return whether a parameter may have this name, which no argument of an environment has."""
     return name not in ARGUMENTS
 
 
 def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True) -> tuple[Source, dict[str, Value]]:
-    """Put values in the places of parameters; return the data without any ``$name``, and the values.
+    """Replace ``$name`` by the values of parameters; return the new data, and the values.
 
     Args:
-        source: A file's data. Mistakes of the file itself are added to its problems.
-        given: Values to use in place of defaults.
-        strict: Keys that nobody reads are mistakes; else they are added to what is ignored.
+        source: The data of a file; the result contains its problems.
+        given: Values that replace defaults.
+        strict: Whether unused keys are problems; else they are ignored and reported.
 
     Raises:
-        UnknownParameterError: A given name is not declared; the message lists those that are.
-        ScenarioError: A given value is not allowed; the message lists what is.
+        UnknownParameterError: If a given name is not declared; the message lists the declared names.
+        ScenarioError: If a given value is not allowed; the message lists the allowed values.
     """
     report = Report(source, strict=strict)
     declared = _declarations(source, report)
@@ -184,7 +184,7 @@ def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True)
 
 @contextmanager
 def given_as_keywords() -> Iterator[None]:
-    """Raise an unknown parameter as what it was given as: a keyword argument."""
+    """Convert the error about an unknown parameter to one about an unknown keyword argument."""
     try:
         yield
     except UnknownParameterError as error:
@@ -192,7 +192,7 @@ def given_as_keywords() -> Iterator[None]:
 
 
 def describe_parameters(source: Source, values: Mapping[str, Value] | None = None) -> list[str]:
-    """Return a line for each parameter: its name and value (by default the default's), bounds and meaning."""
+    """Return a line for each parameter: name, value (default: its default), allowed values and meaning."""
     declared = _declarations(source, Report(source))
     return _lines({name: spec for name, spec in declared.items() if spec is not None}, values or {})
 
@@ -220,7 +220,7 @@ def _sections(data: object) -> Iterator[tuple[Place, str]]:
 
 
 def _declarations(source: Source, report: Report) -> dict[str, ParameterSpec | None]:
-    """Return what is declared; None for a declaration that cannot be used, which is reported."""
+    """Return the declared parameters; None for an invalid declaration, which is reported."""
     declared: dict[str, ParameterSpec | None] = {}
     inner = source.data.get(WRAPPER) if isinstance(source.data, Mapping) else None
     for around, place in ((source.data, (SECTION,)), (inner, (WRAPPER, SECTION))):
@@ -252,7 +252,7 @@ def _declaration(name: str, data: object, place: Place, report: Report) -> Param
 def _chosen(
     source: Source, declared: Mapping[str, ParameterSpec | None], given: Mapping[str, object]
 ) -> dict[str, Value]:
-    """Return the value of each parameter that is declared rightly."""
+    """Return the value of each validly declared parameter."""
     specs = {name: spec for name, spec in declared.items() if spec is not None}
     known = "\n".join(f"    {line}" for line in _lines(specs, {}))
     listed = f"; it has\n{known}" if known else "; it has none"
@@ -278,8 +278,8 @@ class _Filler:
 
     Attributes:
         used: Names of the parameters that are used.
-        unknown: Paths of values that cannot be worked out; of the whole list where it is part of one.
-        origins: What stood in the place of the other values with ``$``.
+        unknown: Paths of values that cannot be evaluated, or of the whole list that contains one.
+        origins: Original text of evaluated values, by path.
     """
 
     def __init__(
@@ -292,7 +292,7 @@ class _Filler:
         self._numbers = {name: value for name, value in values.items() if not isinstance(value, str | bool)}
 
     def sections(self, data: object, place: Place) -> Any:
-        """Return the file with all sections filled in but that of the parameters themselves."""
+        """Return the file with all sections filled in except ``parameters``."""
         if not isinstance(data, Mapping):
             return data
         filled = {}
@@ -304,7 +304,7 @@ class _Filler:
         return filled
 
     def _known(self, value: object, place: Place, is_custom: bool) -> object:
-        """Return a value filled in; None, as if it were not given, where it cannot be worked out."""
+        """Return a filled-in value; None, as if it were not given, if it cannot be evaluated."""
         filled = self._value(value, place, is_custom)
         if filled is BAD:
             self.unknown.add(place)
@@ -315,7 +315,7 @@ class _Filler:
             return {key: self._known(item, (*place, key), is_custom) for key, item in value.items()}
         if isinstance(value, list):
             if place[-1] == "obstacle_map":
-                return value  # cells, and many of them
+                return value  # many cells, none with parameters
             items = [self._value(item, (*place, i), is_custom) for i, item in enumerate(value)]
             return BAD if any(item is BAD for item in items) else items
         if not isinstance(value, str) or "$" not in value:
@@ -326,7 +326,7 @@ class _Filler:
         return filled
 
     def _text(self, text: str, place: Place, is_custom: bool) -> object:
-        """Return what a text with ``$`` in it stands for; BAD after telling why it cannot be."""
+        """Return the value of a text with ``$``; BAD after reporting problems."""
         within, names = _WITHIN.findall(text), names_in(text)
         bare = [name for name in _BARE.findall(text) if name in self._declared]
         unknown = [name for name in (*within, *names) if name not in self._declared]
@@ -337,7 +337,7 @@ class _Filler:
             return BAD
         self.used.update(within, names, bare)
         if any(name not in self._values for name in (*within, *names)):
-            return BAD  # the declaration is refused and reported there
+            return BAD  # the invalid declaration is reported already
         if within:
             return _WITHIN.sub(lambda match: _plain(self._values[match.group(1)]), text)
         if names:
@@ -367,7 +367,7 @@ class _Filler:
 
 
 def _plain(value: Value) -> str:
-    """Return a value as it stands within text."""
+    """Return a value as part of a text."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""Behaviours that a file names and nobody has registered yet: a world by hand waits for them until its first step."""
+"""Behaviours that a file names but that are not registered yet; a world by hand waits for them until its first step."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ RENEWAL = ("wander", "loop", "range_low", "range_high", "wander_goals")
 
 @kind
 class PendingBehavior:
-    """A behaviour whose name is not known yet; it raises when it has to decide.
+    """A behaviour that is not registered yet; it raises an error when it has to decide.
 
-    A group without a known behaviour is no group: each member decides by itself, as in IR-SIM.
+    Members of a group whose behaviour is unknown decide individually, as in IR-SIM.
     """
 
     reads_neighbors: ClassVar[bool] = False
@@ -46,7 +46,7 @@ class PendingBehavior:
     data: Any = option(None, meaning="What stands there.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of conflicting options."""
         yield from crossed_bounds(self.range_low, self.range_high)
 
     @staticmethod
@@ -59,7 +59,7 @@ class PendingBehavior:
 
     @staticmethod
     def decide(group: Any, model: Any, state: Any, shard: Any) -> NoReturn:
-        """Raise: nobody has registered it.
+        """Raise an error about the missing behaviour.
 
         Raises:
             BehaviorError: Always.
@@ -68,7 +68,7 @@ class PendingBehavior:
 
 
 def _missing(pending: PendingBehavior) -> str:
-    """Return where a behaviour is named that is not known, and what to do."""
+    """Return a message about an unknown behaviour: its place, and what to do."""
     try:
         FAMILIES[pending.key].entry(pending.data["name"])
     except UnknownNameError as error:
@@ -79,7 +79,7 @@ def _missing(pending: PendingBehavior) -> str:
 
 
 def read_pending(key: str, data: Mapping[str, object], place: Place, report: Report) -> PendingBehavior | None:
-    """Return what stands for a behaviour with an unknown name; None after telling what is wrong with its goals."""
+    """Return a placeholder for an unknown behaviour; None after reporting problems with its goals."""
     made = build(PendingBehavior, {name: data[name] for name in RENEWAL if name in data}, place, report)
     line = report.source.line((*place, "name"))
     where = f"{report.source.title}:{line}" if line else report.source.title
@@ -87,22 +87,22 @@ def read_pending(key: str, data: Mapping[str, object], place: Place, report: Rep
 
 
 def is_pending(key: str, data: object) -> bool:
-    """Return whether this names a behaviour that nobody has registered."""
+    """Return whether an entry names a behaviour that is not registered."""
     name = data.get("name") if isinstance(data, Mapping) else None
     return key in FAMILIES and isinstance(name, str) and name not in FAMILIES[key]
 
 
 def unknown_groups(scenario: Scenario) -> list[str]:
-    """Return what is to be said of groups whose behaviour nobody has registered."""
+    """Return messages about groups whose behaviour is not registered."""
     found = [body.group_behavior for body in scenario.bodies]
     return list(dict.fromkeys(_missing(one) for one in found if isinstance(one, PendingBehavior)))
 
 
 def resolve_pending(scenario: Scenario) -> Scenario:
-    """Return a scenario with the behaviours that have been registered since it was read.
+    """Return a scenario with the behaviours that were registered after it was read.
 
     Raises:
-        ScenarioError: What the file says of one of them cannot be used; the error lists every problem with its line.
+        ScenarioError: If an entry of such a behaviour cannot be used; the error lists every problem with its line.
     """
     report = Report(scenario.source)
     made: dict[int, Any] = {}

@@ -1,4 +1,4 @@
-"""Scenarios that are drawn otherwise than their file says, for pictures with options of their own."""
+"""Overrides drawing options of a scenario, for pictures with their own options."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ FIGURE_KEYS = frozenset(field.name for field in fields(SavedFigure))
 
 
 def drawn_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
-    """Return a scenario whose bodies are all drawn with these options.
+    """Return a scenario with drawing options set for all bodies.
 
     Args:
-        scenario: What the file says.
-        options: Keys of a body's section ``plot``.
+        scenario: The scenario.
+        options: Keys of a body's section ``plot``, with their values.
 
     Raises:
-        ScenarioError: An option has a bad value; the error lists all of them.
+        ScenarioError: If an option has a bad value; the error lists all of them.
     """
     values = _checked(ObjectPlot, "plot", options)
     bodies = tuple(replace(body, plot=replace(body.plot, **values)) for body in scenario.bodies)
@@ -32,10 +32,10 @@ def drawn_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
 
 
 def saved_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
-    """Return a scenario whose figures are saved with these options, keys of ``plot.saved_figure``.
+    """Return a scenario with options for saved figures, keys of ``plot.saved_figure``.
 
     Raises:
-        ScenarioError: An option has a bad value; the error lists all of them.
+        ScenarioError: If an option has a bad value; the error lists all of them.
     """
     plot = scenario.world.plot
     saved = replace(plot.saved_figure, **_checked(SavedFigure, "saved_figure", options))

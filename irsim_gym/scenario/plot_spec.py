@@ -1,4 +1,4 @@
-"""The drawing options as data; who draws is free in how."""
+"""Drawing options as data, independent of the renderer."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class SavedFigure:
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of a colour that is none."""
+        """Yield key and message of an unknown colour."""
         problem = color_problem(self.facecolor)
         if problem:
             yield "facecolor", problem
@@ -157,7 +157,7 @@ class ObjectPlot:
     fov_zorder: int | None = option(None, meaning="Layer of the field of view; default: above fixed bodies.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of each colour that is none."""
+        """Yield key and message of each unknown colour."""
         for key in COLOR_KEYS:
             problem = color_problem(getattr(self, key))
             if problem:
@@ -168,7 +168,7 @@ COLOR_KEYS = tuple(name for name in ObjectPlot.__annotations__ if name.endswith(
 
 
 def trailing(bodies: Iterable[Any], learners: Collection[int] = ()) -> list[int]:
-    """Return the numbers of the bodies (``BodySpec``) of which a path or a trail is drawn: a learner's path unasked."""
+    """Return the numbers of the bodies (``BodySpec``) with a drawn path or trail; learners have a path by default."""
     found = []
     for b, body in enumerate(bodies):
         plot = body.plot

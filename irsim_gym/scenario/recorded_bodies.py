@@ -1,4 +1,4 @@
-"""Bodies that replay a recording: each gets its file, its person and its start."""
+"""Sets up bodies that replay a recording: the file, person and start of each."""
 
 from __future__ import annotations
 
@@ -20,30 +20,32 @@ from irsim_gym.scenario.validation import Report
 
 
 def give_recordings(bodies: list[BodySpec], entry: BodyEntry, step_time: float, report: Report) -> list[BodySpec]:
-    """Return the bodies of an entry; those that replay a recording know file and person, and start where that begins.
+    """Return the bodies of an entry, with file, person and start set for those that replay a recording.
 
-    Without ``person`` they get the persons in the order of the file, one each.
+    Without ``person``, they get one person each, in the order of the file.
 
     Args:
         bodies: The entry's bodies.
         entry: The entry.
         step_time: Duration of a step [s].
-        report: Collects the problems, with the place of the behaviour.
+        report: Collects the problems.
     """
     given = []
     for i, body in enumerate(bodies):
         place = entry.of("behavior", i)[0]
         if not getattr(body.behavior, "replays", False):
             given.append(body)
-        elif (made := _given(body, i, len(bodies), step_time, place, report)) is not None:
+        elif (made := _with_recording(body, i, len(bodies), step_time, place, report)) is not None:
             given.append(made)
         else:
             return []
     return given
 
 
-def _given(body: BodySpec, i: int, count: int, step_time: float, place: Place, report: Report) -> BodySpec | None:
-    """Return a body that knows its person; None after telling what is wrong."""
+def _with_recording(
+    body: BodySpec, i: int, count: int, step_time: float, place: Place, report: Report
+) -> BodySpec | None:
+    """Return a body with its file, person and start; None after reporting problems."""
     options = body.behavior
     file = find_recording(options.file, report.source.file)
     if not file.is_file():
@@ -67,13 +69,13 @@ def _given(body: BodySpec, i: int, count: int, step_time: float, place: Place, r
     person = recording.persons[i] if options.person is None else options.person
     known_options = replace(options, file=str(file), person=person)
     points = sampled(known_options, step_time)
-    return _checked(replace(body, behavior=known_options), points, step_time, place, report)
+    return _with_start(replace(body, behavior=known_options), points, step_time, place, report)
 
 
-def _checked(
+def _with_start(
     body: BodySpec, points: NDArray[np.float64], step_time: float, place: Place, report: Report
 ) -> BodySpec | None:
-    """Return the body at its start; None after telling that it is too slow for its person."""
+    """Return the body at its start; None after reporting that it is too slow for its person."""
     fastest = float(np.nanmax(np.abs(np.diff(points, axis=0)), initial=0.0)) / step_time if len(points) > 1 else 0.0
     most = min(*body.vel_max[:2], *(-speed for speed in body.vel_min[:2]))
     if fastest > most * (1.0 + 1e-9):
@@ -90,7 +92,7 @@ def _checked(
 
 
 def find_recording(name: str, scenario_file: str) -> Path:
-    """Return the file of a recording: beside the scenario, else a shipped one. It need not be there."""
+    """Return the file of a recording: beside the scenario, else a shipped one. It need not exist."""
     file = Path(scenario_file).parent / name
     shipped = library.recordings()
     return shipped[name] if name in shipped and not file.is_file() else file

@@ -1,4 +1,4 @@
-"""Recorded pedestrians: text files of rows time, id, x, y, as those of ETH and UCY."""
+"""Reads recorded pedestrians: text files with rows of time, id, x, y, like those of ETH and UCY."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ MOST_STEPS = 1_000_000
 
 
 class BadRecordingError(ValueError):
-    """A file that cannot be read as a recording; the message names line, what was found and what would be right."""
+    """A file that cannot be read as a recording; the message names the line, the value and what is expected."""
 
 
 class PersonTracks(NamedTuple):
-    """What a file holds.
+    """The content of a recording.
 
     Attributes:
         persons: Ids in the order of the file.
-        tracks: Rows time, x, y of each, times ascending, in the file's unit and [m], shape ``(n, 3)``.
-        first: The file's first time.
+        tracks: Rows of time (in the file's unit), x, y [m] of each person, times ascending, shape ``(n, 3)``.
+        first: The earliest time in the file.
     """
 
     persons: tuple[int, ...]
@@ -36,12 +36,12 @@ class PersonTracks(NamedTuple):
 
 
 def read_recording(file: Path) -> PersonTracks:
-    """Read a file: rows of four numbers, time, id, x and y, parted by blanks, tabs or commas.
+    """Read a file with rows of four numbers, time, id, x and y, separated by spaces, tabs or commas.
 
-    Empty lines and those that begin with # are left out. Rows may be in any order.
+    Empty lines and lines that begin with # are skipped. Rows may be in any order.
 
     Raises:
-        BadRecordingError: It is no such file; the message says what is wrong with which line.
+        BadRecordingError: If the file is not a recording; the message names the line and what is wrong with it.
     """
     stamp = file.stat().st_mtime_ns if file.is_file() else 0
     return _read(file, stamp)
@@ -86,12 +86,12 @@ def _numbers(cells: Sequence[str], number: int, line: str) -> tuple[float, int, 
 
 
 def sampled(options: Any, step_time: float) -> NDArray[np.float64]:
-    """Return where a person is at each step, by straight lines between rows [m]; NaN where it is absent, ``(n, 2)``.
+    """Return a person's position at each step [m], interpolated linearly; NaN if it is absent, shape ``(n, 2)``.
 
-    Row k is the time ``start_time + k * step_time``; the last one is that after the person has gone.
+    Row k is at the time ``start_time + k * step_time``; the last row is after the person has left.
 
     Args:
-        options: A behaviour ``recorded`` whose person is known.
+        options: A behaviour ``recorded`` with its person.
         step_time: Duration of a step [s].
     """
     recording = read_recording(Path(options.file))

@@ -1,4 +1,4 @@
-"""The language as a JSON Schema (draft 2020-12), for editors; built from the registries, so user kinds are in it."""
+"""The scenario language as a JSON Schema (draft 2020-12), for editors; it includes registered kinds of plugins."""
 
 from __future__ import annotations
 
@@ -62,14 +62,14 @@ def json_schema() -> Schema:
 
 
 def _parameters() -> Schema:
-    """Return the section ``parameters``."""
+    """Return the schema of the section ``parameters``."""
     schema: Schema = _with_expressions(TypeAdapter(ParameterSpec).json_schema())
     names = {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"}
     return {"type": "object", "propertyNames": names, "additionalProperties": {**schema, "additionalProperties": False}}
 
 
 def _world(definitions: Schema) -> Schema:
-    """Return the section ``world``, with what ``obstacle_map`` may be."""
+    """Return the schema of the section ``world``, with the forms of ``obstacle_map``."""
     schema = _options(WorldSpec, definitions)
     info = schema["properties"]["obstacle_map"]
     columns: Schema = {"type": "array", "items": {"type": "array"}, "minItems": 1}
@@ -83,7 +83,7 @@ def _optional(schema: Schema) -> Schema:
 
 
 def _options(cls: type[Any], definitions: Schema) -> Schema:
-    """Return the schema of a kind's or spec's options; nested ones go to the definitions."""
+    """Return the schema of a kind's or spec's options; nested schemas are added to the definitions."""
     schema = TypeAdapter(cls).json_schema(ref_template=_REFERENCE)
     for name, nested in schema.pop("$defs", {}).items():
         definitions.setdefault(name, _with_expressions(nested))
@@ -92,7 +92,7 @@ def _options(cls: type[Any], definitions: Schema) -> Schema:
 
 
 def _with_expressions(schema: object) -> Any:
-    """Let an expression such as ``pi/2`` stand wherever a number may; drop remarks that say nothing."""
+    """Allow expressions such as ``pi/2`` in place of numbers; drop empty units and consequences."""
     if isinstance(schema, list):
         return [_with_expressions(item) for item in schema]
     if not isinstance(schema, dict):
@@ -113,7 +113,7 @@ def _with_expressions(schema: object) -> Any:
 
 
 def _color_or(key: str, schema: Any) -> object:
-    """Let numbers from 0 to 1 stand wherever a colour may."""
+    """Allow 3 or 4 numbers from 0 to 1 in place of colours."""
     choices = schema.get("anyOf", [schema])
     if not key.endswith("color") or not any(one.get("type") == "string" for one in choices):
         return schema
@@ -124,7 +124,7 @@ def _color_or(key: str, schema: Any) -> object:
 
 
 def _named(registry: Registry, definitions: Schema, synonym: str = "", default: str = "") -> Schema:
-    """Return the choice between the kinds of a family."""
+    """Return the schema of a choice between the kinds of a family."""
     choices = []
     for entry in registry:
         key = f"{registry.family}.{entry.name}".replace(" ", "_")
@@ -155,7 +155,7 @@ def _section(role: str, definitions: Schema) -> Schema:
 
 
 def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
-    """Return the schema of one key of an entry, with what may be shared out over the entry's bodies."""
+    """Return the schema of one key of an entry, including lists of values for its bodies."""
     meaning = declared.get("description", "")
     if key in _KINDS:
         one = {"anyOf": [_named(_KINDS[key], definitions), {"type": "null"}, {"type": "object", "maxProperties": 0}]}
@@ -178,12 +178,12 @@ def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
 
 
 def _shared(one: Schema) -> Schema:
-    """Return: one for all bodies of an entry, or a list with one for each."""
+    """Return the schema of one value for all bodies of an entry, or a list with one for each."""
     return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
 
 
 def _task(definitions: Schema) -> Schema:
-    """Return the section ``task``; overrides may name some keys of a term only, so none is required."""
+    """Return the schema of the section ``task``; no key of a term is required, since terms may be overrides."""
     section = _options(families.SECTIONS.entry("task").kind, definitions)
     properties: Schema = section["properties"]
     for key, registry in {"action": families.ACTIONS, **_TERMS}.items():

@@ -1,4 +1,4 @@
-"""IR-SIM's sugar: sections that are a list or a mapping, and lists that are shared out over the bodies of an entry."""
+"""IR-SIM's short forms: sections that are a list or a mapping, and lists of values for the bodies of an entry."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SCALARS = frozenset({"goal_threshold", "fov", "fov_radius", "group", "state_dim"
 
 @dataclass(frozen=True)
 class RawEntry:
-    """An entry of ``robot`` or ``obstacle`` as it stands in the file."""
+    """An entry of ``robot`` or ``obstacle`` as in the file."""
 
     role: str
     place: Place
@@ -25,10 +25,10 @@ class RawEntry:
 
 @dataclass(frozen=True)
 class Shared:
-    """The values of one key for the bodies of an entry: body i has the i-th, or the last.
+    """The values of one key for the bodies of an entry: body i has the i-th value, or else the last.
 
     Attributes:
-        values: Path and value of each.
+        values: Path and value of each element.
     """
 
     values: tuple[tuple[Place, Any], ...]
@@ -53,7 +53,7 @@ def split_sections(data: object, report: Report) -> tuple[dict[str, Any], dict[s
 
 
 def split_entries(role: str, section: object, place: Place, report: Report) -> list[RawEntry]:
-    """Return the entries of a section, which is a list of mappings, one mapping, or nothing."""
+    """Return the entries of a section, which is a list of mappings, one mapping, or None."""
     if section is None:
         return []
     if isinstance(section, Mapping):
@@ -71,10 +71,10 @@ def split_entries(role: str, section: object, place: Place, report: Report) -> l
 
 
 def share(key: str, value: object, count: int, place: Place, report: Report) -> Shared:
-    """Share one key of an entry out over its ``count`` bodies.
+    """Distribute the value of one key of an entry over its ``count`` bodies.
 
-    A list of numbers is one vector for all; any other list holds one value for each body, and the last one again
-    for the bodies it does not reach. Keys that take a single number read a list of ``count`` numbers as one each.
+    A list of numbers is one vector for all bodies. Any other list holds one value per body; its last value also applies
+    to the remaining bodies. For keys that take a single number, a list of ``count`` numbers holds one per body.
     """
     if key == "goal":
         return _share_goals(read_numbers(value), count, place)
@@ -106,16 +106,16 @@ def _one_each(value: list[Any], count: int, place: Place) -> Shared:
 
 
 def _share_sensors(value: object, count: int, place: Place) -> Shared:
-    """One list of mappings is for all; a list of lists is one list for each body."""
+    """Distribute sensors: a list of mappings applies to all bodies; a list of lists holds one list per body."""
     if isinstance(value, list) and value and not all(isinstance(item, Mapping) for item in value):
         return _one_each(value, count, place)
     return Shared(((place, value),))
 
 
 def _share_goals(value: Any, count: int, place: Place) -> Shared:
-    """One goal is for all; two levels of lists are one goal each; three levels are one list of goals each.
+    """Distribute goals: one goal is for all bodies; two levels of lists hold one goal per body, three levels several.
 
-    Two levels for one body are its goals in order.
+    For a single body, two levels hold its goals in order.
     """
     levels = depth(value)
     if levels <= 1 or (levels == 2 and count == 1):
@@ -124,7 +124,7 @@ def _share_goals(value: Any, count: int, place: Place) -> Shared:
 
 
 def depth(value: object, most: int = 4) -> int:
-    """Return the levels of lists around the numbers, ``most`` at the most; null among them has none."""
+    """Return the number of nested lists around the numbers, at most ``most``."""
     if not isinstance(value, list) or most == 0:
         return 0
     return 1 + max((depth(item, most - 1) for item in value), default=0)

@@ -1,4 +1,4 @@
-"""Read a file: safe YAML becomes plain data, and the line of every value is kept."""
+"""Reads a YAML file as plain data, with the line of every value."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ class MissingFileError(ScenarioError, FileNotFoundError):
 
 @dataclass(frozen=True)
 class Source:
-    """Plain data and where it stands.
+    """Plain data with the lines of its values.
 
     Attributes:
-        file: Path as it was given, empty for a mapping made in Python.
+        file: The given path; empty for a mapping made in Python.
         data: Dictionaries with text keys, lists, text, numbers, booleans and None.
-        lines: Line of each value, by its path, counted from 1; empty for a mapping.
-        problems: Mistakes met while reading.
-        repeats: Each key that its mapping has already, and whether it is a section of its own; the data holds the last.
-        ignored: Keys that nobody reads, as far as they are known already.
-        unknown: Paths of values that could not be worked out, which is among the problems.
-        origins: What stood in the place of values that parameters were put into, by path.
+        lines: Line of each value by its path, counted from 1; empty for a mapping.
+        problems: Mistakes found while reading.
+        repeats: Each repeated key, and whether it is a section or holds further keys; ``data`` holds the last value.
+        ignored: Unused keys found so far.
+        unknown: Paths of values that could not be evaluated, which ``problems`` reports.
+        origins: Original text of values with parameters, by path.
     """
 
     file: str
@@ -53,25 +53,25 @@ class Source:
 
     @property
     def title(self) -> str:
-        """The name that error messages begin with."""
+        """The name of the source in error messages."""
         return self.file or "the given mapping"
 
     def line(self, place: Place) -> int:
-        """Return the line of a value; of the nearest one around it when it is not in the file; 0 when unknown."""
+        """Return the line of a value, or of the nearest enclosing one if it is not in the file; 0 if unknown."""
         for length in range(len(place), -1, -1):
             if place[:length] in self.lines:
                 return self.lines[place[:length]]
         return 0
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem at a path, with its line, and with what stood there where a parameter gave the value."""
+        """Return a problem at a path, with its line, and with the original text if the value used a parameter."""
         origin = self.origins.get(place)
         full = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
         return Problem(self.line(place), dotted(place), full)
 
 
 def is_section(place: Place) -> bool:
-    """Return whether a path is that of a whole section, also within the wrapper key."""
+    """Return whether a path is that of a whole section, possibly within the wrapper key."""
     return len(place) == 1 or (len(place) == 2 and place[0] == WRAPPER)
 
 
@@ -88,7 +88,7 @@ def read_file(file: str | Path) -> Source:
     """Read a YAML file.
 
     Raises:
-        ScenarioError: It cannot be read, is no YAML, or breaks a bound (size, depth, number of values).
+        ScenarioError: If the file cannot be read, is not YAML, or exceeds a bound (size, depth, number of values).
     """
     name = str(file)
     raw = _bytes(Path(file), name)
@@ -110,7 +110,7 @@ def read_file(file: str | Path) -> Source:
 
 
 def _bytes(path: Path, name: str) -> bytes:
-    """Return the content of a file after looking at what it is and how big."""
+    """Return the content of a file after checking its type and size."""
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
@@ -131,7 +131,7 @@ def _bytes(path: Path, name: str) -> bytes:
 
 
 def _neighbor(path: Path) -> str:
-    """Return the file beside a missing one that is called most like it, as a question."""
+    """Return a hint that names the file most similar to a missing one."""
     folder = path.parent
     if not folder.is_dir():
         return f": there is no folder {folder}"
@@ -139,10 +139,10 @@ def _neighbor(path: Path) -> str:
 
 
 def read_mapping(data: Mapping[str, object]) -> Source:
-    """Take data made in Python: tuples and NumPy values become lists and numbers.
+    """Convert data made in Python: tuples and NumPy values become lists and numbers.
 
     Raises:
-        ScenarioError: It is nested too deeply (or contains itself), too large, or holds other objects.
+        ScenarioError: If the data is nested too deeply (or contains itself), is too large, or holds other objects.
     """
     problems: list[Problem] = []
     budget = [MAX_VALUES]
@@ -158,7 +158,7 @@ def _plain(value: object, place: Place, problems: list[Problem], budget: list[in
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
         if place[-1:] == ("obstacle_map",):
-            return value  # the cells of a map are many, and plain already
+            return value  # the many cells of a map are plain already
     if isinstance(value, Mapping):
         return _plain_mapping(value, place, problems, budget)
     if isinstance(value, list | tuple):

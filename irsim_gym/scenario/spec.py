@@ -1,4 +1,4 @@
-"""What a scenario is, once read: frozen and complete."""
+"""Typed, frozen models of a scenario."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class WorldSpec:
 
     @property
     def steps_per_sample(self) -> int:
-        """Steps from one sample to the next: ``sample_time`` in whole steps, at least one."""
+        """Number of steps between samples: ``sample_time`` in whole steps, at least one."""
         return max(1, int(round(self.sample_time / self.step_time, 9)))
 
 
@@ -245,35 +245,35 @@ class BodySpec:
         name: Unique name.
         role: ``robot`` or ``obstacle``.
         entry: Index of its placement.
-        line: Line of its entry in the file, 0 when unknown.
+        line: Line of its entry in the file; 0 if unknown.
         kinematics: Instance of a registered drive; None for a body that never moves.
         shape: Instance of a registered footprint.
         behavior: Instance of a registered behaviour, or None.
         group_behavior: Instance of a registered group behaviour, or None.
         sensors: Instances of registered sensors.
-        state: Start pose (x, y, heading) [m, m, rad]; None when the distribution draws it.
+        state: Start pose (x, y, heading) [m, m, rad]; None if the distribution chooses it.
         steering: Steering angle at the start [rad].
-        goal: Waypoints (x, y, heading) [m, m, rad] in order; NaN for a heading that is not given; empty for no goal.
+        goal: Waypoints (x, y, heading) [m, m, rad] in order; headings that are not given are NaN; empty without a goal.
         velocity: Velocity at the start, in the drive's coordinates [m/s or rad/s].
-        vel_min: Least velocities [m/s or rad/s].
-        vel_max: Greatest velocities [m/s or rad/s].
-        acce: Greatest changes per second [m/s2 or rad/s2]; may be infinite.
+        vel_min: Minimum velocities [m/s or rad/s].
+        vel_max: Maximum velocities [m/s or rad/s].
+        acce: Maximum changes per second [m/s2 or rad/s2]; may be infinite.
         angle_range: Interval that headings wrap into [rad]; exactly 2 pi wide.
-        goal_threshold: The goal is reached when it is nearer than this [m].
+        goal_threshold: The goal is reached when the body is closer than this [m].
         arrive_mode: ``position`` or ``state``.
-        static: The body never moves; True without kinematics.
-        unobstructed: Collisions and sensors ignore the body, behaviours do not.
+        static: Whether the body never moves; True without kinematics.
+        unobstructed: Whether collisions and sensors ignore the body; behaviours do not.
         group: Number of its group.
         group_name: Name of its group.
         color: Colour.
-        description: Image that it is drawn with, or None.
-        fov: Width of the field of view [rad], of its first range sensor if not given; None without either.
+        description: Image that depicts it, or None.
+        fov: Width of the field of view [rad], by default that of its first range sensor; None without either.
         fov_radius: Depth of the field of view [m], likewise.
         plot: Drawing options.
-        seen_by: Roles, names and names of groups of those whose behaviours see it; None for all.
-        speed_range: Bounds of its greatest speed [m/s], drawn for each level; None for that of ``vel_max``.
-        unyielding: Probability that it ignores what moves, drawn for each level.
-        party: So many bodies of its entry walk together.
+        seen_by: Roles, names and group names of bodies whose behaviours see it; None for all.
+        speed_range: Bounds of its maximum speed [m/s], which each level draws; None to use ``vel_max``.
+        unyielding: Probability that it ignores everything that moves, drawn for each level.
+        party: Number of successive bodies of its entry that walk together.
     """
 
     name: str
@@ -311,25 +311,25 @@ class BodySpec:
 
     @property
     def renewal(self) -> Any:
-        """The behaviour that says whether it wanders or loops: its own, else that of its group."""
+        """The behaviour that determines whether it wanders or loops: its own, else that of its group."""
         return self.group_behavior if self.behavior is None else self.behavior
 
     @property
     def wanders(self) -> bool:
-        """It draws its goals by itself."""
+        """Whether it draws its own goals."""
         return bool(getattr(self.renewal, "wander", False))
 
 
 @dataclass(frozen=True)
 class PlacementSpec:
-    """How the bodies of one entry are placed.
+    """The placement of the bodies of one entry.
 
     Attributes:
-        members: Their numbers.
+        members: Numbers of the bodies.
         kind: Instance of a registered distribution.
-        number_range: Least and greatest number of members present in a level; None for all.
+        number_range: Minimum and maximum number of members present in a level; None for all.
         role: ``robot`` or ``obstacle``.
-        line: Line of the entry in the file, 0 when unknown.
+        line: Line of the entry in the file; 0 if unknown.
     """
 
     members: tuple[int, ...]
@@ -341,26 +341,26 @@ class PlacementSpec:
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a file describes. A body's number is its index in ``bodies``: robots first, then obstacles.
+    """A scenario. A body's number is its index in ``bodies``: robots first, then obstacles.
 
     Attributes:
         name: Name of the world.
-        file: Path of the file, empty for a mapping.
+        file: Path of the file; empty for a mapping.
         world: The section ``world``.
         bodies: Robots, then obstacles.
-        placements: One for each entry that makes bodies, in the same order.
+        placements: One placement for each entry that makes bodies, in the same order.
         gui: The section ``gui``.
-        task: The section ``task`` as plain data; ``{"name": ...}`` when it is a name; empty when there is none.
-        custom: The section ``custom``, untouched.
-        source: The data it was read from, with lines.
+        task: The section ``task`` as plain data; ``{"name": ...}`` if it is a name; empty without one.
+        custom: The section ``custom``, unchanged.
+        source: The data that it was read from, with lines.
         root: Path of the wrapper key around all sections; empty without one.
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
-            bottom; None without a map, which is the last body otherwise.
-        levels: Levels that a file gives (``levels``); None where they are drawn.
-        doubts: What was met while reading that is allowed but hardly ever meant.
-        ignored: Keys that nobody reads and that were passed over.
-        strict: Keys that nobody reads are errors, also in the section ``task``.
-        parameters: Values of its parameters by name: those given, else the defaults.
+                bottom; None without a map. The map is the last body.
+            levels: Levels from a file (``levels``); None if they are drawn.
+            doubts: Remarks on suspicious values, found while reading.
+            ignored: Unused keys that were ignored.
+            strict: Whether unused keys are errors, also in the section ``task``.
+            parameters: Values of its parameters by name: given ones, else the defaults.
     """
 
     name: str
@@ -395,6 +395,6 @@ class Scenario:
         return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem with its line: ``message`` about the value at ``place``, e.g. ``("task", "rewards", 0)``."""
+        """Return a problem with its line, about the value at a path such as ``("task", "rewards", 0, "weight")``."""
         prefix = self.root.get(str(place[0]), ()) if place else ()
         return self.source.problem((*prefix, *place), message)

@@ -1,4 +1,4 @@
-"""What a scenario or task file is about, in a line or two, without loading it."""
+"""Short summaries of scenario and task files, without loading them."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ SENTENCE_END = (". ", ": ", "; ")
 
 @dataclass(frozen=True)
 class FileSummary:
-    """What a list shows of a file.
+    """The summary of a file.
 
     Attributes:
-        about: First sentence of the comment at its top; empty where there is none.
-        robots: How many robots it has by default.
-        parameters: Default of each parameter, as text.
+        about: First sentence of the comment at its top; empty without one.
+        robots: Number of robots for the given parameters.
+        parameters: Value of each parameter, as text.
     """
 
     about: str
@@ -29,14 +29,14 @@ class FileSummary:
 
 
 def summarize_file(file: Path, parameters: Mapping[str, object] | None = None) -> FileSummary:
-    """Read what a file is about. A file with mistakes is summarised as far as it can be read.
+    """Summarise a file; a file with mistakes is summarised as far as it can be read.
 
     Args:
         file: The file.
         parameters: Values for its parameters.
 
     Raises:
-        ScenarioError: It is no YAML.
+        ScenarioError: If the file is not valid YAML.
     """
     source, values = fill_in(read_file(file), dict(parameters or {}))
     entries = source.data.get("robot", ()) if isinstance(source.data, Mapping) else ()

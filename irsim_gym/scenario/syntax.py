@@ -1,4 +1,4 @@
-"""What is wrong with text that is no YAML, in words for the person who wrote it."""
+"""Explains syntax errors in YAML text."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
 
 
 def _colon(rows: list[str], line: int, column: int) -> str:
-    """Return what is wrong where a ':' stands that no key can have."""
+    """Explain a misplaced ':'."""
     row = rows[line - 1]
     above = [number for number in range(1, line) if rows[number - 1].partition("#")[0].strip()]
     if ": " in row[:column] or not above:
@@ -57,7 +57,7 @@ def _unclosed(context: str, where: str) -> str:
 
 
 def _misfit(row: str, column: int, expected: int, first: int) -> str:
-    """Return what is wrong where a block does not go on: indentation, or something behind a value."""
+    """Explain a line that does not continue a block: wrong indentation, or text after a value."""
     if row[:column].strip():
         rest = row[column:].strip()[:20]
         return f"'{rest}' cannot follow the text before it: there is an extra mark, or two lines are joined"

@@ -1,4 +1,4 @@
-"""Plain data to typed options: every mistake at once, each with its path."""
+"""Converts plain data to typed options, and reports all mistakes with their paths."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 
 class Bad:
-    """Stands for a value that was refused and reported."""
+    """The result for an invalid value, which has been reported."""
 
     def __repr__(self) -> str:
         return "BAD"
@@ -41,8 +41,8 @@ class Report:
     """Collects the problems of one source.
 
     Args:
-        source: Where they stand.
-        strict: Unknown keys are problems; else they are ignored, and reported.
+        source: The source.
+        strict: Whether unknown keys are problems; else they are ignored and listed.
     """
 
     def __init__(self, source: Source, *, strict: bool = True) -> None:
@@ -50,31 +50,31 @@ class Report:
         self.strict = strict
         self.could_be_lenient = False
         self.may_pend = False
-        """Names of behaviours may be registered later."""
+        """Whether behaviours may be registered later."""
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
         self.doubts: dict[Problem, None] = {}
         self.ignored: dict[Problem, None] = dict.fromkeys(source.ignored)
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     def refuse_repeats(self) -> None:
-        """Report keys that stand twice in one mapping; scenarios take the last one with a warning instead."""
+        """Report repeated keys as problems; in scenarios, the last of two equal sections counts, with a warning."""
         self.problems |= dict.fromkeys(problem for problem, _ in self.source.repeats)
 
     def add(self, place: Place, message: str) -> None:
-        """Report a problem, once; after many the rest is left out."""
+        """Report a problem once; problems beyond a limit are omitted."""
         if any(place[:n] in self.source.unknown for n in range(1, len(place) + 1)):
-            return  # follows from an unknown value, which is reported already
+            return  # it follows from an unknown value, which is reported already
         problem = self.source.problem(place, message)
         if (problem.line, problem.path) in self._unread:
             return  # it could not be read, which is reported already
         _collect(self.problems, problem, "problems")
 
     def ignore(self, place: Place, message: str) -> None:
-        """Tell a key that is passed over; after many the rest is left out."""
+        """Report an ignored key; keys beyond a limit are omitted."""
         _collect(self.ignored, self.source.problem(place, message), "keys")
 
     def refuse(self, place: Place, message: str) -> None:
-        """Tell a key that nobody reads: a problem where the reader is strict."""
+        """Report an unused key; an error if the reader is strict."""
         if self.strict:
             self.add(place, message)
             self.could_be_lenient = True
@@ -82,12 +82,12 @@ class Report:
             self.ignore(place, message)
 
     def doubt(self, place: Place, message: str) -> None:
-        """Report something allowed but hardly ever meant, once."""
+        """Report a suspicious but allowed value once."""
         self.doubts[self.source.problem(place, message)] = None
 
     @property
     def is_full(self) -> bool:
-        """True when further problems would not be shown."""
+        """Whether further problems will be omitted."""
         return len(self.problems) > MAX_PROBLEMS
 
 
@@ -104,7 +104,7 @@ def frozen(value: object) -> Any:
 
 
 def read_numbers(value: object) -> Any:
-    """Return a value with every expression in it (``pi/2``) evaluated, also inside lists."""
+    """Return a value with all expressions in it (``pi/2``) evaluated, also inside lists."""
     if isinstance(value, list | tuple):
         return [read_numbers(item) for item in value]
     if isinstance(value, str):
@@ -121,14 +121,14 @@ def build(
     *,
     skip: Iterable[str] = (),
 ) -> T | None:
-    """Make an instance of a kind or spec, or tell every reason why not.
+    """Make an instance of a kind or spec; return None after reporting all problems.
 
     Args:
         cls: A class made by ``options.kind``.
-        data: What stands in the file; None stands for an empty mapping.
+        data: The data in the file; None counts as an empty mapping.
         place: Its path.
         report: Collects the problems.
-        skip: Keys that somebody else reads, such as ``name``.
+        skip: Keys to ignore because the caller reads them, such as ``name``.
     """
     data = {} if data is None else data
     if not isinstance(data, Mapping):
@@ -158,7 +158,7 @@ def build(
 
 
 def _takes_null(info: FieldInfo) -> bool:
-    """Return whether ``null`` is a value of an option and not the same as leaving it out."""
+    """Return whether ``null`` is a value of an option, different from omitting it."""
     return not info.is_required() and info.default is not None and type(None) in get_args(info.annotation)
 
 
@@ -177,10 +177,10 @@ def _construct(cls: type[T], values: Mapping[str, object], place: Place, report:
 
 
 def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, report: Report) -> dict[str, str]:
-    """Tell the keys that nobody reads; return by known key the misspelt one that stands for it.
+    """Report unused keys; return misspelt keys by the known keys that they resemble.
 
-    What a misspelt key holds is read as well, so that its mistakes are reported too; not that of a key which is right
-    elsewhere, nor where the reader is not strict: there it is ignored.
+    Values of misspelt keys are read as well, so that their mistakes are reported too. Keys that are valid elsewhere are
+    excluded, and so are all keys if the reader is not strict, because they are ignored then.
     """
     known, mapping = list(known), mapping_of(place)
     contact, needless = CONTACT_KEYS.get(mapping, ()), NEEDLESS.get(mapping, {})
@@ -199,14 +199,14 @@ def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, r
 
 
 def read_field(info: FieldInfo, value: object, place: Place, report: Report) -> Any:
-    """Return the validated value of one option; BAD after telling what is wrong."""
+    """Return the validated value of one option; BAD after reporting problems."""
     ready = prepare(info.annotation, value, place, report)
     if ready is BAD:
         return BAD
     try:
         result = _adapter(_Declared(info)).validate_python(ready)
     except ValidationError as error:
-        _tell(error, info, ready, place, report)
+        _report_errors(error, info, ready, place, report)
         return BAD
     huge = list(_huge(result, place))
     for where, number in huge:
@@ -215,7 +215,7 @@ def read_field(info: FieldInfo, value: object, place: Place, report: Report) -> 
 
 
 def _huge(value: object, place: Place) -> Iterator[tuple[Place, float]]:
-    """Yield the numbers of an option that are too large to compute with; an infinite one means no limit."""
+    """Yield the numbers of an option that are too large to compute with; infinity is allowed, as no limit."""
     if isinstance(value, tuple):
         for i, item in enumerate(value):
             yield from _huge(item, (*place, i))
@@ -224,7 +224,7 @@ def _huge(value: object, place: Place) -> Iterator[tuple[Place, float]]:
 
 
 def read_color(info: FieldInfo, value: object, place: Place, report: Report) -> Any:
-    """Return an option that is a colour as text; BAD after telling that there is none such."""
+    """Return the value of a colour option as text; BAD after reporting problems."""
     text = as_text(read_numbers(value)) if isinstance(value, list | tuple) else value
     if isinstance(text, list | tuple):
         report.add(place, f"must be a name, '#rrggbb', or 3 or 4 numbers from 0 to 1, got {show(value)}")
@@ -237,7 +237,7 @@ def read_color(info: FieldInfo, value: object, place: Place, report: Report) -> 
 
 
 class _Declared:
-    """A field, hashable by identity, so that its validator is made once."""
+    """A field that is hashable by identity, so that its validator is cached."""
 
     def __init__(self, info: FieldInfo) -> None:
         self.info = info
@@ -260,13 +260,13 @@ def _adapter(declared: _Declared) -> TypeAdapter[Any]:
     return TypeAdapter(hint, config=OPTIONS_CONFIG)
 
 
-def _tell(error: ValidationError, info: FieldInfo, value: object, place: Place, report: Report) -> None:
+def _report_errors(error: ValidationError, info: FieldInfo, value: object, place: Place, report: Report) -> None:
     if len(_branches(info.annotation)) > 1:
         report.add(place, f"must be {describe(info.annotation)}, got {show(value)}")
         return
     for record in error.errors():
         if record["type"] == "too_short" and len(record["input"]) >= record["ctx"]["min_length"]:
-            continue  # pydantic counts what is left after refused elements, which are reported themselves
+            continue  # pydantic counts only valid elements; the invalid ones are reported themselves
         inner = tuple(part for part in record["loc"] if isinstance(part, int))
         report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
 
@@ -290,7 +290,7 @@ def _hint_at(hint: object, inner: tuple[int, ...]) -> object:
 
 
 def prepare(hint: object, value: object, place: Place, report: Report) -> Any:
-    """Return a value as pydantic's strict types want it: tuples, evaluated expressions, nested options built."""
+    """Prepare a value for pydantic's strict types: make tuples, evaluate expressions, build nested options."""
     branches = _branches(hint)
     if len(branches) > 1:
         keeps_text = str in branches or any(branch is Any for branch in branches)
@@ -325,14 +325,14 @@ def _prepare_tuple(hint: object, value: list[Any] | tuple[Any, ...], place: Plac
 def build_named(
     registry: Registry, data: object, place: Place, report: Report, *, default: str | None = None, synonym: str = "name"
 ) -> Any:
-    """Make an instance of a registered kind from ``{name: ..., option: ...}``; None after telling what is wrong.
+    """Make an instance of a registered kind from ``{name: ..., option: ...}``; return None after reporting problems.
 
     Args:
         registry: The family.
-        data: What stands in the file.
+        data: The data in the file.
         place: Its path.
         report: Collects the problems.
-        default: Name of a mapping that gives none; without one the name is required.
+        default: Name for a mapping without one; None requires a name.
         synonym: A second key that may hold the name.
     """
     if not isinstance(data, Mapping):

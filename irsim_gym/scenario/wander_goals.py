@@ -7,7 +7,7 @@ from irsim_gym.scenario.options import kind, option
 
 @kind
 class WanderGoals:
-    """Where a wandering body's goals lie, and when they change besides on arrival."""
+    """The positions of a wandering body's goals, and when they change other than on arrival."""
 
     radius: float | None = option(
         None,

@@ -1,4 +1,4 @@
-"""What to say of a key that nobody reads: the nearest name, where else it would be right, or what there is."""
+"""Messages about unknown keys: the nearest name, other places where the key is valid, or the known keys."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from irsim_gym.scenario.wander_goals import WanderGoals
 
 MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85
-"""How alike a key and a known one have to be to leave no doubt about what is meant."""
+"""Similarity of a key to a known one above which it counts as a misspelling."""
 
 _SPECS: dict[str, type[Any]] = {
     "world": WorldSpec,
@@ -45,7 +45,7 @@ _KINDS: dict[str, Registry] = {
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:
-    """Return the message for a key that nobody reads where it stands."""
+    """Return the message about an unknown key."""
     known = list(known)
     near, others = nearest(key, known), elsewhere(key, known)
     hints = [f"did you mean '{near}'?"] if near is not None else []
@@ -60,7 +60,7 @@ def unknown_key(key: str, known: Iterable[str]) -> str:
 
 
 def elsewhere(key: str, known: Iterable[str]) -> str:
-    """Return where in a file a key would be right, as it is called there; nothing for one that is hardly misspelt."""
+    """Return the places in a file where a key is valid, as text; empty if it is a likely misspelling of a known key."""
     if nearest(key, known, SURE) is not None:
         return ""
     found = list(dict.fromkeys(_owners(key)))

@@ -1,4 +1,4 @@
-"""What a body perceives."""
+"""Sensors of bodies."""
 
 from irsim_gym.families import SENSORS
 from irsim_gym.sensors.fmcw_lidar2d import FmcwLidar2D

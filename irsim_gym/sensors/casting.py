@@ -1,4 +1,4 @@
-"""Casting beams against the outlines of bodies, in inverse-depth form."""
+"""Casts beams against the outlines of bodies, with inverse depths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What range sensors see of the obstacle map: a pass of its own after the one over bodies."""
+"""Casts beams against the obstacle map, in a separate pass after that over bodies."""
 
 from __future__ import annotations
 

@@ -41,8 +41,8 @@ class FmcwPlot:
 class FmcwLidar2D:
     """A scanner that measures the range of each beam and its rate of change.
 
-    A positive radial velocity goes away from the sensor. It is relative to the sensor's own motion, or with
-    ``motion_compensate`` to the ground.
+    A positive radial velocity points away from the sensor. It is relative to the sensor, or, with
+    ``motion_compensate``, to the ground.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -77,11 +77,11 @@ class FmcwLidar2D:
     plot: FmcwPlot = option(defaults(FmcwPlot), meaning="Drawing options of the sensor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from scanning.range_problems(self)
 
     def group_key(self) -> tuple[Any, ...]:
-        """Return what members of one group have in common: the beams, and whether they are noisy."""
+        """Return the properties that members of one group share: the beams, and whether they are noisy."""
         return self.number, scanning.sweep(self), self.noise
 
     def angles(self) -> Floats:
@@ -90,7 +90,7 @@ class FmcwLidar2D:
 
     @staticmethod
     def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
-        """Allocate what ``scanning.prepare`` says, and ``radial_velocity`` [m/s], shaped as ``ranges``."""
+        """Allocate the arrays of ``scanning.prepare``, and ``radial_velocity`` [m/s], shaped as ``ranges``."""
         scanning.prepare(group, outlines, model, n_slots, finds_hits=True)
         group.arrays["radial_velocity"] = np.zeros(group.arrays["ranges"].shape)
 

@@ -1,4 +1,4 @@
-"""What the beams hit, and how fast that moves. Only scans that report velocities ask for it."""
+"""Finds the bodies that beams hit, and their velocities, for scans that report velocities."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 SAME = 1e-4
-"""A range this much shorter [m, and as a share of it] than the way to the nearest body ends at the map."""
+"""Tolerance [m, and as a share] by which a range must be shorter than that to the nearest body to end at the map."""
 
 
 @kernel

@@ -26,7 +26,7 @@ class LidarPlot:
 
 @kind
 class Lidar2D:
-    """A scanner with ``number`` beams, evenly spaced over ``angle_range``, ends included."""
+    """A scanner with ``number`` beams, evenly spaced over ``angle_range``, including both ends."""
 
     only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
@@ -73,11 +73,11 @@ class Lidar2D:
     plot: LidarPlot | None = option(None, meaning="Drawing options of the sensor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid or conflicting options."""
         yield from scanning.range_problems(self)
 
     def group_key(self) -> tuple[Any, ...]:
-        """Return what members of one group have in common: the beams, and what is done with them."""
+        """Return the properties that members of one group share: the beams, and the passes over them."""
         return self.number, scanning.sweep(self), self.noise, self.has_velocity
 
     def angles(self) -> Floats:
@@ -86,7 +86,7 @@ class Lidar2D:
 
     @staticmethod
     def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
-        """Allocate what ``scanning.prepare`` says and, with ``has_velocity``, the velocities of what is hit.
+        """Allocate the arrays of ``scanning.prepare`` and, with ``has_velocity``, the velocities of hit bodies.
 
         These are ``velocity`` [m/s] in the world frame, shape ``(n_worlds, n_members, 2, n_beams)``.
         """
@@ -98,7 +98,7 @@ class Lidar2D:
 
     @staticmethod
     def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-        """Write the members' ranges, and velocities where asked for."""
+        """Write the members' ranges, and velocities if ``has_velocity``."""
         scanning.scan(group, model, state, shard)
         if group.options[0].has_velocity:
             hits.write_velocity(shard.worlds, group.tables, state, group.arrays["velocity"])

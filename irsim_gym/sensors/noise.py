@@ -1,7 +1,7 @@
-"""Noise of range sensors: beams that are cast a little off their directions, and ranges that are a little off.
+"""Noise of range sensors, in the directions of beams and in ranges.
 
-Each scan takes a fixed number of draws from the world's own stream, whatever the beams meet: first the directions of
-all members, then their ranges.
+Each scan takes a fixed number of draws from the world's random stream, whatever the beams hit: first for the directions
+of all members, then for their ranges.
 """
 
 from __future__ import annotations

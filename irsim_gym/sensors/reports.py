@@ -1,4 +1,4 @@
-"""Scans as IR-SIM reports them: dictionaries and points."""
+"""Reports of scans in IR-SIM's form: dictionaries and points."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.world.group import Group
 
 FREE_MARGIN = 0.02
-"""Points nearer than this to range_max are left out [m]."""
+"""Points nearer than this to range_max are omitted [m]."""
 
 
 def scan_report(group: Group, member: int, world: int) -> dict[str, Any]:
-    """Return what all range sensors report, under IR-SIM's names; the arrays are copies.
+    """Return the report of a range sensor under IR-SIM's names, with copies of the arrays.
 
     Angles are in the sensor frame [rad]; ``ranges`` [m] has shape ``(n_beams,)``. The scan is instantaneous, so
     ``time_increment`` [s] is 0.

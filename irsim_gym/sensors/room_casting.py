@@ -1,7 +1,7 @@
-"""Casting in rooms where all outlines together fit into one chunk: they are looked at where they lie.
+"""Casts beams in small worlds, in which all outlines together fit into one chunk, without copying them.
 
-Which rows can be seen at all depends on the sensor's body and on who is present, which is mostly everybody, so that it
-is noted once for many worlds. Looking for bodies in reach first takes longer than preparing all rows in lanes.
+The visible rows depend only on the sensor's body and on the present bodies, usually all, so they are computed once for
+many worlds. Searching for bodies in range first would take longer than preparing all rows with vector instructions.
 """
 
 from __future__ import annotations

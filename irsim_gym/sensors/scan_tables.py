@@ -1,4 +1,4 @@
-"""What the kernels of range sensors read and write."""
+"""The tables of range sensors for kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all range sensors share: their beams, their readings, and the order in which a scan is taken."""
+"""Common parts of all range sensors: beams, readings, and the order of a scan."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FULL_TURN = 2.0 * np.pi
 
 
 def range_problems(options: Any) -> Iterator[tuple[str, str]]:
-    """Yield key and message of what cannot be in a range sensor's options."""
+    """Yield key and message of invalid or conflicting options of a range sensor."""
     if options.range_min > options.range_max:
         yield "range_min", f"must not exceed range_max, got {options.range_min:g} and {options.range_max:g}"
 

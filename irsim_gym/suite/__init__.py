@@ -1,1 +1,1 @@
-"""The benchmark suite: which scenarios, on which levels, and the tables that compare policies on them."""
+"""The benchmark suite: its scenarios and levels, and the tables that compare policies on them."""

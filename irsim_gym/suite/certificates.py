@@ -1,4 +1,4 @@
-"""The certificates that are shipped with the benchmarks, and those of levels that were played."""
+"""The shipped certificates of benchmarks, and those of played levels."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from irsim_gym.training.level_commands import WORLDS, ScenarioRequest, bar, writ
 
 
 def certify_members(folder: Path, names: Sequence[str]) -> None:
-    """Write the shipped certificates of benchmarks, for the levels of a run of the suite.
+    """Write the shipped certificates of benchmarks for the levels of a run of the suite.
 
     Args:
-        folder: The run. Its methods, of one policy each, are the reference policies.
-        names: Tiers or single benchmarks of the suite; none for all that were played.
+        folder: Folder of the run. Its methods are the reference policies; each must have one policy.
+        names: Tiers or benchmarks of the suite; empty for all that were played.
 
     Raises:
-        IrsimGymError: A method has several policies, a benchmark was not played, or its levels have moved since.
+        IrsimGymError: If a method has several policies, a benchmark was not played, or its levels have changed since.
     """
     record = read_record(folder)
     _check_methods(record, folder)
@@ -47,7 +47,7 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
 
 
 def _check_methods(record: SuiteRecord, folder: Path) -> None:
-    """Raise if it is not clear whose rows count: several seeds would outweigh the methods of one policy."""
+    """Raise if a method has several policies, which would outweigh methods with one policy."""
     several = [f"{name} has {len(policies)}" for name, policies in record.methods.items() if len(policies) > 1]
     if several:
         raise IrsimGymError(
@@ -65,16 +65,16 @@ def _check(member: Member, made: Certificate, record: SuiteRecord, folder: Path)
 
 
 def certified_levels(member: Mapping[str, Any]) -> PlayedLevels:
-    """Return the levels of a benchmark with their certificate, which may be younger than the rows.
+    """Return the levels of a benchmark with their certificate, which may be newer than the rows.
 
     Args:
-        member: What the record of a run says of the benchmark.
+        member: The benchmark's entry in the record of a run.
     """
     of = member["conditions"]
     count, digest = of["levels"], of["level_hash"]
     try:
         scenario = load_scenario(member["scenario"], member["parameters"], warn=False)
-    except IrsimGymError:  # rows of another version, in which the scenario had other parameters
+    except IrsimGymError:  # rows of an earlier version whose scenario had other parameters
         return PlayedLevels(count, digest, of["level_file"] or "", None)
     found = find_certificate(scenario, of["agents"], of["split"], digest, count)
     return PlayedLevels(count, digest, of["level_file"] or "", found)

@@ -1,4 +1,4 @@
-"""What the suite consists of, on a terminal."""
+"""Prints the content of the suite."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ LINE = 100
 
 
 def print_suite(names: Sequence[str]) -> None:
-    """Print benchmarks: tiers and what each asks, its id and parameters, and its reference rows.
+    """Print tiers, and for each benchmark what it tests, its id and parameters, and its reference figures.
 
     Args:
-        names: Tiers or benchmarks; none for all.
+        names: Tiers or benchmarks; empty for all.
     """
     from irsim_gym.envs.registration import env_id
 
@@ -37,7 +37,7 @@ def print_suite(names: Sequence[str]) -> None:
 
 @cache
 def reference_figures() -> Mapping[str, Any]:
-    """Return the shipped figures of reference policies by benchmark and policy; none where there is no such file."""
+    """Return the shipped figures of reference policies by benchmark and policy; empty if the file does not exist."""
     file = references_file()
     return json.loads(file.read_text(encoding="utf-8"))["figures"] if file.is_file() else {}
 

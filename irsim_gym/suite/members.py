@@ -1,4 +1,4 @@
-"""What the suite consists of, as ``configs/suite.yaml`` says."""
+"""The benchmarks of the suite, from ``configs/suite.yaml``."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Member:
     """A benchmark of the suite.
 
     Attributes:
-        name: What it is called in tables and folders.
+        name: Its name in tables and folders.
         asks: What it asks of a policy.
-        scenario: The shipped scenario that it plays.
-        parameters: Values of its parameters.
-        team: All robots are driven by the policy; else one is.
-        levels: How many levels it has, where all further ones would be the same; None for any number.
-        differs: What differs from the benchmark that it rebuilds; empty for one of our own.
+        scenario: Name of its shipped scenario.
+        parameters: Values of the scenario's parameters.
+        team: Whether the policy drives all robots, or only one.
+        levels: Number of different levels; None if it is unlimited.
+        differs: Differences from the benchmark that it reproduces; empty for our own.
     """
 
     name: str
@@ -39,22 +39,27 @@ class Member:
     differs: str = ""
 
     def levels_of(self, asked: int) -> int:
-        """Return how many levels are played where so many are asked for: no more than it has."""
+        """Return the number of levels to play if ``asked`` are requested: at most as many as the benchmark has."""
         return min(asked, self.levels or asked)
 
 
 @dataclass(frozen=True)
 class Suite:
-    """Members by name, and tiers: lists of names."""
+    """The benchmark suite.
+
+    Attributes:
+        members: Benchmarks by name.
+        tiers: Names of the benchmarks of each tier.
+    """
 
     members: Mapping[str, Member]
     tiers: Mapping[str, Sequence[str]]
 
     def chosen(self, names: Sequence[str]) -> list[Member]:
-        """Return the members of tiers and single ones, each once, in the order of the suite.
+        """Return the members with the given names and those of the given tiers, each once, in the order of the suite.
 
         Raises:
-            UnknownNameError: A name is neither a tier nor a member; the message has the nearest and all tiers.
+            UnknownNameError: If a name is neither a tier nor a member; the message names the nearest one and all tiers.
         """
         wanted: set[str] = set()
         for name in names:
@@ -82,8 +87,8 @@ def read_suite(file: Path) -> Suite:
     """Read a suite.
 
     Raises:
-        ScenarioError: It is no YAML.
-        IrsimGymError: It has mistakes; the message lists all of them.
+        ScenarioError: If the file is not valid YAML.
+        IrsimGymError: If the file has mistakes; the message lists all of them.
     """
     data = read_file(file).data
     problems = [] if set(data) == {"benchmarks", "tiers"} else ["must have the sections benchmarks and tiers"]
@@ -103,7 +108,7 @@ def read_suite(file: Path) -> Suite:
 
 
 def _member(name: str, entry: Mapping[str, Any], problems: list[str]) -> Member:
-    """Return a member; note what is wrong with it."""
+    """Return a member, and append its mistakes to ``problems``."""
     scenario = entry.get("scenario", name)
     for key in entry:
         if key not in KEYS:

@@ -1,4 +1,4 @@
-"""Playing the suite: every method on every benchmark, one file of rows for each policy."""
+"""Plays the suite: every method on every benchmark, with one file of rows per policy."""
 
 from __future__ import annotations
 
@@ -42,22 +42,22 @@ def play_suite(
     overwrite: bool = False,
     console: Console | None = None,
 ) -> SuiteRecord:
-    """Play what has not been played yet, and score everything; return what the folder holds then.
+    """Play what has not been played yet, score all results, and return the folder's record.
 
-    A policy that cannot drive a benchmark's robots, or observes what these do not have, is left out there, and the
-    record says why. Each policy perceives as in ``evaluate_policies``.
+    A policy that cannot drive a benchmark's robots, or observes what they do not have, skips that benchmark, and the
+    record states the reason. Each policy perceives as in ``evaluate_policies``.
 
     Args:
         members: The benchmarks.
-        methods: Who plays.
-        folder: Where rows and summary go. What it holds already is kept, and is not played again.
-        levels: How many levels of each benchmark, from 0.
+        methods: The methods that play.
+        folder: Folder of rows and summary. Existing results are kept and not played again.
+        levels: Number of levels of each benchmark, from level 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        overwrite: Remove what is in the folder first.
-        console: Where progress goes.
+        overwrite: Remove existing results first.
+        console: Console of the progress bar.
 
     Raises:
-        IrsimGymError: The folder holds rows of other levels, policies or scenarios.
+        IrsimGymError: If the folder holds rows with other levels, policies or scenarios.
     """
     check_split(split)
     screen = console or Console(stderr=True)
@@ -74,7 +74,7 @@ def play_suite(
 
 
 def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecord:
-    """Return the record to go on with."""
+    """Return the record of the folder, or a new one."""
     if not (folder / SUMMARY).exists():
         if folder.exists() and any(folder.iterdir()):
             raise IrsimGymError(f"{folder} is not empty, and holds no run of the suite: choose another with --out")
@@ -94,7 +94,7 @@ def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecor
 def _play_member(
     member: Member, methods: Sequence[ComparedMethod], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
 ) -> None:
-    """Play one benchmark with all methods that have not finished it."""
+    """Play one benchmark with the given methods."""
     levels = member.levels_of(record.levels)
     chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
     episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, levels), **chosen)

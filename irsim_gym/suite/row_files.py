@@ -1,4 +1,4 @@
-"""The rows of one policy on one benchmark, as a CSV file: one per episode, so one per agent and level."""
+"""CSV files with the rows of one policy on one benchmark: one row per agent and level."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def write_rows(path: Path, levels: Sequence[TeamRow]) -> None:
 
 
 def read_rows(path: Path) -> list[TeamRow]:
-    """Return the levels whose rows a file holds.
+    """Return the levels in a file of rows.
 
     Raises:
-        IrsimGymError: A column is missing, or a value is none of its column; the message names the line.
+        IrsimGymError: If a column is missing or a value is invalid; the message names the line.
     """
     return read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow))
 

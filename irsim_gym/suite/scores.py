@@ -1,4 +1,4 @@
-"""From rows to the figures of tables."""
+"""Computes the figures of tables from rows."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord
 
 Repetitions = Sequence[Sequence[TeamRow]]
-"""The levels that the policies of one method played, one list for each."""
+"""The levels that the policies of one method played, one list per policy."""
 
 
 @dataclass(frozen=True)
 class Score:
-    """The figures of one method on one benchmark: means over its policies, NaN where there are none.
+    """The figures of one method on one benchmark: means over its policies; NaN if there are no values.
 
     Attributes:
         repetitions: Number of its policies.
         success: Share of levels in which all robots arrive. Its interval is Wilson's for one policy, and a bootstrap
             interval over policies for several.
-        individual: Share of robots that arrive; that of levels where one robot learns.
+        individual: Share of robots that arrive.
         outcomes: Share of episodes by outcome.
         hits: Share of episodes that ended in a collision, by what was hit.
         deadlocked: Share of robots whose episode ended while they stood still.
@@ -46,20 +46,20 @@ class Score:
         sct: Success weighted by completion time.
         worst: Success of each policy on its own worst 5 % and 1 % of levels.
         worst_shared: The same on levels that are chosen by half of the policies and scored by the other half.
-        quarters: Success by quarter of difficulty; empty where the levels have no certificate.
+        quarters: Success by quarter of difficulty; empty if the levels have no certificate.
         time: Mean time of successful episodes [s].
         path: Mean path length of successful episodes [m].
         common_levels: Number of levels that all compared methods solved.
-        common_time: Mean time there [s].
-        common_path: Mean path length there [m].
-        makespan: Mean time until the last robot arrives [s], the time limit where one never does.
+        common_time: Mean time on these levels [s].
+        common_path: Mean path length on these levels [m].
+        makespan: Mean time until the last robot arrives [s]; the time limit if one never arrives.
         clearance: Mean of the smallest clearances [m].
         acceleration: Mean size of acceleration [m/s2].
-        jerk: Mean size of its derivative [m/s3].
-        intrusion_025: Share of steps nearer than 0.25 m to a person; NaN where there are no people.
+        jerk: Mean size of jerk [m/s3].
+        intrusion_025: Share of steps nearer than 0.25 m to a person; NaN if there are no people.
         intrusion_045: The same for 0.45 m.
-        time_to_collision: Mean of the least times to collision with a person [s], over episodes that met one.
-        throughput: Mean over levels of the goals that all robots reach per minute; NaN where they have one goal.
+        time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
+        throughput: Mean over levels of the goals that all robots reach per minute; NaN if each has one goal.
     """
 
     repetitions: int
@@ -113,8 +113,8 @@ def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = Non
     """Return the figures of several methods on the same levels.
 
     Args:
-        methods: The levels that the policies of each played.
-        quarters: Quarter of difficulty of each level, from 0; None where it is not known.
+        methods: Levels that the policies of each method played.
+        quarters: Quarter of difficulty of each level, from 0; None if it is not known.
     """
     solved = {name: _solved(repetitions) for name, repetitions in methods.items()}
     n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
@@ -130,9 +130,9 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
     """Return the figures of one method.
 
     Args:
-        repetitions: The levels that its policies played.
+        repetitions: Levels that its policies played.
         common: Levels that all compared methods solved.
-        quarters: Quarter of difficulty of each level, from 0; None where it is not known.
+        quarters: Quarter of difficulty of each level, from 0; None if it is not known.
     """
     summaries = [summarize_team("", rows) for rows in repetitions]
     success = _successes(repetitions)
@@ -209,7 +209,7 @@ def _successes(repetitions: Repetitions) -> Floats:
 
 
 def _by_quarter(success: Floats, quarters: Ints | None) -> dict[str, float]:
-    """Return the success in each quarter of difficulty, none where the quarters are not known."""
+    """Return the success in each quarter of difficulty; empty if the quarters are not known."""
     if quarters is None:
         return {}
     return {name: float(success[:, quarters == k].mean()) for k, name in enumerate(QUARTER_NAMES)}

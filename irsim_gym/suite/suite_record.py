@@ -1,4 +1,4 @@
-"""The folder of a suite's run: what was asked for, on which scenarios, and what has been played of it."""
+"""The record of a run of the suite: its settings, its scenarios, and what has been played."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ ROWS = "rows"
 
 @dataclass
 class SuiteRecord:
-    """What ``summary.json`` says of a run of the suite.
+    """The content of ``summary.json`` of a run of the suite.
 
     Attributes:
         split: Split of the levels.
-        levels: How many of each benchmark, from 0.
+        levels: Number of levels of each benchmark, from level 0.
         members: Each benchmark with the hash of its scenario and the conditions of its figures.
         methods: The policies of each method, with hashes of their files.
         runs: By benchmark and method, an entry for each policy: the file of its rows, or why it was left out.
-        figures: By benchmark and method, see ``scores``.
-        overall: Figures over all benchmarks by method.
-        machine: Processor and versions that played last.
+        figures: Figures by benchmark and method, see ``scores``.
+        overall: Figures over all benchmarks, by method.
+        machine: Processor and versions of the last run.
     """
 
     split: str
@@ -44,18 +44,18 @@ class SuiteRecord:
     machine: dict[str, Any] = field(default_factory=machine)
 
     def write(self, folder: Path) -> None:
-        """Write it into the folder."""
+        """Write the record into the folder."""
         write_json(folder / SUMMARY, asdict(self))
 
     def done(self, member: str, method: str) -> list[dict[str, Any]]:
-        """Return the entries of a method's policies on a benchmark, so far."""
+        """Return the entries of a method's policies on a benchmark, which callers append to."""
         return self.runs.setdefault(member, {}).setdefault(method, [])
 
     def add(self, members: Sequence[Member], methods: Sequence[ComparedMethod]) -> None:
-        """Take note of what is to be played.
+        """Add benchmarks and methods that are about to be played.
 
         Raises:
-            IrsimGymError: Some of it was played before, and was something else: other files, another scenario.
+            IrsimGymError: If policies or scenarios have changed since their rows were played.
         """
         changed = [
             *_note(self.methods, {method.name: method.identity() for method in methods}, "the policies of"),
@@ -69,10 +69,10 @@ class SuiteRecord:
 
 
 def read_record(folder: Path) -> SuiteRecord:
-    """Return what a folder holds.
+    """Return the record in a folder.
 
     Raises:
-        IrsimGymError: It holds no run of the suite.
+        IrsimGymError: If the folder holds no run of the suite.
     """
     path = folder / SUMMARY
     if not path.is_file():
@@ -84,7 +84,7 @@ def read_record(folder: Path) -> SuiteRecord:
 
 
 def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]:
-    """Take over entries; return those whose common keys differ from what is known."""
+    """Add new entries; return the names of known entries that differ."""
     changed = []
     for name, entry in now.items():
         before = known.setdefault(name, entry)

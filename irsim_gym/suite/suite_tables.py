@@ -1,4 +1,4 @@
-"""The tables of a run of the suite, in Markdown and in LaTeX."""
+"""The tables of a run of the suite, in Markdown and LaTeX."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from irsim_gym.suite.suite_record import SuiteRecord
 
 DASH = "-"
 ENDS = ("timeout", "left_world", "deadlock")
-"""Outcomes beside success and collision; a table shows those that occur."""
+"""Outcomes other than success and collision; a table shows those that occur."""
 SPECIAL = {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}"}
 
 Figures = Mapping[str, Any]
-"""A ``Score`` as plain data; None where there is no number."""
+"""A ``Score`` as plain data, with None in place of NaN."""
 Reader = Callable[[Figures], str]
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table, before it is laid out.
+    """The content of a table, independent of its format.
 
     Attributes:
-        title: What is above it.
-        notes: Lines below the title.
-        heads: Names of its columns; the first one is of text.
-        rows: Its cells.
+        title: Heading of the table.
+        notes: Lines below the heading.
+        heads: Names of the columns; the first column holds text.
+        rows: The cells.
     """
 
     title: str
@@ -48,7 +48,7 @@ def markdown(record: SuiteRecord) -> str:
 
 
 def latex(record: SuiteRecord) -> str:
-    """Return all tables that have rows as LaTeX, for the package booktabs."""
+    """Return all tables that have rows, as LaTeX that uses the package booktabs."""
     return "\n".join(_latex(table) for table in text_tables(record) if table.rows)
 
 
@@ -63,21 +63,21 @@ def member_markdown(record: SuiteRecord, name: str) -> str:
 
 
 def conditions_line(member: Mapping[str, Any]) -> str:
-    """Return in words what a figure has to name: robot, goal, speeds, step, limit, sensor, noise."""
+    """Return the conditions to name with published figures: robot, goal, speeds, step, limit, sensor, noise."""
     of = member["conditions"]
     limit = of["max_steps"]
-    seconds = _each(of["step_time"], lambda step: f"{limit * step:g} s") if not isinstance(limit, list) else DASH
+    seconds = _each_value(of["step_time"], lambda step: f"{limit * step:g} s") if not isinstance(limit, list) else DASH
     words = [
         f"{of['levels']:,} {of['split']} level{'s' * (of['levels'] != 1)}",
         f"{len(of['agents'])} learners" if len(of["agents"]) > 1 else "1 learner",
-        f"footprint {_each(of['footprint'], str)}",
-        f"goal tolerance {_each(of['goal_tolerance'], lambda value: f'{value:g} m')}",
+        f"footprint {_each_value(of['footprint'], str)}",
+        f"goal tolerance {_each_value(of['goal_tolerance'], lambda value: f'{value:g} m')}",
         f"velocities {_bounds(of['velocity_min'], of['velocity_max'])}",
         f"accelerations {_vector(of['acceleration_limit'])}",
-        f"step {_each(of['step_time'], lambda value: f'{value:g} s')}",
-        f"time limit {_each(limit, str)} steps ({seconds})",
+        f"step {_each_value(of['step_time'], lambda value: f'{value:g} s')}",
+        f"time limit {_each_value(limit, str)} steps ({seconds})",
         _sensor(of),
-        *([f"{_each(of['goals'], str)} goals each, one after another"] if of.get("goals", 1) != 1 else []),
+        *([f"{_each_value(of['goals'], str)} goals each, one after another"] if of.get("goals", 1) != 1 else []),
         *(["noisy motion"] if of["motion_noise"] not in (False, None) else []),
         f"scenario {member['sha256'][:12]}, level set {of['level_hash']}",
     ]
@@ -126,7 +126,7 @@ def _member(record: SuiteRecord, name: str) -> TextTable:
 
 
 def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
-    """Return how the cell of each column is read from the figures of a method."""
+    """Return the function that reads each column's cell from the figures of a method."""
     hits = [hit for hit in (scores[0]["hits"] if scores else ()) if any(score["hits"][hit] for score in scores)]
     ends = [end for end in ENDS if any(score["outcomes"][end] for score in scores)]
     columns: dict[str, Reader] = {"success [%]": _percents("success", "value")}
@@ -159,7 +159,7 @@ def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
 
 
 def _percents(*keys: str) -> Reader:
-    """Return what reads a share below some keys, in percent; figures of an earlier version may not have it."""
+    """Return a reader of the share at nested keys, in percent; figures of earlier versions may lack it."""
 
     def read(score: Figures) -> str:
         found: Any = score
@@ -171,7 +171,7 @@ def _percents(*keys: str) -> Reader:
 
 
 def _numbers(key: str, digits: int) -> Reader:
-    """Return what reads a number with so many digits."""
+    """Return a reader of a number with so many decimals."""
     return lambda score: _number(score.get(key), digits)
 
 
@@ -234,9 +234,9 @@ def _sensor(of: Mapping[str, object]) -> str:
     """Return the range sensor in words."""
     if of["beams"] is None:
         return "no range sensor"
-    noise = _each(of["noise"], lambda std: f"noise of {std:g} m" if std else "without noise")
-    beams = _each(of["beams"], lambda count: f"{count} beams")
-    return f"{beams} up to {_each(of['range_max'], lambda value: f'{value:g} m')} {noise}"
+    noise = _each_value(of["noise"], lambda std: f"noise of {std:g} m" if std else "without noise")
+    beams = _each_value(of["beams"], lambda count: f"{count} beams")
+    return f"{beams} up to {_each_value(of['range_max'], lambda value: f'{value:g} m')} {noise}"
 
 
 def _bounds(low: Any, high: Any) -> str:
@@ -253,8 +253,8 @@ def _vector(values: Any) -> str:
     return ", ".join("unlimited" if value is None else f"{value:g}" for value in values)
 
 
-def _each(value: Any, said: Any) -> str:
-    """Return a value in words, or those of several robots, each once."""
+def _each_value(value: Any, said: Any) -> str:
+    """Return a value as text, or the distinct values of several robots."""
     return ", ".join(dict.fromkeys(map(said, value))) if isinstance(value, list) else str(said(value))
 
 

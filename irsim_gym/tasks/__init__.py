@@ -1,4 +1,4 @@
-"""What is learned: tasks on top of the simulator."""
+"""Tasks: actions, observations, rewards and endings on top of the simulator."""
 
 from irsim_gym.families import SECTIONS
 from irsim_gym.tasks import actions, endings, observations, rewards

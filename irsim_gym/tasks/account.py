@@ -1,4 +1,4 @@
-"""What is counted in an episode: path, clearance, outcome and the sum of the reward."""
+"""The bookkeeping of episodes: path, clearance, outcome and the sum of the reward."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irsim_gym.world.state import WorldState
 
 @kernel
 def begin_episodes(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState) -> None:
-    """Begin an episode for the agents of the worlds that ``began`` names.
+    """Begin an episode for the agents that ``began`` flags.
 
     Reads: state (goal_distance, pose), episode (began, clearance).
     Writes: episode (deadlocked, goal_distance, hit, hit_kind, min_clearance, outcome, over, path_length, position,
@@ -54,7 +54,7 @@ def mark(worlds: Ints, value: bool, flags: Flags) -> None:
 
 @kernel
 def note_ended(worlds: Ints, episode: EpisodeState) -> None:
-    """Write whose episode has ended.
+    """Flag the agents whose episode has ended.
 
     Reads: episode (terminated, truncated).
     Writes: episode (over).
@@ -66,7 +66,7 @@ def note_ended(worlds: Ints, episode: EpisodeState) -> None:
 
 @kernel
 def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
-    """Write up to where clearances matter [m]: to the terms that mind them, and as a new minimum.
+    """Write the distance up to which clearances must be exact [m]: for terms, and for a new minimum.
 
     Reads: episode (min_clearance).
     Writes: episode (clearance).
@@ -78,7 +78,7 @@ def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
 
 @kernel
 def record_step(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState, kinds: Ints) -> None:
-    """Count a step for the agents whose episode is under way.
+    """Record a step for agents whose episode is running.
 
     Reads: state (goal_distance, hit, pose), episode (clearance, hit, min_clearance, outcome, over, path_length,
         position, steps).
@@ -114,7 +114,7 @@ def measure_standstill(
     slow: float,
     patience: float,
 ) -> None:
-    """Measure for how long agents have hardly moved away from their goals.
+    """Measure the time for which agents have stood still away from their goals.
 
     Reads: model (has_goal, step_time), state (arrived, stopped, twist), episode (outcome, stalled).
     Writes: episode (deadlocked, stalled).
@@ -122,7 +122,7 @@ def measure_standstill(
     Args:
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
-        slow: Speed below which an agent stands still [m/s].
+        slow: Speed below which an agent counts as standing still [m/s].
         patience: Time after which it is deadlocked [s].
     """
     for w in worlds:
@@ -139,7 +139,7 @@ def measure_standstill(
 
 @kernel
 def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) -> None:
-    """Decide whether the episodes have ended, and how; the first ending that applies wins, the time limit is last.
+    """Determine the outcome of each episode: the first ending that applies, and the time limit last.
 
     Reads: episode (ending, over, steps, truncated).
     Writes: episode (outcome, success, terminated, truncated).
@@ -165,7 +165,7 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
 
 @kernel
 def sum_rewards(worlds: Ints, episode: EpisodeState) -> None:
-    """Sum the reward terms in their order; nothing is paid to an agent whose episode had ended before.
+    """Sum the reward terms in order; the reward is 0 for an agent whose episode had ended before.
 
     Reads: episode (over, reward_term).
     Writes: episode (reward, reward_term).
@@ -182,9 +182,9 @@ def sum_rewards(worlds: Ints, episode: EpisodeState) -> None:
 
 @kernel
 def share_rewards(worlds: Ints, share: float, episode: EpisodeState) -> None:
-    """Replace the part ``share`` of each agent's terms by the mean over all agents of its world.
+    """Replace a share of each agent's terms by the mean over all agents of its world.
 
-    An agent whose episode had ended before counts with 0 in the mean.
+    An agent whose episode had ended before counts as 0 in the mean.
 
     Reads: episode (over, reward_term).
     Writes: episode (reward_term).

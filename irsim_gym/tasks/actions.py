@@ -1,8 +1,8 @@
-"""What a learner's numbers mean: kinds of actions, and how an action becomes a command.
+"""Kinds of actions, and the conversion of actions to commands.
 
-Inside, an action always lies in [-1, 1], one number for each component of the command, and is mapped affinely to the
-body's velocity limits: -1 is ``vel_min``, +1 is ``vel_max``. A drive whose commands are velocities in the world frame
-(``omni``) then gets them turned by its heading, because all that a learner observes is relative to it.
+Internally, an action lies in [-1, 1], with one number per component of the command, and is mapped affinely to the
+body's velocity limits: -1 is ``vel_min``, +1 is ``vel_max``. For a drive whose commands are velocities in the world
+frame (``omni``), the command is then rotated by the heading, because learners observe everything in the body frame.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or 
 
 @kind
 class VelocityAction:
-    """Continuous: one number in [-1, 1] for each component of the command; numbers outside are clipped."""
+    """A continuous action: one number in [-1, 1] for each component of the command; other numbers are clipped."""
 
     only_kernels: ClassVar[bool] = True
 
@@ -37,28 +37,28 @@ class VelocityAction:
 
     @property
     def n_choices(self) -> int:
-        """0: the action is continuous."""
+        """0, since the action is continuous."""
         return 0
 
     def samples(self, term: Term) -> Floats:
-        """Return the actions that all numbers -1 and all numbers 1 become, ``(n_agents, 2, n_components)``."""
+        """Return the actions with all numbers -1 and with all numbers 1, ``(n_agents, 2, n_components)``."""
         ends = np.array([-1.0, 1.0])[:, None] * np.ones(term.action_size)
         return np.stack([ends] * len(term.agents))
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Take over the learner's numbers, cut to [-1, 1]."""
+        """Copy the learner's numbers, clipped to [-1, 1]."""
         take_given(shard.worlds, term.action_sizes, episode)
 
 
 @kind
 class DiscreteAction:
-    """A grid of commands, evenly spaced between the limits, ends included.
+    """A discrete action: a grid of commands, evenly spaced between the limits, including the limits.
 
-    Choice ``i * angular + j`` is the i-th of ``linear`` values of the command's first component (from ``vel_min``
-    up) with the j-th of ``angular`` values of its last one (from ``vel_min``, right turns first, up). With an
-    odd number of values and symmetric limits the middle one is 0. A drive with three components has ``lateral`` values
-    of the one in between: choice ``(i * lateral + l) * angular + j``.
+    Choice ``i * angular + j`` combines the i-th of ``linear`` values of the command's first component with the j-th of
+    ``angular`` values of its last one, both ascending from ``vel_min``, so that right turns come first. With an odd
+    number of values and symmetric limits, the middle value is 0. A drive with three components has ``lateral`` values
+    of the second one: choice ``(i * lateral + l) * angular + j``.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -76,7 +76,7 @@ class DiscreteAction:
         return self.linear * self.lateral * self.angular
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the action, in [-1, 1], of every choice, shape ``(n_agents, n_choices, n_components)``."""
+        """Return the action in [-1, 1] of each choice, shape ``(n_agents, n_choices, n_components)``."""
         sizes = [len(simulation.scenario.bodies[int(b)].kinematics.command_names) for b in agents]
         grid = np.zeros((len(sizes), self.n_choices, max(sizes)))
         for a, size in enumerate(sizes):
@@ -91,13 +91,13 @@ class DiscreteAction:
         return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
     def samples(self, term: Term) -> Floats:
-        """Return the action of every choice, ``(n_agents, n_choices, n_components)``."""
+        """Return the action of each choice, ``(n_agents, n_choices, n_components)``."""
         grid: Floats = term.arrays["grid"]
         return grid
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Look up the learner's choices."""
+        """Look up the actions of the learner's choices."""
         take_choice(shard.worlds, term.arrays["grid"], episode)
 
 
@@ -106,17 +106,17 @@ ACTIONS.register("discrete", DiscreteAction)
 
 
 def take(given: NDArray[Any], worlds: Ints, n_choices: int, sizes: Ints, kept: NDArray[Any]) -> None:
-    """Check actions, and copy them.
+    """Check and copy actions.
 
     Args:
         given: Actions as ``Episodes.step`` takes them.
-        worlds: The worlds to treat; other rows are not looked at.
-        n_choices: Number of choices, 0 for continuous actions.
+        worlds: The worlds to treat; other rows are not checked.
+        n_choices: Number of choices; 0 for continuous actions.
         sizes: Components of each agent's actions, ``(n_agents,)``.
-        kept: Written, of the shape that ``given`` must have.
+        kept: Output, of the shape that ``given`` must have.
 
     Raises:
-        ValueError: An action has the wrong shape or type, is not finite or is no choice.
+        ValueError: If an action has the wrong shape or type, is not finite or is not a valid choice.
     """
     if given.shape != kept.shape:
         raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")
@@ -134,7 +134,7 @@ def take(given: NDArray[Any], worlds: Ints, n_choices: int, sizes: Ints, kept: N
 def all_finite(worlds: Ints, sizes: Ints, given: Floats) -> bool:
     """Return whether the actions ``(n_worlds, n_agents, n_components)`` of all given worlds are finite.
 
-    Components that an agent's drive does not have, from ``sizes[a]`` on, are not looked at.
+    Components from ``sizes[a]`` on, which the agent's drive does not have, are not checked.
     """
     for w in worlds:
         for a in range(given.shape[1]):
@@ -156,9 +156,9 @@ def all_within(worlds: Ints, count: int, choice: Ints) -> bool:
 
 @kernel
 def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
-    """Move the latest action to ``previous_action`` and write the new one, cut to [-1, 1].
+    """Move the latest action to ``previous_action``, and write the new one, clipped to [-1, 1].
 
-    Components from ``sizes[a]`` on, which the agent's drive does not have, are not looked at and become 0.
+    Components from ``sizes[a]`` on, which the agent's drive does not have, become 0.
 
     Reads: episode (action, given).
     Writes: episode (action, previous_action).
@@ -172,7 +172,7 @@ def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
 
 @kernel
 def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
-    """Move the latest action to ``previous_action`` and write the chosen row of ``grid``.
+    """Move the latest action to ``previous_action``, and write the chosen row of ``grid``.
 
     Reads: episode (action, choice).
     Writes: episode (action, previous_action).
@@ -186,7 +186,7 @@ def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
 
 @kernel
 def write_commands(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
-    """Map actions in [-1, 1] affinely to the agents' velocity limits; an agent whose episode is over stands still.
+    """Map actions in [-1, 1] affinely to the agents' velocity limits; the command is 0 if the episode has ended.
 
     Reads: model (velocity_max, velocity_min), episode (action, outcome).
     Writes: state (command).
@@ -210,7 +210,7 @@ def write_commands(worlds: Ints, agents: Ints, model: WorldModel, state: WorldSt
 
 @kernel
 def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
-    """Turn the commands of omnidirectional agents from the body frame into the world frame.
+    """Rotate the commands of omnidirectional agents from the body frame to the world frame.
 
     Reads: state (command, pose).
     Writes: state (command).
@@ -229,7 +229,7 @@ def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
 
 @kernel
 def rest(worlds: Ints, agents: Ints, model: WorldModel, episode: EpisodeState) -> None:
-    """Write the action that asks for standing still, or for the slowest command there is, where episodes begin.
+    """Write the action for standing still, or for the nearest possible command, where episodes begin.
 
     Reads: model (velocity_max, velocity_min), episode (action, began).
     Writes: episode (action, previous_action).

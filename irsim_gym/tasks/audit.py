@@ -1,4 +1,4 @@
-"""Whether rewards lead anywhere: what an early end costs, beside what going on can cost."""
+"""The audit of rewards: compares the cost of an early end with the possible cost of continuing."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Terms = Mapping[str, list[tuple[Place, Any]]]
 
 @dataclass(frozen=True)
 class Sharing:
-    """How rewards are shared out within a team.
+    """How a team shares rewards.
 
     Attributes:
-        team_reward: Share of each term that is the team's mean.
-        n_agents: How many learn together.
+        team_reward: Share of each term that is the mean over the team.
+        n_agents: Number of learners.
     """
 
     team_reward: float
@@ -29,21 +29,22 @@ class Sharing:
 
     @property
     def own(self) -> float:
-        """How much of its own rewards and penalties an agent gets itself; 1 where nothing is shared."""
+        """Share of its own rewards and penalties that an agent gets itself; 1 without sharing."""
         return 1.0 - self.team_reward * (1.0 - 1.0 / max(self.n_agents, 1))
 
 
 def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
-    """Tell what a learner would exploit.
+    """Report rewards that a learner would exploit.
+
+    The roles of kinds and weights >= 0 ensure that a reward is positive only as a difference of potentials or as the
+    bonus for success. In addition, the running cost of a whole episode must be less than the penalty for each failure
+    that ends it. Otherwise an early crash or escape would be the best policy for a learner that finds no way to the
+    goal.
 
     Args:
         terms: The terms by family, with their places.
-        sharing: How rewards are shared out.
+        sharing: How rewards are shared.
         merged: Collects the problems.
-
-    A reward may be positive only as a difference of potentials or as the bonus for success, which the kinds' roles and
-    weights >= 0 see to; and what a whole episode can cost by and by must be less than any failure that ends it, else
-    an early crash or an escape would be the best policy for a learner that sees no way to the goal.
     """
     rewards = [reward for _, reward in terms["rewards"]]
     running = [reward for reward in rewards if reward.role == "running" and reward.weight > 0.0]
@@ -56,11 +57,11 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
         if sharing.own * penalty > cost:
             continue
         culprit: Place = ("team_reward",) if penalty > cost else place
-        made = _made_of(amounts, sharing)
+        made = _penalty_parts(amounts, sharing)
         message = (
             f"an episode that ends as '{ending_for(ending.outcome)}' costs {sharing.own * penalty:g}{made}, "
             f"one that continues can cost {cost:g} ({_sum((one, one.weight) for one in running)}): "
-            f"{_cure(ending.outcome, bool(amounts), cost, sharing)}"
+            f"{_advice(ending.outcome, bool(amounts), cost, sharing)}"
         )
         merged.report.add(merged.own_place(("rewards",), culprit), message)
 
@@ -76,12 +77,12 @@ def _pays_for(reward: Any, outcome: Any) -> bool:
 
 
 def _least(reward: Any, ending: Any) -> float:
-    """Return what a penalty is at least where an episode ends in this way."""
+    """Return the least penalty if an episode ends in this way."""
     return float(reward.least(getattr(ending, "bodies", None)) if hasattr(reward, "least") else reward.weight)
 
 
-def _made_of(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
-    """Return what a penalty is made of, nothing where there is none."""
+def _penalty_parts(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
+    """Return the parts of a penalty as text; empty without a penalty."""
     if not amounts:
         return ""
     if sharing.own == 1.0:
@@ -90,8 +91,8 @@ def _made_of(amounts: list[tuple[Any, float]], sharing: Sharing) -> str:
     return f" ({_sum(amounts)}, of which a share of {sharing.own:.3g} is the robot's own: {why})"
 
 
-def _cure(outcome: object, is_paid: bool, cost: float, sharing: Sharing) -> str:
-    """Return what to do about an end that costs too little."""
+def _advice(outcome: object, is_paid: bool, cost: float, sharing: Sharing) -> str:
+    """Return advice about an end that costs too little."""
     weight = f"{cost / sharing.own:.4g}"
     if is_paid:
         shared = "" if sharing.own == 1.0 else " or team_reward"
@@ -103,7 +104,7 @@ def _cure(outcome: object, is_paid: bool, cost: float, sharing: Sharing) -> str:
 
 
 def _sum(amounts: Iterable[tuple[Any, float]]) -> str:
-    """Return terms with their amounts: ``time 4 + clearance 12``."""
+    """Return terms with their amounts as text: ``time 4 + clearance 12``."""
     return " + ".join(f"{_name(reward)} {amount:g}" for reward, amount in amounts)
 
 

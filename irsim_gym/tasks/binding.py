@@ -1,4 +1,4 @@
-"""From the kinds of a task to terms that are bound to a simulation."""
+"""Binds the kinds of a task to a simulation, as terms."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def action_sizes(simulation: Simulation, agents: Ints) -> Ints:
 
 
 def bind(family: Registry, options: Sequence[object], simulation: Simulation, task: Task) -> list[Term]:
-    """Return the terms of kinds, with their own arrays; the column is the place in the list."""
+    """Return the terms of kinds, with their own arrays; a term's column is its position in the list."""
     agents = np.array(task.agents, np.int64)
     sizes = action_sizes(simulation, agents)
     words = tuple(_action_words(simulation, task, int(b)) for b in agents)
@@ -52,7 +52,7 @@ def bind(family: Registry, options: Sequence[object], simulation: Simulation, ta
 
 
 def _action_words(simulation: Simulation, task: Task, body: int) -> Words:
-    """Return what the components of an agent's action are, and their units."""
+    """Return the names of the components of an agent's action, with their units."""
     drive = simulation.scenario.bodies[body].kinematics
     if simulation.model.drive[body] == OMNI_WORLD and getattr(task.action, "frame", "command") == "body":
         return AHEAD_AND_LEFT
@@ -61,11 +61,11 @@ def _action_words(simulation: Simulation, task: Task, body: int) -> Words:
 
 
 def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[Parts, Flags]:
-    """Give each part of the observation its columns; pictures have none.
+    """Assign columns to the parts of the observation; images have none.
 
     Returns:
-        Name, least and greatest values of each part; and which columns mean something to which agent, shape
-        ``(n_agents, n_features)``.
+        Name, lower and upper bounds of each part; and a mask of the columns that each agent has, shape ``(n_agents,
+        n_features)``.
     """
     parts, column = [], 0
     used = [np.ones((len(simulation.agents), 0), np.bool_)]
@@ -83,7 +83,7 @@ def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[P
 
 
 def hit_kinds(simulation: Simulation) -> Ints:
-    """Return what each body is to a robot that touches it, a HitKind, shape ``(n_bodies,)``."""
+    """Return the HitKind of each body for a robot that touches it, shape ``(n_bodies,)``."""
     model = simulation.model
     kinds = np.where(model.stands, int(HitKind.OBSTACLE), int(HitKind.MOVING_OBSTACLE))
     kinds[model.role == ROBOT] = int(HitKind.ROBOT)

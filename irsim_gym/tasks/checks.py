@@ -1,4 +1,4 @@
-"""Whether a task fits its scenario, and whether its terms fit each other."""
+"""Checks that a task fits its scenario, and that its terms fit each other."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ OTHERWISE = "; task: {agents: NAME} lets another robot learn, and irsim_gym.load
 
 
 def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, merged: Merged) -> tuple[int, ...]:
-    """Return the bodies that learn; none after telling why.
+    """Return the bodies that learn; empty after reporting problems.
 
     Args:
-        scenario: Where they are.
-        given: A robot's name, several, ``all``, or nothing.
-        team: Whether nothing means all robots instead of the first one.
+        scenario: The scenario.
+        given: A robot's name, several names, ``all``, or empty.
+        team: Whether empty means all robots instead of the first one.
         merged: Collects the problems.
     """
     robots = scenario.robots
@@ -50,22 +50,22 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
         if name in others:
             merged.report.add(place, f"'{name}' is an obstacle; only robots can learn")
         elif name not in known:
-            merged.report.add(place, _nobody(scenario, name, list(known)))
+            merged.report.add(place, _unknown_learner(scenario, name, list(known)))
         elif name in names[:i]:
             merged.report.add(place, f"'{name}' is named twice")
     return tuple(known[name] for name in names) if set(names) <= set(known) else ()
 
 
-def _nobody(scenario: Scenario, name: str, known: Sequence[str]) -> str:
-    """Return the message for a learner's name that no robot has."""
+def _unknown_learner(scenario: Scenario, name: str, known: Sequence[str]) -> str:
+    """Return the message about a learner's name that no robot has."""
     members = [scenario.bodies[b].name for b in scenario.robots if scenario.bodies[b].group_name == name]
     if members:
-        return f"'{name}' is a group: name its robots, {_some(members)}"
-    return f"no robot named '{name}'{suggestion(name, known)}; the robots: {_some(known)}"
+        return f"'{name}' is a group: name its robots, {_first_names(members)}"
+    return f"no robot named '{name}'{suggestion(name, known)}; the robots: {_first_names(known)}"
 
 
-def _some(names: Sequence[str], most: int = 10) -> str:
-    """Return the first names, and how many others there are."""
+def _first_names(names: Sequence[str], most: int = 10) -> str:
+    """Return the first names, and the number of others, as text."""
     others = f" and {len(names) - most} others" if len(names) > most else ""
     return ", ".join(names[:most]) + others
 
@@ -73,7 +73,7 @@ def _some(names: Sequence[str], most: int = 10) -> str:
 def check_fit(
     scenario: Scenario, agents: Sequence[int], task: str, terms: Terms, merged: Merged
 ) -> dict[str, list[tuple[Place, Any]]]:
-    """Tell what the learners lack, and return the lists of observations, with substitutes for missing sensors."""
+    """Report what the learners lack, and return the lists of observations, with substitutes for missing sensors."""
     bodies = [scenario.bodies[b] for b in agents]
     problems = [
         Problem(body.line, body.name, message)
@@ -89,13 +89,15 @@ def check_fit(
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
         merged.outside.append((scenario.source.title, shown))
-    return {key: _fitting(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")}
+    return {
+        key: _with_substitutes(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")
+    }
 
 
-def _fitting(
+def _with_substitutes(
     observations: Sequence[tuple[Place, Any]], bodies: Sequence[BodySpec], report: Report
 ) -> list[tuple[Place, Any]]:
-    """Return a list of observations, with substitutes for sensors that are missing."""
+    """Return a list of observations, with substitutes for missing sensors."""
     given = [type(item) for _, item in observations]
     fitting = []
     for place, item in observations:
@@ -107,7 +109,7 @@ def _fitting(
 
 
 def check_action(scenario: Scenario, agents: Sequence[int], action: object, report: Report) -> None:
-    """Tell choices of a component that the learners' drive does not have."""
+    """Report choices for a component that the learners' drive does not have."""
     drives = [scenario.bodies[b].kinematics for b in agents]
     small = [drive for drive in drives if drive is not None and len(drive.command_names) < 3]
     if small and getattr(action, "lateral", 1) > 1:
@@ -141,8 +143,8 @@ def _term_name(term: object) -> str:
 
 
 def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report: Report) -> list[object]:
-    """Return an observation that needs a range sensor, or what takes its place where there is none."""
-    given = getattr(item, "without_sensor", "")  # kinds from outside may have no such option
+    """Return an observation that needs a range sensor, or its substitutes if there is no sensor."""
+    given = getattr(item, "without_sensor", "")  # kinds of plugins may lack this option
     names = [given] if isinstance(given, str) else given
     wanted = [name for name in names if name]
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
@@ -175,7 +177,7 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
 
 
 def _described(sensor: object) -> str:
-    """Return what range sensors of learners have to have in common, in words."""
+    """Return the properties that the learners' range sensors must share, as text."""
     name = SENSORS.name_of(type(sensor))
     keys = ("number", "angle_range", "noise", "has_velocity")
     shared = [f"{key}: {show(getattr(sensor, key))}" for key in keys if hasattr(sensor, key)]
@@ -183,7 +185,7 @@ def _described(sensor: object) -> str:
 
 
 def check_terms(terms: Terms, merged: Merged) -> None:
-    """Tell what is missing among the terms.
+    """Report missing terms.
 
     Args:
         terms: The terms by family, with their places.

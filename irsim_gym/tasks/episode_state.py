@@ -1,4 +1,4 @@
-"""What a task remembers of the episodes under way."""
+"""The state of the running episodes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.world.arrays import Arrays, column
 
 @dataclass(repr=False)
 class EpisodeState(Arrays):
-    """The moment of every episode, beside the moment of the world; agents are counted within a world."""
+    """The present state of all episodes, beside the ``WorldState``; agents are numbered within a world."""
 
     together: ClassVar[tuple[tuple[str, ...], ...]] = (
         ("path_length", "min_clearance", "goal_distance", "stalled"),

@@ -26,26 +26,25 @@ from irsim_gym.world.model import OMNI_WORLD
 
 
 class Episodes:
-    """A task played in all worlds of a simulation; every world has its own episode.
+    """A task played in all worlds of a simulation; each world has its own episode.
 
-    Nothing restarts automatically: ``begin`` and ``begin_next`` start episodes. An agent whose episode has
-    ended is commanded to stand still, gets no more reward and keeps its flags until its world restarts.
+    Nothing restarts automatically: ``begin`` and ``begin_next`` start episodes. An agent whose episode has ended is
+    commanded to stand still, gets reward 0 and keeps its flags until its world restarts.
 
     Attributes:
         simulation: The worlds, compiled with ``agents=task.agents``.
-        task: What is learned.
-        state: What the task remembers.
+        task: The task.
+        state: The state of the episodes.
         view: The latest transition.
-        observation_terms: Name, least and greatest values of each part of the observation, in order; pictures, which
-            have no columns, are in ``view.percepts`` alone.
-        critic_terms: The same of what the critic alone observes.
+        observation_terms: Name, lower and upper bounds of each part of the observation, in order; images have no
+            columns and are only in ``view.percepts``.
+        critic_terms: The same for the observations of the critic alone.
         reward_names: Names of the reward terms, in order.
         agent_names: Names of the agents' bodies, in order.
-        action_sizes: Components of each agent's actions, shape ``(n_agents,)``; its surplus ones are not looked at.
-        feature_mask: Columns of the observation that mean something to an agent, shape ``(n_agents, n_features)``; the
-            others are 0.
-        direct: Plays a step of all worlds in the caller's thread with less Python around it; None where actions are
-            choices.
+        action_sizes: Number of components of each agent's actions, shape ``(n_agents,)``; further ones are ignored.
+        feature_mask: Columns of the observation that each agent has, shape ``(n_agents, n_features)``; the others are
+            0.
+        direct: Plays a step of all worlds in the caller's thread with less overhead; None for discrete actions.
     """
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
@@ -82,7 +81,7 @@ class Episodes:
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
-        self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._open))
+        self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
         parts = {"observations": self.observation_terms, "critic_observations": self.critic_terms}
         bounds = {(family, name): (low, high) for family, those in parts.items() for name, low, high in those}
@@ -124,17 +123,17 @@ class Episodes:
 
     @property
     def n_discrete(self) -> int:
-        """Number of choices of a discrete action, 0 for a continuous one."""
+        """Number of choices of a discrete action; 0 for a continuous one."""
         return int(self.task.action.n_choices)
 
     @property
     def action_low(self) -> Rays:
-        """Least values of a continuous action, shape ``(n_components,)``."""
+        """Lower bounds of a continuous action, shape ``(n_components,)``."""
         return np.full(self._size, -1.0, np.float32)
 
     @property
     def action_high(self) -> Rays:
-        """Greatest values of a continuous action, shape ``(n_components,)``."""
+        """Upper bounds of a continuous action, shape ``(n_components,)``."""
         return np.ones(self._size, np.float32)
 
     @property
@@ -143,10 +142,10 @@ class Episodes:
         return team_state.WIDTH * self.n_agents
 
     def team_state(self, worlds: Ints | None = None) -> Rays:
-        """Return the state of whole teams in [-1, 1], as a centralised critic sees it.
+        """Return the state of whole teams in [-1, 1], for a centralised critic.
 
         Args:
-            worlds: Which worlds, shape ``(n,)``; all by default.
+            worlds: Indices of the worlds, shape ``(n,)``; all by default.
 
         Returns:
             A fresh array of shape ``(n, team_state_size)``, ten numbers for each agent; see ``tasks/team_state.py``.
@@ -155,7 +154,7 @@ class Episodes:
         return team_state.team_states(self.simulation, self._agents, self.state.outcome, chosen)
 
     def limit(self, max_steps: int) -> None:
-        """Set the time limit [steps]; rewards that spread over an episode change with it."""
+        """Set the time limit [steps]; rewards that are spread over an episode change with it."""
         self.task = replace(self.task, max_steps=checked_limit(max_steps))
         for term in chain(*self.terms.values()):
             term.max_steps = max_steps
@@ -164,7 +163,7 @@ class Episodes:
         self._begin.forget()
 
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
-        """Begin a level in some worlds; later ones of these worlds follow from it, within the same split.
+        """Begin a level in some worlds; it determines later levels of these worlds, within the same split.
 
         Args:
             worlds: Indices of the worlds, shape ``(n,)``.
@@ -172,8 +171,8 @@ class Episodes:
             split: ``train``, ``dev`` or ``test``.
 
         Raises:
-            UnknownNameError: There is no such split.
-            PlacementError: A level could not be drawn.
+            UnknownNameError: If there is no such split.
+            PlacementError: If a level cannot be drawn.
         """
         check_split(split)
         worlds, levels = np.asarray(worlds, np.int64), np.asarray(levels, np.int64)
@@ -187,40 +186,40 @@ class Episodes:
         self.simulation.run_beginning(self._begin, worlds)
 
     def begin_next(self, worlds: Ints) -> None:
-        """Begin the next level of some worlds: the one that was chosen, else the next one of the world's chain.
+        """Begin the next level of some worlds: the chosen one, else the next one in the world's chain.
 
         Args:
             worlds: Indices of the worlds, shape ``(n,)``; each has begun a level before.
 
         Raises:
-            PlacementError: A level could not be drawn.
+            PlacementError: If a level cannot be drawn.
         """
         worlds = np.asarray(worlds, np.int64)
         self.state.episode[worlds] += 1
         self.simulation.run_beginning(self._begin, worlds)
 
     def choose(self, worlds: Ints, levels: Ints) -> None:
-        """Choose the level that ``begin_next`` begins in some worlds, once; ``begin`` forgets it.
+        """Choose the level of the next ``begin_next`` in some worlds; ``begin`` discards the choice.
 
         Args:
             worlds: Indices of the worlds, shape ``(n,)``; each has begun a level before.
-            levels: Level of each, in the split that the world plays; -1 for the next one of its chain. Shape ``(n,)``.
+            levels: Level of each, in the world's split; -1 for the next one in its chain. Shape ``(n,)``.
         """
         self.state.chosen[worlds] = levels
 
     def respawn(self, agents: Flags) -> None:
-        """Give agents a new start and goal in their running worlds at once, and begin an episode of theirs.
+        """Give agents a new start and goal in their running worlds, and begin new episodes for them.
 
-        Where they start is drawn from the world's random stream by the distribution of their entry, clear of
-        everything that is there; where that leaves no room, anywhere in the world. Sensors and observations of all
-        agents of these worlds are renewed.
+        The distribution of their entry draws their starts from the world's random stream, clear of all bodies; if that
+        leaves no room, they start anywhere in the world. Sensors and observations of all agents of these worlds are
+        updated.
 
         Args:
-            agents: Which ones, shape ``(n_worlds, n_agents)``.
+            agents: Flags of the agents, shape ``(n_worlds, n_agents)``.
 
         Raises:
-            ValueError: The shape is wrong.
-            PlacementError: There is no room for one of them.
+            ValueError: If ``agents`` has another shape.
+            PlacementError: If there is no room for an agent.
         """
         chosen = np.asarray(agents, np.bool_)
         if chosen.shape != self.state.began.shape:
@@ -240,10 +239,10 @@ class Episodes:
         Args:
             given: Actions in [-1, 1], shape ``(n_worlds, n_agents, n_components)``; discrete: whole numbers, shape
                 ``(n_worlds, n_agents)``.
-            worlds: Only these worlds; all by default. Actions of other worlds are not looked at.
+            worlds: Indices of the worlds to step; all by default. Actions of other worlds are ignored.
 
         Raises:
-            ValueError: An action has the wrong shape or type, is not finite or is no choice; nothing has moved then.
+            ValueError: If an action has the wrong shape or type, or an invalid value; then no body moves.
         """
         shards, direct = self.simulation.shards, self.direct if worlds is None else None
         if (
@@ -267,8 +266,8 @@ class Episodes:
         account.mark(worlds, True, state.began)
         self._begin_episodes(shard)
 
-    def _open(self, shard: Shard) -> None:
-        """Begin the episodes of the agents that ``state.began`` names, where their bodies stand."""
+    def _begin_agents(self, shard: Shard) -> None:
+        """Begin the episodes of the agents that ``state.began`` flags, at their bodies' present poses."""
         simulation, model, state, worlds = self.simulation, self.simulation.model, self.state, shard.worlds
         simulation.clearance(shard, self._agents, state.clearance)
         actions.rest(worlds, self._agents, model, state)
@@ -279,7 +278,7 @@ class Episodes:
         account.mark(worlds, False, state.began)
 
     def _step(self, shard: Shard) -> None:
-        """Play one step in the shard's worlds. This order is the specification."""
+        """Play one step in the shard's worlds; this method defines the order of a step."""
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
         if self.task.ended == "vanish":
             account.note_ended(shard.worlds, state)
@@ -326,7 +325,7 @@ class Episodes:
             term.options.write(term, self.simulation.model, self.simulation.state, self._critic_state, shard)
 
     def _with_columns(self, width: int) -> EpisodeState:
-        """Return the state, whose arrays are shared, with room of its own for another observation."""
+        """Return a state that shares all arrays except for an observation of its own."""
         return replace(self.state, observation=np.zeros((self.n_worlds, self.n_agents, width), np.float32))
 
     def _critic_percepts(self) -> dict[str, NDArray[Any]]:

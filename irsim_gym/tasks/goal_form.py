@@ -1,7 +1,7 @@
-"""Goal-style observations: what an agent has reached and what it shall reach stand apart from all else.
+"""Observations in goal form: the achieved and the desired goal are separate from the rest.
 
-Hindsight replay (HER) stores a step and pays it again as if another place had been the goal. For this the goal stands
-nowhere else in the observation, and the reward of any goal can be worked out from the two places and the step's info.
+Hindsight experience replay (HER) recomputes the reward of a stored step for another goal. For this, no other part of
+the observation depends on the goal, and the reward follows from the two positions and the step's info.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from irsim_gym.tasks.term import IsImage
 
 ACHIEVED, DESIRED, REST = "achieved_goal", "desired_goal", "observation"
 PARTS = {"position": ACHIEVED, "goal_position": DESIRED}
-"""Observations that are a part of their own; all others together are ``observation``."""
+"""Observations with their own part; all others together form ``observation``."""
 
 
 def goal_terms(scenario: Scenario, agents: Sequence[int], terms: Terms, merged: Merged) -> list[tuple[Any, Any]]:
-    """Return the observations of the goal form, and tell what does not fit it.
+    """Return the observations of the goal form, and report what does not fit it.
 
-    Those that tell of the goal are left out; ``heading``, ``position`` and ``goal_position`` are added where they are
-    missing, because the places are those of the world and mean nothing to an agent that does not know where it faces.
+    Observations that depend on the goal are removed. ``heading``, ``position`` and ``goal_position`` are added if they
+    are missing: both positions are in the world frame, so an agent needs its heading to use them.
     """
     report = merged.report
     if len(agents) > 1:

@@ -1,6 +1,6 @@
-"""Task files laid over each other: a section of a scenario overrides the file that it names.
+"""Merges task files in layers: a section of a scenario overrides the file that it names.
 
-Every value keeps its origin, so a problem in the merged task names the right file and line.
+Each value keeps its origin, so that a problem in the merged task names the right file and line.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Layer:
         data: The plain data.
         line: Returns the line of a path within ``data``.
         prefix: Path of ``data`` in the file.
-        remark: Returns a remark on a value for the end of a message, e.g. the parameter that it came from.
+        remark: Returns a remark on a value for the end of a message, e.g. the parameter that gave it.
     """
 
     title: str
@@ -37,7 +37,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Node:
-    """A value and where it stands; ``value`` holds nodes in place of the items of a mapping or list."""
+    """A value with its place; ``value`` holds nodes in place of the items of a mapping or list."""
 
     layer: Layer
     place: Place
@@ -46,13 +46,13 @@ class Node:
 
 @dataclass
 class Merged:
-    """The merged task as one source whose "lines" are numbers of origins.
+    """The merged task as one source, whose "lines" are numbers of origins.
 
     Attributes:
         data: Plain data.
         report: Collects problems by merged path.
-        origins: Where each numbered value came from: its merged path and its node.
-        outside: Problems that belong to no value of a layer, by file.
+        origins: Origin of each numbered value: its merged path and its node.
+        outside: Problems that belong to no value of a layer, with their file.
     """
 
     data: dict[str, Any]
@@ -61,10 +61,10 @@ class Merged:
     outside: list[tuple[str, Problem]] = field(default_factory=list)
 
     def refuse(self, main: str) -> None:
-        """Raise all problems, those of the file ``main`` with their lines, others with file and line in their path.
+        """Raise all problems: those of the file ``main`` with their lines, others with file and line in their path.
 
         Raises:
-            ScenarioError: There is a problem.
+            ScenarioError: If there is a problem.
         """
         found = [*self.outside, *map(self._origin, self.report.problems)]
         if not found:
@@ -75,12 +75,12 @@ class Merged:
         raise ScenarioError(file, problems)
 
     def ignored(self, main: str) -> list[Problem]:
-        """Return the unused keys as problems, like ``refuse``."""
+        """Return the ignored keys as problems, in the form of ``refuse``."""
         found = map(self._origin, self.report.ignored)
         return [problem if title == main else _elsewhere(title, problem) for title, problem in found]
 
     def own_place(self, *places: Place) -> Place:
-        """Return the first of these places that stands in the uppermost layer; the first of all where none does."""
+        """Return the first of these places that the uppermost layer sets; the first place if it sets none."""
         own = {place for place, node in self.origins if node.layer.title == self.report.source.title}
         return next((place for place in places if place in own), places[0])
 
@@ -98,11 +98,11 @@ def _elsewhere(title: str, problem: Problem) -> Problem:
 
 
 def merge(layers: list[Layer], *, strict: bool = True) -> Merged:
-    """Return the task that layers describe, the later ones overriding the earlier ones.
+    """Merge layers into a task; later layers override earlier ones.
 
     Args:
-        layers: The most basic one first.
-        strict: Unused keys are problems, see ``Report``.
+        layers: The layers, the most basic one first.
+        strict: Whether unused keys are problems, see ``Report``.
     """
     complaints: list[tuple[Node, str]] = []
     trees = [_normal(_tree(layer, (), layer.data)) for layer in layers]
@@ -130,7 +130,7 @@ def _tree(layer: Layer, place: Place, value: object) -> Node:
 
 
 def _normal(tree: Node) -> Node:
-    """Write names alone (``[scan, goal]``, ``action: velocity``) as mappings."""
+    """Convert plain names (``[scan, goal]``, ``action: velocity``) to mappings."""
     children = dict(tree.value)
     for key in LISTS:
         if key in children and isinstance(children[key].value, list):
@@ -166,7 +166,7 @@ def _over(base: Node, over: Node, complaints: list[tuple[Node, str]]) -> Node:
 
 
 def _over_items(base: Node, over: Node, key: str, complaints: list[tuple[Node, str]]) -> Node:
-    """Lay items over those of the same name; others are added at the end."""
+    """Merge items into those of the same name; append the others."""
     items = list(base.value)
     for item in over.value:
         names = [_name(other) for other in base.value]
@@ -182,7 +182,7 @@ def _over_items(base: Node, over: Node, key: str, complaints: list[tuple[Node, s
 
 
 def _over_options(base: Node, over: Node) -> Node:
-    """Lay options over options; another name begins from its own defaults."""
+    """Merge options into options; an item with another name starts from its own defaults."""
     if not isinstance(base.value, dict) or not isinstance(over.value, dict):
         return over
     if _name(over) not in (None, _name(base)):
@@ -195,7 +195,7 @@ def _is_unused(item: Node) -> bool:
 
 
 def _without_unused(tree: Node, complaints: list[tuple[Node, str]]) -> Node:
-    """Drop the items that say ``use: false``."""
+    """Drop items with ``use: false``."""
     children = dict(tree.value)
     for key in LISTS:
         if key not in children or not isinstance(children[key].value, list):
@@ -215,7 +215,7 @@ def _without_unused(tree: Node, complaints: list[tuple[Node, str]]) -> Node:
 
 
 def _flat(node: Node, place: Place, origins: list[tuple[Place, Node]], lines: dict[Place, int]) -> Any:
-    """Return plain data, and number every value."""
+    """Return plain data, and number all values."""
     origins.append((place, node))
     lines[place] = len(origins)
     if isinstance(node.value, dict):

@@ -1,12 +1,12 @@
-"""Which level an episode plays: splits, levels, the chain of levels that follows a seed, and chosen levels.
+"""Determines the level of an episode: splits, levels, the chain of levels that follows a seed, and chosen levels.
 
-A level is (scenario, split, index); its random stream is keyed by a hash of all three. The streams of
-``train``, ``dev`` and ``test`` are therefore different whatever indices are used, and training, which
-stays within its split for ever, meets no level that is kept for choosing or for reporting.
+A level is (scenario, split, index); its random stream is keyed by a hash of all three. Therefore the streams of
+``train``, ``dev`` and ``test`` differ for all indices, and training, which stays within its split, never meets a level
+that is reserved for model selection or for reporting.
 
-A world's next level may be chosen in place of that of its chain. It is a level of the same split.
+A world's next level may be chosen instead of the next one in its chain. It is a level of the same split.
 
-Where a file gives the levels, level s is the file's level s modulo their number, and later ones are taken likewise.
+If a file gives the levels, level s is the file's level s modulo their number.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from irsim_gym.scenario.level_set import SPLITS
 from irsim_gym.tasks.episode_state import EpisodeState
 
 CHAIN = -1
-"""In place of a chosen level: the next one of the world's chain."""
+"""Value for no chosen level: the next one in the world's chain."""
 
 
 def check_split(split: str) -> None:
-    """Refuse a split that does not exist.
+    """Check that a split exists.
 
     Raises:
-        UnknownNameError: It is none of ``train``, ``dev``, ``test``.
+        UnknownNameError: If the split is none of ``train``, ``dev``, ``test``.
     """
     if split not in SPLITS:
         raise UnknownNameError(f"no split named '{split}'{suggestion(split, SPLITS)}; splits: {', '.join(SPLITS)}")
@@ -34,7 +34,7 @@ def check_split(split: str) -> None:
 
 @kernel
 def take_levels(worlds: Ints, episode: EpisodeState) -> None:
-    """Write the level of each world's present episode, the chosen one or that of its chain, and its ``rng.level_key``.
+    """Write the level of each world's present episode, chosen or from its chain, and its ``rng.level_key``.
 
     Reads: episode (base, chosen, count, episode, first_level).
     Writes: episode (chosen, level, stream).

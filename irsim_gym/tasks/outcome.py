@@ -1,4 +1,4 @@
-"""How an episode ends."""
+"""Outcomes of episodes."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Literal, get_args
 
 
 class Outcome(IntEnum):
-    """What became of an agent; the numbers are part of the public face.
+    """The outcome of an agent's episode; the numbers are part of the public interface.
 
-    If several things happen in the same step, the first of collision, left the world, success, deadlock and timeout
+    If several outcomes apply in the same step, the first of collision, left the world, success, deadlock and timeout
     counts.
     """
 
@@ -22,7 +22,7 @@ class Outcome(IntEnum):
 
 
 class HitKind(IntEnum):
-    """What an agent touches; the numbers are part of the public face."""
+    """The kind of body that an agent touches; the numbers are part of the public interface."""
 
     NOTHING = 0
     OBSTACLE = 1
@@ -33,7 +33,7 @@ class HitKind(IntEnum):
 
 Ended = Literal[Outcome.COLLISION, Outcome.LEFT_WORLD, Outcome.SUCCESS, Outcome.DEADLOCK]
 PRECEDENCE: tuple[Outcome, ...] = get_args(Ended)
-"""The outcomes that endings may declare, the one that wins first; the time limit comes after all of them."""
+"""The outcomes that endings may declare, in order of precedence; the time limit comes last."""
 
 RUNNING = int(Outcome.RUNNING)
 SUCCESS = int(Outcome.SUCCESS)

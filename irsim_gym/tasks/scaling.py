@@ -1,4 +1,4 @@
-"""Numbers for networks."""
+"""Scaling of numbers for networks."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ from irsim_gym.jit import kernel
 
 @kernel
 def unit(value: float) -> np.float32:
-    """Return a number cut to [-1, 1] as float32; 0 for NaN."""
+    """Return a number clipped to [-1, 1] as float32; 0 for NaN."""
     return np.float32(0.0) if np.isnan(value) else np.float32(min(max(value, -1.0), 1.0))

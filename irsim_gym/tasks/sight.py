@@ -1,4 +1,4 @@
-"""Whether learners perceive anything of what they may run into."""
+"""Checks whether learners perceive what they may collide with."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.task import Task
 
 OF_ITSELF = frozenset({"goal", "goal_heading", "velocity", "last_action", "drive", "goal_record", "trail"})
-"""Observations that tell an agent of itself and its goal alone."""
+"""Observations that contain only the agent itself and its goal."""
 OF_ROBOTS = frozenset({"neighbors"})
-"""Observations that tell of robots alone."""
+"""Observations that contain only robots."""
 
 
 def unseen(scenario: Scenario, task: Task) -> str:
-    """Return what the learners may run into although no observation shows it, in words; "" where there is nothing.
+    """Return what the learners may collide with although no observation shows it, as text; empty for nothing.
 
-    A map counts as an obstacle; an observation that is not of this package is taken to show everything.
+    A map counts as an obstacle. Observations of plugins are assumed to show everything.
     """
     if not any(ending.outcome == Outcome.COLLISION for ending in task.endings):
         return ""

@@ -35,7 +35,7 @@ _CHANGES = "; changes the terms of the named task by name."
 
 @kind
 class TaskOptions:
-    """The keys of the section `task` and of files in `tasks/`; a default holds where the named task says nothing."""
+    """The keys of the section `task` and of files in `tasks/`; defaults apply if the named task does not set a key."""
 
     name: str = option(DEFAULT, meaning="A shipped task or a file to extend; 'blank' starts from an empty task.")
     agents: str | tuple[str, ...] = option(
@@ -78,19 +78,19 @@ class TaskOptions:
 
 @dataclass(frozen=True)
 class Task:
-    """What is learned.
+    """A task.
 
     Attributes:
-        name: Name of the task file it builds upon.
+        name: Name of the task file that it extends.
         agents: Bodies of the learners.
-        max_steps: Time limit; an episode that is still running after so many steps is truncated.
+        max_steps: Time limit [steps]; an episode that is still running then is truncated.
         action: Instance of a registered action.
         observations: Instances of registered observations, in order.
         rewards: Instances of registered rewards, in order.
         endings: Instances of registered endings.
-        critic_observations: Instances of registered observations that the critic alone has.
+        critic_observations: Instances of registered observations of the critic alone.
         observation_form: ``flat``, ``dict`` or ``goal``.
-        ended: What the body of an agent does whose episode has ended: ``stay`` or ``vanish``.
+        ended: What happens to the body of an agent whose episode has ended: ``stay`` or ``vanish``.
         team_reward: Share of each reward term that is the mean over the agents of a world.
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
         deadlock_time: Time after which a stalled agent is deadlocked [s].
@@ -118,19 +118,19 @@ def load_task(
     *,
     team: bool = False,
 ) -> Task:
-    """Read the task of a scenario and check that it fits.
+    """Load the task of a scenario, and check that it fits.
 
     Args:
-        scenario: Where it is played.
-        task: A shipped name, the path of a YAML file, or the same as plain data, in place of the scenario's own
-            section ``task``; None takes that section, and ``navigation`` where there is none. With a name or path,
-            the time limit of the scenario's own section holds, unless the file itself states one.
+        scenario: The scenario.
+        task: A shipped name, the path of a YAML file, or its content as plain data, in place of the scenario's own
+            section ``task``; None for that section, or ``navigation`` without one. With a name or path, the time limit
+            of the scenario's own section applies unless the file sets one.
         max_steps: Replaces the task's time limit.
-        team: Without ``agents`` in the task all robots learn instead of the first one.
+        team: Whether all robots learn, instead of the first one, if the task does not set ``agents``.
 
     Raises:
-        ScenarioError: It cannot be used; the error lists every problem with its line.
-        UnknownNameError: ``task`` is no shipped name.
+        ScenarioError: If the task cannot be used; the error lists every problem with its line.
+        UnknownNameError: If ``task`` is no shipped name.
     """
     if max_steps is not None:
         checked_limit(max_steps)
@@ -174,22 +174,22 @@ def load_task(
 def merged_task(
     scenario: Scenario, task: str | Path | Mapping[str, object] | None = None
 ) -> tuple[str, dict[str, Any]]:
-    """Return a task's name, and as plain data what its files and sections say, laid over each other.
+    """Return a task's name, and its merged files and sections as plain data.
 
     Args:
-        scenario: Where it is played.
-        task: As ``load_task`` takes it.
+        scenario: The scenario.
+        task: The task, as ``load_task`` takes it.
 
     Raises:
-        ScenarioError: A file cannot be read.
-        UnknownNameError: ``task`` is no shipped name.
+        ScenarioError: If a file cannot be read.
+        UnknownNameError: If ``task`` is no shipped name.
     """
     name, layers = _layers(scenario, task)
     return name, merge(layers, strict=scenario.strict).data
 
 
 def checked_limit(max_steps: int) -> int:
-    """Return a time limit [steps] that can be used; ValueError for others."""
+    """Return a valid time limit [steps]; raise a ValueError for others."""
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
         raise ValueError(f"max_steps must be a whole number >= 1, got {max_steps!r}")
     return max_steps
@@ -200,7 +200,7 @@ def _title(scenario: Scenario) -> str:
 
 
 def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) -> tuple[str, list[Layer]]:
-    """Return the task's name and its files and sections, the most basic one first."""
+    """Return the task's name, and its files and sections, the most basic one first."""
     folder = Path(scenario.file).parent if scenario.file else Path()
     if isinstance(task, str | Path):
         called, layers = _file_layers(library.find(task, "tasks"), folder)
@@ -228,7 +228,7 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) 
 
 
 def _own_limit(scenario: Scenario) -> list[Layer]:
-    """Return the time limit that a scenario gives itself: it also holds for other tasks, unless they state one."""
+    """Return the time limit of a scenario's own section, which also applies to other tasks unless they set one."""
     own = {key: value for key, value in scenario.task.items() if key == "max_steps"}
     if not own:
         return []
@@ -248,14 +248,14 @@ def _path(layer: Layer) -> str:
 
 
 def _find(name: str, folder: Path) -> Path:
-    """Return the file of a task; a relative path is looked up beside the file that gives it first."""
+    """Return the file of a task; a relative path is first looked up beside the file that names it."""
     file = library.find(name, "tasks")
     beside = folder / file
     return beside if not file.is_absolute() and beside.is_file() else file
 
 
 def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
-    """Return the name of a task file, and the files it builds upon with itself at the end."""
+    """Return the name of a task file, and the files that it extends, with itself at the end."""
     name = file.stem
     layers: list[Layer] = []
     for _ in range(LONGEST_CHAIN):
@@ -281,7 +281,7 @@ def _refuse_unreadable(source: Source) -> None:
 
 
 def _terms(family: Registry, key: str, data: Mapping[str, object], report: Report) -> list[tuple[Place, Any]]:
-    """Return the kinds of a list with their paths, those that are right."""
+    """Return the valid kinds of a list with their paths."""
     given = data.get(key)
     if given is None:
         return []

@@ -1,4 +1,4 @@
-"""The state of a whole team: what a centralised critic sees."""
+"""The state of a whole team, for a centralised critic."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 WIDTH = 10
-"""Numbers for each agent."""
+"""Number of values per agent."""
 
 
 def team_states(simulation: Simulation, agents: Ints, outcome: Ints, worlds: Ints) -> Rays:
-    """Return the state of the whole teams of some worlds, fresh, ``(n, WIDTH * n_agents)``."""
+    """Return the state of the teams of some worlds, a fresh array ``(n, WIDTH * n_agents)``."""
     model, world = simulation.model, simulation.state
     states = np.zeros((len(worlds), WIDTH * len(agents)), np.float32)
     write_team_state(worlds, agents, model, world, outcome, states)
@@ -31,8 +31,8 @@ def write_team_state(
 ) -> None:
     """Write ten numbers for each agent: x, y, cos and sin of the heading, velocity x, y, goal x, y, live, present.
 
-    Positions are scaled so that the world's rectangle is [-1, 1] and cut to it, velocities (in the world frame) by the
-    agent's largest limit. A goal that is not there is 0, 0; of a body that is not there all but the goal is 0.
+    Positions are scaled so that the world's rectangle is [-1, 1], and clipped to it; velocities (in the world frame)
+    are divided by the agent's larger limit. A missing goal is 0, 0; of an absent body, all numbers but the goal are 0.
 
     Reads: model (bounds, has_goal, present, velocity_max, velocity_min), state (goal, pose, stopped, twist).
     Writes: out.
@@ -41,7 +41,7 @@ def write_team_state(
         worlds: The worlds to treat, ``(n,)``.
         agents: Body of each agent, ``(n_agents,)``.
         outcome: ``(n_worlds, n_agents)``.
-        out: Written, ``(n, n_agents * 10)``, in the order of ``worlds``.
+        out: Output, ``(n, n_agents * 10)``, in the order of ``worlds``.
     """
     middle_x, middle_y = 0.5 * (model.bounds[0] + model.bounds[2]), 0.5 * (model.bounds[1] + model.bounds[3])
     half_x, half_y = 0.5 * (model.bounds[2] - model.bounds[0]), 0.5 * (model.bounds[3] - model.bounds[1])

@@ -1,7 +1,7 @@
-"""What the kinds of a task have in common: how they are bound to a simulation and called.
+"""The interface of the kinds of a task: how they are bound to a simulation and called.
 
-Every kind is called with the same five things: its ``Term``, the ``WorldModel``, the ``WorldState``, the
-``EpisodeState`` that it writes into, and the ``Shard`` that says in which worlds.
+Each kind is called with the same five arguments: its ``Term``, the ``WorldModel``, the ``WorldState``, the
+``EpisodeState`` that it writes into, and the ``Shard`` with the worlds to treat.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Bound(Struct):
-    """What kernels read of a term.
+    """The part of a term that kernels read.
 
     Attributes:
         agents: Body of each agent, shape ``(n_agents,)``.
-        column: Where the term writes.
-        options: Its options, numbers alone, as one record, shape ``(1,)``; see ``world.group.records``.
+        column: Column that the term writes.
+        options: Its numeric options as one record, shape ``(1,)``; see ``world.group.records``.
     """
 
     agents: Ints
@@ -54,15 +54,15 @@ class Term:
         options: The kind's instance.
         agents: Body of each agent, shape ``(n_agents,)``.
         max_steps: Steps of a full episode.
-        action_size: Components of an action, and of the command that it becomes; the largest of all agents.
+        action_size: Number of components of an action, and of its command; the maximum over all agents.
         action_sizes: The same for each agent, shape ``(n_agents,)``; further components are unused.
-        column: Where the term writes: first column of the observation, column of the reward or of the ending.
+        column: Column that the term writes: the first one of the observation, or that of the reward or ending.
         arrays: The term's own arrays: tables, memory, live readings of sensors; a dict, or a struct for kernels.
-        components: Of each agent, what the components of its action are when they are mapped to its limits, and their
-            units: ``(("speed ahead", "m/s"), ...)``.
+        components: For each agent, the meaning and unit of the components of its action after mapping to its limits:
+            ``(("speed ahead", "m/s"), ...)``.
         bodies: The agents as a group, for views of them (``behaviors.views``).
-        image: What an observation that is a picture writes, ``(n_worlds, n_agents, height, width, n_channels)``; empty
-            for all other terms.
+        image: Output of an image observation, ``(n_worlds, n_agents, height, width, n_channels)``; empty for other
+            terms.
     """
 
     name: str
@@ -79,16 +79,16 @@ class Term:
 
     @cached_property
     def bound(self) -> Bound:
-        """What kernels read of it; its column has to be known."""
+        """The part of the term that kernels read; requires a known column."""
         return Bound(self.agents, self.column, records([self.options]))
 
 
 @runtime_checkable
 class HasArrays(Protocol):
-    """A kind with arrays of its own."""
+    """A kind with its own arrays."""
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]] | Struct:
-        """Return what ``Term.arrays`` will hold, of any shapes.
+        """Return the value of ``Term.arrays``.
 
         Args:
             simulation: The worlds.
@@ -98,32 +98,32 @@ class HasArrays(Protocol):
 
 @runtime_checkable
 class Joins(Protocol):
-    """A kind that may share memory with terms of the same family before it."""
+    """A kind that may share memory with earlier terms of the same family."""
 
     def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Let ``term.arrays`` use what earlier terms have."""
+        """Let ``term.arrays`` share memory with earlier terms."""
 
 
 @runtime_checkable
 class Remembers(Protocol):
-    """A kind that takes note of the start of an episode."""
+    """A kind that needs the start of episodes."""
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Prepare ``term.arrays`` for episodes that begin in the shard's worlds, those of ``episode.began`` agents."""
+        """Prepare ``term.arrays`` for episodes that begin in the shard's worlds, for agents in ``episode.began``."""
 
 
 @runtime_checkable
 class HasUnused(Protocol):
-    """An observation some of whose elements mean nothing to some agents; these are 0."""
+    """An observation with elements that some agents do not have; these are 0."""
 
     def used(self, term: Term) -> Flags:
-        """Return which elements each agent has, shape ``(n_agents, width)``."""
+        """Return flags of the elements that each agent has, shape ``(n_agents, width)``."""
 
 
 @runtime_checkable
 class IsImage(Protocol):
-    """An observation that is a picture: it writes ``Term.image``, and has neither bounds nor columns."""
+    """An image observation: it writes ``Term.image``, and has neither bounds nor columns."""
 
     @property
     def image_shape(self) -> tuple[int, int, int]:
@@ -136,7 +136,7 @@ class MindsClearance(Protocol):
 
     @property
     def clearance_range(self) -> float:
-        """Clearances up to this must be exact [m]; larger ones may be reported as any value not below it."""
+        """Clearance up to which values must be exact [m]; larger ones may be any value not below it."""
 
 
 NeedsGoal = Annotated[bool, "True if it means nothing for an agent without a goal, else False"]
@@ -144,7 +144,7 @@ Weight = Annotated[float, "write 'weight: float = option(1.0, ge=0.0, meaning=..
 
 
 class ActionKind(Protocol):
-    """Turns what a learner emits into commands."""
+    """Converts a learner's output to actions."""
 
     @property
     def n_choices(self) -> int:
@@ -152,37 +152,37 @@ class ActionKind(Protocol):
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Turn ``episode.given`` or ``episode.choice`` into ``episode.action``, in [-1, 1].
+        """Convert ``episode.given`` or ``episode.choice`` to ``episode.action``, in [-1, 1].
 
-        What ``episode.action`` held is moved to ``episode.previous_action`` before.
+        Before that, copy ``episode.action`` to ``episode.previous_action``.
         """
 
 
 @runtime_checkable
 class HasBounds(Protocol):
-    """An observation that is a row of numbers."""
+    """A numeric observation."""
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the least and the greatest value of each element, within [-1, 1], shape ``(width,)`` each."""
+        """Return the lower and upper bounds of each element, within [-1, 1], shape ``(width,)`` each."""
 
 
 class ObservationKind(Protocol):
-    """One part of an observation: a row of numbers (``HasBounds``) or a picture (``IsImage``)."""
+    """One part of an observation: a row of numbers (``HasBounds``) or an image (``IsImage``)."""
 
     needs_goal: ClassVar[NeedsGoal]
     needs_scan: ClassVar[Annotated[bool, "True if it needs a range sensor, else False"]]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Write the columns from ``term.column`` on of ``episode.observation``, or all of ``term.image``."""
+        """Write the columns of ``episode.observation`` from ``term.column`` on, or ``term.image``."""
 
 
 class RewardKind(Protocol):
-    """One term of the reward; its weight is never negative, so that its role fixes its sign.
+    """One term of the reward; its weight is never negative, so that its role determines its sign.
 
     ``role``: ``potential`` (a difference of potentials), ``bonus`` (positive, once), ``penalty`` (negative, on an
     event) or ``running`` (never positive, and over a whole episode never below ``-weight``).
-    ``least(bodies)``: optional, what a penalty that depends on the body is at least, for the audit of rewards.
+    ``least(bodies)``: optional, the smallest penalty if it depends on the body, for the audit of rewards.
 
     Attributes:
         weight: Factor on what the term pays.
@@ -200,7 +200,7 @@ class RewardKind(Protocol):
 
 
 class EndingKind(Protocol):
-    """One way in which the task ends."""
+    """One ending of the task."""
 
     outcome: ClassVar[Annotated[Ended, "what becomes of an agent whose episode ends so"]]
     needs_goal: ClassVar[NeedsGoal]
@@ -211,7 +211,7 @@ class EndingKind(Protocol):
 
 
 def forget(memory: NDArray[Any], value: object, episode: EpisodeState, shard: Shard) -> None:
-    """Write ``value`` into the rows of a memory ``(n_worlds, n_agents, ...)`` whose agents' episodes begin."""
+    """Write ``value`` into the rows of a memory ``(n_worlds, n_agents, ...)`` of agents whose episodes begin."""
     overwrite(shard.worlds, episode.began, memory.dtype.type(value), memory.reshape(*memory.shape[:2], -1))
 
 

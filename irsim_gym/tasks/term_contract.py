@@ -1,6 +1,6 @@
-"""What actions, observations, rewards and endings from outside have to be, beyond what their protocols say.
+"""Checks of actions, observations, rewards and endings of plugins, beyond their protocols.
 
-The methods and attributes that a kind must or may have are those of the protocols in ``term`` and ``words``.
+The protocols in ``term`` and ``words`` define the methods and attributes that a kind must or may have.
 """
 
 from __future__ import annotations
@@ -49,10 +49,10 @@ ENDING = Contract(EndingKind, (HasArrays, Remembers, TellsWhen))
 
 
 def check_bound(family: str, term: Term) -> None:
-    """Check a kind from outside that has been bound to a simulation, with its options as they are given.
+    """Check a plugin's kind that has been bound to a simulation with its given options.
 
     Raises:
-        KindError: It cannot work so.
+        KindError: If the kind cannot work with these options.
     """
     options, problems = term.options, []
     if family == "reward" and not (_is_number(options.weight) and options.weight >= 0.0):
@@ -86,10 +86,10 @@ def _image_shape(given: object) -> Iterator[str]:
 
 
 def checked_bounds(term: Term, model: WorldModel) -> tuple[Any, Any]:
-    """Return the bounds of an observation from outside as float32 arrays.
+    """Return the bounds of a plugin's observation as float32 arrays.
 
     Raises:
-        KindError: They are no bounds.
+        KindError: If the bounds are invalid.
     """
     given = term.options.bounds(term, model)
     problems: list[str] = []

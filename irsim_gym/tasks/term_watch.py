@@ -1,7 +1,7 @@
 """Checks terms of plugins in their first steps.
 
-A watched term is called by way of a ``Watched``, which looks at what it has written. While there is one, steps are not
-recorded. Afterwards the checks are removed.
+A watched term is called through a ``Watched``, which checks what it writes. While a term is watched, steps are not
+recorded. Afterwards, the checks are removed.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from irsim_gym.tasks.watched import (
 )
 
 CALLS = 300
-"""How many calls of a term are watched."""
+"""Number of calls of a term that are watched."""
 
 MAKERS: dict[str, type[Watched]] = {
     "action": WatchedAction,
@@ -37,16 +37,16 @@ MAKERS: dict[str, type[Watched]] = {
 
 
 class TermWatch:
-    """Watches the terms of a task that are not the package's own.
+    """Watches the terms of a task that come from plugins.
 
     Args:
         terms: The terms by family, see ``Episodes.terms``.
-        simulation: What they are played in.
-        bounds: Least and greatest values of each observation, by family and name.
-        recorded: What must not be recorded meanwhile.
+        simulation: The simulation.
+        bounds: Lower and upper bounds of each observation, by family and name.
+        recorded: Functions that must not be recorded while terms are watched.
 
     Attributes:
-        is_on: Somebody is watched.
+        is_on: Whether any term is watched.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class TermWatch:
             function.is_fusable = False
 
     def end_if_seen(self) -> None:
-        """Let go of all terms if each has been watched for long enough; between two steps."""
+        """Stop watching if all terms have been watched for long enough; to be called between steps."""
         if any(calls_of(watched) < CALLS for _, watched in self._watched):
             return
         for term, watched in self._watched:
@@ -80,5 +80,5 @@ class TermWatch:
 
 
 def kind_of(term: Term) -> type[Any]:
-    """Return the kind of a term, also while it is watched."""
+    """Return the kind of a term, even while it is watched."""
     return type(options_of(term.options) if isinstance(term.options, Watched) else term.options)

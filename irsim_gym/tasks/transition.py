@@ -1,4 +1,4 @@
-"""What a learner gets."""
+"""The data that learners get from a step."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
 from irsim_gym.tasks.episode_state import EpisodeState
 
 CRITIC = "critic"
-"""Under which name the critic's numbers are found."""
+"""The name of the critic's numbers."""
 
 
 @dataclass(frozen=True)
 class Percepts:
-    """What agents perceive: arrays that begin with the same axes, such as ``(n_worlds, n_agents)``.
+    """What agents perceive: arrays with common leading axes, such as ``(n_worlds, n_agents)``.
 
     Attributes:
         observation: Numbers in [-1, 1], float32, shape ``(..., n_features)``.
-        images: Pictures by the name of their observation, uint8, shape ``(..., height, width, n_channels)`` each.
-        critic: What the critic alone perceives: under ``CRITIC`` numbers like ``observation``, under ``critic_NAME``
-            pictures; empty where there is nothing.
+        images: Images by the name of their observation, uint8, shape ``(..., height, width, n_channels)`` each.
+        critic: Observations of the critic alone: numbers as in ``observation`` under ``CRITIC``, images under
+            ``critic_NAME``; empty without any.
     """
 
     observation: Rays
@@ -31,12 +31,12 @@ class Percepts:
     critic: Mapping[str, NDArray[Any]]
 
     def each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Percepts:
-        """Return what a function makes of each array."""
+        """Apply a function to each array."""
         images = {name: change(image) for name, image in self.images.items()}
         return Percepts(change(self.observation), images, {name: change(part) for name, part in self.critic.items()})
 
     def overwrite(self, chosen: Flags, other: Percepts) -> None:
-        """Take the rows that a mask over the first axes chooses from ``other``."""
+        """Copy the rows chosen by a mask over the leading axes from ``other``."""
         self.observation[chosen] = other.observation[chosen]
         for name, image in self.images.items():
             image[chosen] = other.images[name][chosen]
@@ -46,21 +46,21 @@ class Percepts:
 
 @dataclass(frozen=True)
 class Transition:
-    """What the learner gets; live arrays that the next call of ``Episodes`` overwrites.
+    """The data of a step for learners: live arrays that the next call of ``Episodes`` overwrites.
 
     Attributes:
         observation: float32 in [-1, 1], shape ``(n_worlds, n_agents, n_features)``.
         reward: float64, shape ``(n_worlds, n_agents)``.
-        terminated: The task has ended, shape ``(n_worlds, n_agents)``.
-        truncated: The time limit has cut the episode, shape ``(n_worlds, n_agents)``.
-        reward_terms: The terms that ``reward`` is the sum of, shape ``(n_worlds, n_agents, n_terms)``.
-        over: The agent's episode had ended before the step, so its row is no experience, shape
+        terminated: Whether the task has ended, shape ``(n_worlds, n_agents)``.
+        truncated: Whether the time limit has ended the episode, shape ``(n_worlds, n_agents)``.
+        reward_terms: The terms whose sum is ``reward``, shape ``(n_worlds, n_agents, n_terms)``.
+        over: Whether the agent's episode had ended before the step, so that its row is no experience, shape
             ``(n_worlds, n_agents)``.
         infos: Arrays of shape ``(n_worlds, n_agents)``: outcome, hit, hit_kind, path_length [m], min_clearance [m],
             goal_distance [m], is_success, steps, stalled [s], deadlocked, level.
-        images: The pictures that the agents see, by the name of their observation, uint8, shape
+        images: The agents' images, by the name of their observation, uint8, shape
             ``(n_worlds, n_agents, height, width, n_channels)`` each.
-        critic: What the critic alone perceives, see ``Percepts``.
+        critic: Observations of the critic alone, see ``Percepts``.
     """
 
     observation: Rays
@@ -80,17 +80,17 @@ class Transition:
 
     @property
     def live(self) -> Flags:
-        """Agents whose episode is under way, a fresh array of shape ``(n_worlds, n_agents)``."""
+        """Whether each agent's episode is running, a fresh array of shape ``(n_worlds, n_agents)``."""
         return ~(self.terminated | self.truncated)
 
 
 def transition_of(state: EpisodeState, images: Mapping[str, Bytes], critic: Mapping[str, NDArray[Any]]) -> Transition:
-    """Return the view of a task's arrays that learners get.
+    """Return the view of a task's arrays for learners.
 
     Args:
-        state: What the task remembers.
-        images: Pictures by name, see ``Percepts``.
-        critic: What the critic alone perceives, see ``Percepts``.
+        state: The state of the episodes.
+        images: Images by name, see ``Percepts``.
+        critic: Observations of the critic alone, see ``Percepts``.
     """
     infos = {
         "outcome": state.outcome,

@@ -1,4 +1,4 @@
-"""What is looked at when a term from outside the package is called: what it returns, and what it has written."""
+"""Checks of a call of a plugin's term: what it returns, and what it writes."""
 
 from __future__ import annotations
 
@@ -22,32 +22,32 @@ from irsim_gym.world.state import WorldState
 Numbers = NDArray[Any]
 """An array of floats, bytes or flags, by family."""
 Bounds = tuple[NDArray[np.floating], NDArray[np.floating]]
-"""Lowest and highest number of each column."""
+"""Lower and upper bound of each column."""
 CLOSELY = 3
-"""In how many of them it is looked at everything that it could have written."""
+"""Number of first calls in which all arrays that a term could change are checked."""
 MARK = 2.0**100
-"""A marker for elements that a term has to write; exact in float32."""
+"""Marker for elements that a term must write; exact in float32."""
 UNSURE = 2.0**90
-"""Numbers greater than this come from adding to the mark."""
+"""Larger numbers result from adding to the marker."""
 BYTE = 171
-"""The same for bytes, of which one alone may well be written."""
+"""Marker for bytes, a value that may occur in single bytes."""
 SLACK = 1e-6
-"""What rounding to float32 may add to a bound."""
+"""Tolerance of bounds for rounding to float32."""
 FREE = {"random"}
-"""What any term may write: the worlds' random streams, by drawing numbers."""
+"""Arrays that any term may write: the worlds' random streams."""
 TARGETS = {
     "action": {"action", "previous_action"},
     "observation": {"observation"},
     "reward": {"reward_term"},
     "ending": {"ending"},
 }
-"""What the terms of a family may write of the state of episodes."""
+"""Arrays of the ``EpisodeState`` that the terms of a family may write."""
 
 
 class Watched(ABC):
-    """Stands in for the options of a term, and looks at what it writes.
+    """Replaces the options of a term, and checks what the term writes.
 
-    It has no public names of its own but the one method, so that it has those of the options.
+    Apart from the term's method, it has no public names, so that it forwards all other names to the options.
     """
 
     _family = ""
@@ -66,20 +66,22 @@ class Watched(ABC):
             raise AttributeError(name)
         return getattr(self._options, name)
 
-    def _look(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Call the term, and look at what it has done.
+    def _check_call(
+        self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard
+    ) -> None:
+        """Call the term, and check what it did.
 
         Raises:
-            KindError: It has done what its family does not allow.
+            KindError: If it did something that its family does not allow.
         """
         parts = [shard.worlds]
         if self._calls == 0 and self._is_alone and len(shard.worlds) > 1:
-            parts = [shard.worlds[:1], shard.worlds[1:]]  # a term that writes into all worlds shows
+            parts = [shard.worlds[:1], shard.worlds[1:]]  # reveals a term that writes into all worlds
         for worlds in parts:
-            self._look_at(term, (model, state, episode), Shard(worlds, shard.slot))
+            self._check_worlds(term, (model, state, episode), Shard(worlds, shard.slot))
         self._calls += 1
 
-    def _look_at(self, term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard) -> None:
+    def _check_worlds(self, term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard) -> None:
         model, state, episode = moment
         worlds = shard.worlds
         target = self._target(term, episode)
@@ -91,7 +93,7 @@ class Watched(ABC):
             replace(term, options=self._options), model, state, episode, shard
         )
         problems = self._problems(term, episode, target, before, worlds, marked, returned)
-        self._tell(term, next(problems, None) or next(self._changes(closely, worlds), None))
+        self._raise_problem(term, next(problems, None) or next(self._changes(closely, worlds), None))
 
     def _problems(
         self,
@@ -103,7 +105,7 @@ class Watched(ABC):
         marked: Ints,
         returned: object,
     ) -> Iterator[str]:
-        """Yield what is wrong with what was written, the cause before its consequences."""
+        """Yield problems with the output, causes before consequences."""
         where = self._where(term)
         if self._is_untouched(term, target, marked):
             if returned is not None:
@@ -114,17 +116,17 @@ class Watched(ABC):
         if returned is not None:
             yield f"returns {_short(returned)}, which is not used: it must write into {where}"
 
-    def _tell(self, term: Term, problem: str | None) -> None:
+    def _raise_problem(self, term: Term, problem: str | None) -> None:
         if problem is not None:
             refuse(self._family, term.name, type(self._options), [f"{self._method}() {problem}"], self._method)
 
     @abstractmethod
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
-        """Return what all terms of the family write into, ``(n_worlds, n_agents, n_columns)``."""
+        """Return the output array of all terms of the family, ``(n_worlds, n_agents, n_columns)``."""
 
     @abstractmethod
     def _where(self, term: Term) -> str:
-        """Return where the term has to write, as code."""
+        """Return the output of the term, as code for messages."""
 
     @abstractmethod
     def _own(self, term: Term) -> slice:
@@ -136,14 +138,14 @@ class Watched(ABC):
 
     @abstractmethod
     def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
-        """Return whether some of that is still there."""
+        """Return whether some of the marker is left."""
 
     @abstractmethod
     def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
-        """Yield what is wrong with the numbers that it has written."""
+        """Yield problems with the numbers that the term wrote."""
 
     def _overwritten(self, term: Term, target: Numbers, before: Numbers, worlds: Ints) -> Iterator[str]:
-        """Yield columns of others that have changed, and worlds that were not its to treat."""
+        """Yield changes of other terms' columns, and of worlds that the term must not treat."""
         own = self._own(term)
         others = np.ones(target.shape[2], np.bool_)
         others[own] = False
@@ -159,7 +161,7 @@ class Watched(ABC):
             yield f"writes into worlds that are not in shard.worlds ({worlds[:5].tolist()}): index by shard.worlds"
 
     def _others(self, state: WorldState, episode: EpisodeState) -> dict[str, tuple[Numbers, Numbers]]:
-        """Return the arrays that it has nothing to write into, and copies of them."""
+        """Return the arrays that the term must not write, with copies of them."""
         target = TARGETS[self._family]
         found = {f"state.{one.name}": getattr(state, one.name) for one in fields(state) if one.name not in FREE}
         found |= {
@@ -173,12 +175,12 @@ class Watched(ABC):
                 yield f"changes {name}, which it may only read"
 
     def _name(self, place: Ints, worlds: Ints) -> str:
-        """Return whose number stands at a place ``(world, agent, ...)`` of rows."""
+        """Return agent and world of a place ``(world, agent, ...)`` of rows, as text."""
         return f"for {self._agents[int(place[1])]} in world {int(worlds[int(place[0])])}"
 
 
 class WatchedReward(Watched):
-    """A reward: its role fixes its sign."""
+    """Watches a reward, whose role determines its sign."""
 
     _family, _method = "reward", "pay"
 
@@ -187,8 +189,8 @@ class WatchedReward(Watched):
         self._paid = np.zeros((simulation.n_worlds, len(term.agents)))
 
     def pay(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Pay, and look."""
-        self._look(term, model, state, episode, shard)
+        """Call the reward, and check it."""
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.reward_term
@@ -238,13 +240,13 @@ class WatchedReward(Watched):
 
 
 class WatchedObservation(Watched):
-    """An observation: it keeps to its bounds."""
+    """Watches an observation, which must be within its bounds."""
 
     _family, _method = "observation", "write"
 
     def write(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Write, and look."""
-        self._look(term, model, state, episode, shard)
+        """Call the observation, and check it."""
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return term.image.reshape(*term.image.shape[:2], -1) if self._bounds is None else episode.observation
@@ -284,13 +286,13 @@ class WatchedObservation(Watched):
 
 
 class WatchedEnding(Watched):
-    """An ending: a flag."""
+    """Watches an ending."""
 
     _family, _method = "ending", "ends"
 
     def ends(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Say who ends, and look."""
-        self._look(term, model, state, episode, shard)
+        """Call the ending, and check it."""
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.ending.view(np.uint8)
@@ -312,7 +314,7 @@ class WatchedEnding(Watched):
 
 
 class WatchedAction(Watched):
-    """An action: numbers in [-1, 1], and the one before is kept."""
+    """Watches an action, which must be in [-1, 1] and keep the previous one."""
 
     _family, _method = "action", "act"
 
@@ -322,8 +324,8 @@ class WatchedAction(Watched):
         self._answers = False
 
     def act(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Act, and look."""
-        self._look(term, model, state, episode, shard)
+        """Call the action, and check it."""
+        self._check_call(term, model, state, episode, shard)
 
     def _target(self, term: Term, episode: EpisodeState) -> Numbers:
         return episode.action
@@ -335,10 +337,10 @@ class WatchedAction(Watched):
         return slice(0, term.action_size)
 
     def _mark(self, term: Term, target: Numbers, worlds: Ints) -> None:
-        """Leave the latest action, which the term may build upon."""
+        """Keep the latest action, which the term may read."""
 
     def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
-        return False  # see _deaf
+        return False  # see _ignored_input
 
     def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         acted = episode.action[worlds]
@@ -349,10 +351,10 @@ class WatchedAction(Watched):
         if not _same(episode.previous_action[worlds], before[worlds]).all():
             yield "does not keep the action before: first write episode.previous_action[...] = episode.action[...]"
         if self._is_alone:
-            yield from self._deaf(episode)
+            yield from self._ignored_input(episode)
 
-    def _deaf(self, episode: EpisodeState) -> Iterator[str]:
-        """Yield whether learners' actions change nothing."""
+    def _ignored_input(self, episode: EpisodeState) -> Iterator[str]:
+        """Yield a problem if the learners' actions have no effect."""
         given = np.concatenate([episode.given.ravel(), episode.choice.ravel()])
         if self._latest is not None and not np.array_equal(given, self._latest[0]):
             self._answers |= not np.array_equal(episode.action, self._latest[1])
@@ -362,12 +364,12 @@ class WatchedAction(Watched):
 
 
 def _is_marked(written: Numbers) -> bool:
-    """Return whether some numbers are the mark still, or come from adding to it."""
+    """Return whether some numbers are still the marker, or result from adding to it."""
     return bool(((np.abs(written) > UNSURE) & np.isfinite(written)).any())
 
 
 def _same(now: Numbers, before: Numbers) -> Flags:
-    """Return where numbers are the same, also where they are NaN."""
+    """Return where numbers are equal; NaN equals NaN."""
     found: Flags = (now == before) | ((now != now) & (before != before))
     return found
 
@@ -382,10 +384,10 @@ def _outcome(value: Outcome) -> str:
 
 
 def calls_of(watched: Watched) -> int:
-    """Return how often a term has been called."""
+    """Return the number of calls of a watched term."""
     return watched._calls
 
 
 def options_of(watched: Watched) -> Any:
-    """Return the options that it stands in for."""
+    """Return the options that a ``Watched`` replaces."""
     return watched._options

@@ -1,7 +1,7 @@
-"""What the kinds of a task say about themselves: which column holds what, when something is paid or ends.
+"""Descriptions of a task's kinds: the meaning of columns, and when rewards pay or endings apply.
 
-Each kind says it in a method of its own, beside the code that does it. A kind that has no such method is described
-by its docstring and its options alone.
+Each kind describes itself in a method beside the code. A kind without such a method is described only by its docstring
+and its options.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ Sectors = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class Columns:
-    """What neighbouring columns of an observation say; of one that is a picture, what its channels show.
+    """The meaning of neighbouring columns of an observation, or of the channels of an image.
 
     Attributes:
-        meaning: What they hold, e.g. ``"cosine of the bearing"``.
-        scale: How the number comes about, with units, e.g. ``"d / 14.1 m, at most 1"``.
-        count: How many columns these are.
-        sectors: Where each of them looks, in the robot's own frame: from which angle to which [rad], 0 straight ahead,
-            positive to the left; both are the same for a single direction. Empty where columns are no directions.
+        meaning: Their content, e.g. ``"cosine of the bearing"``.
+        scale: Formula of the number, with units, e.g. ``"d / 14.1 m, at most 1"``.
+        count: Number of columns.
+        sectors: Start and end angle of each column in the robot's frame [rad], 0 straight ahead, positive to the left;
+            equal for a single direction. Empty if columns are not directions.
     """
 
     meaning: str
@@ -41,10 +41,10 @@ class Columns:
 
 @runtime_checkable
 class TellsColumns(Protocol):
-    """An observation that says what its columns, or the channels of its picture, hold."""
+    """An observation that describes its columns, or the channels of its image."""
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the columns say to an agent, in order; their counts add up to the observation's width.
+        """Return the meaning of the columns for an agent, in order; their counts add up to the observation's width.
 
         Args:
             agent: Number of the agent.
@@ -53,33 +53,33 @@ class TellsColumns(Protocol):
 
 @runtime_checkable
 class TellsWhen(Protocol):
-    """A reward that says when it pays how much, or an ending that says when it applies."""
+    """A reward that describes when and how much it pays, or an ending that describes when it applies."""
 
     def when(self, term: Term) -> str:
-        """Return it in words, with numbers and units."""
+        """Return the description, with numbers and units."""
 
 
 @runtime_checkable
 class TellsActions(Protocol):
-    """An action that says what a learner's numbers or choices become."""
+    """An action that describes the result of a learner's numbers or choices."""
 
     def samples(self, term: Term) -> Floats:
         """Return actions in [-1, 1], ``(n_agents, n, n_components)``: one for each choice, else those of -1 and +1."""
 
 
 def evenly(count: int) -> Sectors:
-    """Return sectors of equal angle over a full turn, the first of which begins straight behind."""
+    """Return sectors of equal angle over a full turn; the first one begins straight behind."""
     edges = 2.0 * np.pi * np.arange(count + 1) / count - np.pi
     return tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
 
 
 def coded(options: Any, what: str, far: float) -> str:
-    """Return how a depth or way becomes a number, with the options ``code``, ``near`` and ``zero``.
+    """Return the formula that encodes a distance with the options ``code``, ``near`` and ``zero``, as text.
 
     Args:
         options: The kind's options.
-        what: A letter for the depth.
-        far: Greatest depth [m].
+        what: A letter for the distance.
+        far: Maximum distance [m].
     """
     if options.code == "linear":
         return f"1 - {what} / {far:g} m: 1 at 0 m, 0 at {far:g} m"
@@ -91,31 +91,31 @@ def coded(options: Any, what: str, far: float) -> str:
 
 
 def turning(sectors: Sectors, start: int = 0) -> str:
-    """Return where the first of some sectors looks, which way they turn and where straight ahead is, in words.
+    """Return the position of the first sector, the sense of rotation and the column straight ahead, as text.
 
     Args:
-        sectors: Where each looks [rad].
-        start: Number of the first of them.
+        sectors: Start and end angle of each sector [rad].
+        start: Number of the first sector.
     """
     if not sectors:
         return ""
-    first = _spelled(*sectors[0])
+    first = _direction_words(*sectors[0])
     if len(sectors) == 1:
         return first
     sense = "left (counter-clockwise)" if sectors[1][0] > sectors[0][0] else "right (clockwise)"
     ahead = " and ".join(str(start + k) for k in _ahead(sectors))
     where = f"; straight ahead: column {ahead}" if ahead else ""
-    return f"the first {first}, the next ones turn {sense}, the last {_spelled(*sectors[-1])}{where}"
+    return f"the first {first}, the next ones turn {sense}, the last {_direction_words(*sectors[-1])}{where}"
 
 
 def _ahead(sectors: Sectors) -> list[int]:
-    """Return which sectors are nearest to straight ahead, both where it is their border."""
+    """Return the sectors nearest to straight ahead; two if it is their common border."""
     middles = np.array([0.5 * (begin + end) for begin, end in sectors])
     away = np.abs(np.remainder(middles + np.pi, 2.0 * np.pi) - np.pi)
     return np.flatnonzero(away <= away.min() + 1e-9).tolist() if away.min() < 0.5 * np.pi else []
 
 
-def _spelled(begin: float, end: float) -> str:
+def _direction_words(begin: float, end: float) -> str:
     low, high = degrees(begin), degrees(end)
     return f"looks at {low}" if math.isclose(begin, end, abs_tol=1e-12) else f"covers {low} to {high}"
 
@@ -132,6 +132,6 @@ def first_sentence(kind: type[Any]) -> str:
 
 
 def relative(value: NDArray[Any]) -> str:
-    """Return one number, or from which to which several numbers reach, as text."""
+    """Return one number, or the range of several numbers, as text."""
     low, high = float(np.min(value)), float(np.max(value))
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"

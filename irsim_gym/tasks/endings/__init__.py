@@ -1,4 +1,4 @@
-"""How an episode can end; the time limit is held by ``Episodes`` alone."""
+"""The endings of episodes; the time limit is part of ``Episodes``."""
 
 from irsim_gym.families import ENDINGS
 from irsim_gym.tasks.endings.arrived import Arrived

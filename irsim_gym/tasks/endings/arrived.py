@@ -23,7 +23,7 @@ class Arrived:
     needs_goal: ClassVar[bool] = True
 
     def when(self, term: Term) -> str:
-        """Return when it applies."""
+        """Return the condition, as text."""
         return "it is within its goal_threshold of its last goal"
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""A flag of a body as an ending of its agent."""
+"""Copies a flag of bodies as an ending."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from irsim_gym.world.state import WorldState
 
 @kernel
 def copy_flag(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
-    """Copy the agents' entries of a flag of bodies, ``(n_worlds, n_bodies)``, into a column of ``ending``.
+    """Copy the flag ``arrived`` of the agents' bodies into a column of ``ending``.
 
     Reads: state (arrived).
     Writes: episode (ending).

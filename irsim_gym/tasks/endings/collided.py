@@ -23,7 +23,7 @@ Touched = Literal["obstacle", "moving_obstacle", "robot", "map"]
 class Collided:
     """End with failure when the agent touches another body.
 
-    Of several bodies that are touched in the same step the one that stands first in the file counts.
+    If it touches several bodies in the same step, the first one in the file counts.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -39,13 +39,13 @@ class Collided:
     )
 
     def arrays(self, simulation: object, agents: Ints) -> dict[str, Flags]:
-        """Return which kinds of bodies count, by HitKind."""
+        """Return flags of the kinds of bodies that count, by HitKind."""
         counts = np.zeros(len(HitKind), np.bool_)
         counts[[HitKind[name.upper()] for name in self.bodies]] = True
         return {"counts": counts}
 
     def when(self, term: Term) -> str:
-        """Return when it applies."""
+        """Return the condition, as text."""
         names = {"obstacle": "a standing obstacle", "moving_obstacle": "one that moves", "robot": "a robot"}
         return f"it touches {', '.join(names.get(name, 'the map') for name in self.bodies)}"
 
@@ -57,7 +57,7 @@ class Collided:
 
 @kernel
 def find_hits(worlds: Ints, agents: Ints, column: int, counts: Flags, state: WorldState, episode: EpisodeState) -> None:
-    """Write a column of ``ending``: the agent touches a body of a kind that counts.
+    """Write a column of ``ending``: whether the agent touches a body of a kind that counts.
 
     Reads: state (collided), episode (hit_kind).
     Writes: episode (ending).

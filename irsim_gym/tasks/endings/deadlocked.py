@@ -1,4 +1,4 @@
-"""Deadlocked: the agent has hardly moved for too long."""
+"""Deadlocked: the agent has stood still for too long."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Deadlocked:
     needs_goal: ClassVar[bool] = True
 
     def when(self, term: Term) -> str:
-        """Return when it applies."""
+        """Return the condition, as text."""
         return "it has been slower than deadlock_speed, away from its goal, for deadlock_time (see the task)"
 
     @staticmethod

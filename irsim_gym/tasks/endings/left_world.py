@@ -25,7 +25,7 @@ class LeftWorld:
     needs_goal: ClassVar[bool] = False
 
     def when(self, term: Term) -> str:
-        """Return when it applies."""
+        """Return the condition, as text."""
         return "it is outside the world's rectangle by more than its own reach"
 
     @staticmethod
@@ -38,7 +38,7 @@ class LeftWorld:
 def find_outside(
     worlds: Ints, agents: Ints, column: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write a column of ``ending``: the body's origin is further outside ``bounds`` than its reach [m].
+    """Write a column of ``ending``: whether the body's origin is outside ``bounds`` by more than its reach [m].
 
     Reads: model (bounds, reach), state (pose).
     Writes: episode (ending).

@@ -1,4 +1,4 @@
-"""What an agent perceives."""
+"""Observations of agents."""
 
 from irsim_gym.families import OBSERVATIONS
 from irsim_gym.tasks.observations.drive import Drive

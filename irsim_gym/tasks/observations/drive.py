@@ -1,4 +1,4 @@
-"""Drive: which of the team's drives the agent has."""
+"""Drive: which of the learners' drives the agent has."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from irsim_gym.world.state import WorldState
 class Drive:
     """1 for the agent's own drive and 0 for the other drives of the learners, in the order of their names.
 
-    One policy that is shared by robots with different drives has to know which one it moves.
+    A policy that robots with different drives share needs to know the drive of each robot.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -45,7 +45,7 @@ class Drive:
         return np.zeros(width, np.float32), np.ones(width, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the drives."""
+        """Return the meaning of the columns."""
         return [
             Columns(f"1 where the robot's drive is {name}, else 0")
             for name in map(KINEMATICS.names().__getitem__, term.arrays["drives"])

@@ -1,4 +1,4 @@
-"""Free travel without a sensor: how far the agent could go straight, by the outlines of what is around it."""
+"""Exact free travel: how far the agent can drive straight, computed from the outlines around it."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 NEAR_ENOUGH = 0.01
-"""Gap [m] at which a disc counts as arrived at a map's occupied cells."""
+"""Gap [m] below which a disc counts as touching a map's occupied cells."""
 LONGEST_WALK = 256
-"""Steps after which a walk along a map ends; a way that takes more of them leads along a wall, closer than 0.1 m."""
+"""Maximum number of steps along a map; longer walks lead along a wall, closer than 0.1 m."""
 
 
 class Place(NamedTuple):
-    """A disc that looks for ways: where it is [m], cosine and sine of its heading, its radius [m]."""
+    """A disc whose free travel is measured: position [m], cosine and sine of the heading, radius [m]."""
 
     x: float
     y: float
@@ -43,7 +43,7 @@ class Place(NamedTuple):
 
 @dataclass
 class Directions(Struct):
-    """Directions that are looked into.
+    """The observed directions.
 
     Attributes:
         ahead_x: Directions in the body frame, shape ``(n_directions,)``.
@@ -60,7 +60,7 @@ class Directions(Struct):
 class ExactFreeTravel:
     """``free_travel`` for agents without a range sensor, computed from outlines and the map.
 
-    It sees through walls and in all directions. Bodies that are ``unobstructed`` are not seen.
+    It sees through walls and in all directions, but not bodies that are ``unobstructed``.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -77,7 +77,7 @@ class ExactFreeTravel:
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what is wrong with options that are right one by one: key and message."""
+        """Return key and message of conflicting options."""
         return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Directions:
@@ -85,14 +85,14 @@ class ExactFreeTravel:
         return Directions(*directions(self.directions), simulation.model.reach[:, agents].max(axis=0) + self.margin)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the codes of the longest way and of contact."""
+        """Return the codes of the longest distance and of contact."""
         low, high = np.full(self.directions, self.horizon, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
             encode(values, RangeCode.of(self, self.horizon))
         return low, high
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the directions."""
+        """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, self.horizon)
 
     @staticmethod
@@ -111,7 +111,7 @@ def write_ways(
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
-    """Write the free way in each direction, encoded.
+    """Write the encoded free distance in each direction.
 
     Reads: term (agents, column, options), ways (ahead_x, ahead_y, radius), model (disc_count, disc_start, present,
         reach, segment_count, segment_start, unobstructed), state (discs, pose, segments), episode (observation).
@@ -145,7 +145,7 @@ def write_ways(
 
 @kernel
 def stop_at_disc(disc: Floats, place: Place, far: float, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that another disc blocks.
+    """Shorten the distances that another disc limits.
 
     Reads: ways (ahead_x, ahead_y).
     Writes: row.
@@ -158,7 +158,7 @@ def stop_at_disc(disc: Floats, place: Place, far: float, ways: Directions, row: 
 
 @kernel
 def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that a segment blocks: its two ends, and what lies between them.
+    """Shorten the distances that a segment limits: by its two ends, and by its side.
 
     Reads: ways (ahead_x, ahead_y).
     Writes: row.
@@ -191,7 +191,7 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
 
 @kernel
 def stop_at_cells(cells: CellMaps | None, w: int, place: Place, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that the map of world w blocks; each step goes as far as there is room around it.
+    """Shorten the distances that the map of world w limits; each step is as long as the clearance allows.
 
     Reads: ways (ahead_x, ahead_y).
     Writes: row.

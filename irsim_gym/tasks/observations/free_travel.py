@@ -1,4 +1,4 @@
-"""Free travel: how far the agent could go straight in each of many directions, judged by its scan."""
+"""Free travel: how far the agent can drive straight in each of many directions, by its scan."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ class Ways(Struct):
         ahead_x: Directions in the body frame, shape ``(n_directions,)``.
         ahead_y: As ``ahead_x``.
         radius: Radius of the disc around each agent [m], shape ``(n_agents,)``.
-        far: Longest way of each agent [m], shape ``(n_agents,)``.
+        far: Maximum distance for each agent [m], shape ``(n_agents,)``.
         ranges: Live readings [m], shape ``(n_worlds, n_members, n_beams)``.
         members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
         beams_x: Directions of the beams in the body frame, shape ``(n_agents, n_beams)``.
         beams_y: As ``beams_x``.
-        mount: Place of the sensor in the body frame [m], shape ``(n_agents, 2)``.
-        sight: Greatest range of each agent's sensor [m], shape ``(n_agents,)``.
+        mount: Position of the sensor in the body frame [m], shape ``(n_agents, 2)``.
+        sight: Maximum range of each agent's sensor [m], shape ``(n_agents,)``.
     """
 
     ahead_x: Rays
@@ -60,10 +60,10 @@ class Ways(Struct):
 
 @kind
 class FreeTravel:
-    """Distance that a disc around the agent can travel, in directions evenly spaced over a full turn, encoded.
+    """Encoded distance that a disc around the agent can travel, in directions evenly spaced over a full turn.
 
-    The obstacles are the points that the beams hit. A gap that is too narrow for the agent shows as closed, however
-    few directions there are: what a pooled scan cannot tell. The codes are those of ``scan``.
+    The obstacles are the points that the beams hit. Unlike in a pooled scan, a gap that is too narrow for the agent
+    appears closed, even with few directions. The codes are those of ``scan``.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -81,11 +81,11 @@ class FreeTravel:
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what is wrong with options that are right one by one: key and message."""
+        """Return key and message of conflicting options."""
         return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
-        """Return the live ranges, who has which, the beams in the body frame, the directions and the discs' radii."""
+        """Return live ranges, each agent's row in them, the beams in the body frame, the directions and the radii."""
         group, members = shared_sensors(simulation, agents, "free_travel")
         table, mounts = group.arrays, [group.options[k] for k in members]
         turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
@@ -104,7 +104,7 @@ class FreeTravel:
         )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the codes of the longest way and of contact."""
+        """Return the codes of the longest distance and of contact."""
         far = float(term.arrays.far.max())
         low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
@@ -112,7 +112,7 @@ class FreeTravel:
         return low, high
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the directions."""
+        """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, float(term.arrays.far[agent]))
 
     @staticmethod
@@ -122,19 +122,19 @@ class FreeTravel:
 
 
 def directions(count: int) -> tuple[Rays, Rays]:
-    """Return directions evenly spread over a full turn, the first one straight behind: their cosines and sines."""
+    """Return cosines and sines of directions evenly spaced over a full turn, the first one straight behind."""
     ahead = 2.0 * np.pi * np.arange(count) / count - np.pi
     return np.cos(ahead).astype(np.float32), np.sin(ahead).astype(np.float32)
 
 
 def way_columns(options: Any, table: Any, agent: int, far: float) -> list[Columns]:
-    """Return what the numbers of free ways are.
+    """Return the meaning of columns of free distances.
 
     Args:
-        options: Those of the kind: ``directions``, ``code``, ``near`` and ``zero``.
+        options: Options of the kind: ``directions``, ``code``, ``near`` and ``zero``.
         table: The term's ``ahead_x``, ``ahead_y`` and ``radius``.
-        agent: Which agent's.
-        far: Longest way [m].
+        agent: Index of the agent.
+        far: Maximum distance [m].
     """
     ahead = np.arctan2(table.ahead_y.astype(np.float64), table.ahead_x.astype(np.float64))
     ahead[0] = -np.pi
@@ -145,7 +145,7 @@ def way_columns(options: Any, table: Any, agent: int, far: float) -> list[Column
 
 @kernel
 def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> None:
-    """Write the free way in each direction, encoded.
+    """Write the encoded free distance in each direction.
 
     Reads: term (column, options), ways (ahead_x, ahead_y, beams_x, beams_y, far, members, mount, radius, ranges,
         sight), episode (observation).
@@ -176,7 +176,7 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
 def shorten(
     x: np.float32, y: np.float32, radius2: np.float32, far: np.float32, ahead_x: Rays, ahead_y: Rays, row: Rays
 ) -> None:
-    """Shorten the ways that a point in the body frame blocks; no branch, so that the directions run in lanes."""
+    """Shorten the distances that a point in the body frame limits; without branches, so that the loop is vectorised."""
     nothing = np.float32(0.0)
     for j in range(row.shape[0]):
         along = x * ahead_x[j] + y * ahead_y[j]

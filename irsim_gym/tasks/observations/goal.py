@@ -1,4 +1,4 @@
-"""Goal: where the next goal lies, seen from the agent."""
+"""Goal: the next goal relative to the agent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from irsim_gym.world.state import WorldState
 class Goal:
     """Distance and bearing of the next goal: ``min(d / scale, 1)``, cosine and sine of the bearing, ``exp(-d / near)``.
 
-    The bearing comes as cosine and sine because an angle would jump where it wraps.
+    The bearing is given as cosine and sine, because an angle would jump where it wraps.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -40,7 +40,7 @@ class Goal:
         return np.array([0.0, -1.0, -1.0, 0.0], np.float32), np.ones(4, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the four elements are."""
+        """Return the meaning of the columns."""
         width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
         full = self.scale or float(np.hypot(width, height))
         bearing = "0 straight ahead, positive to the left"

@@ -1,4 +1,4 @@
-"""Goal heading: which way the agent shall face at the next goal."""
+"""Goal heading: the heading that the next goal requires."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class GoalHeading:
         return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the two elements are."""
+        """Return the meaning of the columns."""
         turn = "turn = goal's heading - own heading; both elements 0 if any heading is allowed"
         return [
             Columns("cosine of the remaining turn", turn),

@@ -1,4 +1,4 @@
-"""Goal position: where the next goal is in the world."""
+"""Goal position: the position of the next goal in the world."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ class GoalPosition:
     needs_scan: ClassVar[bool] = False
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return that there are none."""
+        """Return infinite bounds."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the two elements are."""
+        """Return the meaning of the columns."""
         return [Columns(f"{axis} of the next goal", place_scale(axis, model)) for axis in ("x", "y")]
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Goal record: what a Bug algorithm remembers on its way."""
+"""Goal record: the memory of a Bug algorithm."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Records(Struct):
-    """The nearest that agents have been to their goals.
+    """The agents' smallest distances to their goals so far.
 
     Attributes:
-        nearest: Least goal distance [m], shape ``(n_worlds, n_agents)``.
-        since: Its time [s], shape ``(n_worlds, n_agents)``.
+        nearest: Minimum goal distance [m], shape ``(n_worlds, n_agents)``.
+        since: Time of the minimum [s], shape ``(n_worlds, n_agents)``.
         target: The goal [m], shape ``(n_worlds, n_agents, 2)``.
     """
 
@@ -37,11 +37,11 @@ class Records(Struct):
 
 @kind
 class GoalRecord:
-    """How much farther the goal is than at its nearest so far, and the time since then.
+    """How much farther away the goal is than at the smallest distance so far, and the time since then.
 
-    Both come as ``e / (e + near)`` and ``t / (t + soon)``. A policy without memory cannot tell whether it is on its way
-    around an obstacle or back into the same pocket. This number alone lets a robot leave a wall where it is nearer to
-    the goal than ever before, and never go round in circles (Lumelsky & Stepanov 1987; Kamon & Rivlin 1997).
+    They are encoded as ``e / (e + near)`` and ``t / (t + soon)``. A policy without memory cannot tell whether it drives
+    around an obstacle or back into the same pocket. With this number, a robot can leave a wall where it is nearer to
+    the goal than ever before, and thus never drive in circles (Lumelsky & Stepanov 1987; Kamon & Rivlin 1997).
     """
 
     only_kernels: ClassVar[bool] = True
@@ -62,11 +62,11 @@ class GoalRecord:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget the record."""
+        """Clear the record."""
         forget(term.arrays.nearest, np.inf, episode, shard)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the two elements are."""
+        """Return the meaning of the columns."""
         return [
             Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),
             Columns("time since it was at its nearest", f"t / (t + {self.soon:g} s)"),
@@ -80,7 +80,7 @@ class GoalRecord:
 
 @kernel
 def write_record(worlds: Ints, term: Bound, records: Records, state: WorldState, episode: EpisodeState) -> None:
-    """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one.
+    """Write the excess of the goal distance over the record and the time since; a new goal begins a new record.
 
     Reads: term (agents, column, options), records (nearest, since, target), state (goal, goal_distance, time).
     Writes: records (nearest, since, target), episode (observation).

@@ -1,4 +1,4 @@
-"""Heading: where the agent faces in the world."""
+"""Heading: the heading of the agent in the world."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Heading:
         return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the two elements are."""
+        """Return the meaning of the columns."""
         world = "in the world: 0 along x, positive to y"
         return [Columns("cosine of the heading", world), Columns("sine of the heading", world)]
 

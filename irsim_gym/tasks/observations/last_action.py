@@ -1,4 +1,4 @@
-"""Last action: what the agent did before."""
+"""Last action: the latest action of the agent."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class LastAction:
         return np.full(size, -1.0, np.float32), np.ones(size, np.float32)
 
     def used(self, term: Term) -> Flags:
-        """Return which components each agent's drive has, ``(n_agents, action_size)``."""
+        """Return flags of the components that each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the components are; agents with fewer have zeros there."""
+        """Return the meaning of the columns; components that an agent lacks are 0."""
         words = term.components[agent]
         named = [Columns(f"{name}, as requested", "-1 to 1, like actions") for name, _ in words]
         return [*named, *[Columns("unused")] * (term.action_size - len(words))]

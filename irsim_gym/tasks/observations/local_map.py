@@ -1,4 +1,4 @@
-"""Local map: which share of each cell around the agent is occupied, as numbers."""
+"""Local map: the occupied share of each cell around the agent."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class CellPicture(Struct):
-    """A small picture for each agent, whose pixels are the cells.
+    """A small image for each agent, whose pixels are the cells.
 
     Attributes:
-        painted: What ``paint_occupied`` reads: an ``OccupancyImage`` of that size.
-        paints: What it is painted with.
-        image: The pictures, ``(n_worlds, n_agents, cells, cells, 1)``.
+        painted: The term that ``paint_occupied`` reads: an ``OccupancyImage`` of that size.
+        paints: Scratch memory and colours for painting.
+        image: The images, ``(n_worlds, n_agents, cells, cells, 1)``.
     """
 
     painted: Bound
@@ -41,9 +41,9 @@ class CellPicture(Struct):
 
 @kind
 class LocalMap:
-    """The share of each square cell around the agent that is occupied, row by row, from what is really there.
+    """The occupied share of each square cell around the agent, row by row, from the actual obstacles.
 
-    Space outside the world counts as occupied. No sensor knows all that: it is meant for ``critic_observations``.
+    Space outside the world counts as occupied. No sensor shows all of this; it is meant for ``critic_observations``.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -56,7 +56,7 @@ class LocalMap:
     bodies: bool = option(True, meaning="Include other bodies.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> CellPicture:
-        """Return the pictures, and what they are painted with."""
+        """Return the images, and the memory for painting them."""
         size: dict[str, Any] = {"pixels": self.cells, "metres": self.metres}
         painted = OccupancyImage(**size, rotated=self.rotated, bodies=self.bodies, goal_channel=False)
         paints = Paints.of(simulation, self.cells, self.cells, [[0.0, 1.0], [255.0, 1.0]])
@@ -68,14 +68,14 @@ class LocalMap:
         return np.zeros(self.cells**2, np.float32), np.ones(self.cells**2, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the shares are of."""
+        """Return the meaning of the columns."""
         side = self.metres / self.cells
         first = "from the row farthest ahead on, each from left to right" if self.rotated else "from the upper row on"
         return [Columns(f"occupied share of a cell of {side:.3g} m, {first}", "0 to 1", self.cells**2)]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Paint the cells, and write their shares."""
+        """Paint the cells, and write their occupied shares."""
         drawn = term.arrays
         cells = model.cells
         paint_occupied(shard.worlds, shard.slot, drawn.painted, drawn.paints, model, cells, state, drawn.image)

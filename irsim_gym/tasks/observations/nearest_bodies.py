@@ -1,4 +1,4 @@
-"""Nearest bodies: what stands or moves around an agent that has no range sensor."""
+"""Nearest bodies: the bodies around an agent, without a range sensor."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ WIDTH = 5
 
 @dataclass
 class Nearest(Struct):
-    """The nearest bodies found so far, nearest first: scratch memory.
+    """Scratch memory for the nearest bodies found so far, nearest first.
 
     Attributes:
-        sight: How far bodies are seen [m].
-        distance: Distance of their nearest points [m], shape ``(n_slots, count)``.
-        way_x: Way to that point [m], shape ``(n_slots, count)``.
-        way_y: As ``way_x``.
+        sight: Range of view [m].
+        distance: Distance of each body's nearest point [m], shape ``(n_slots, count)``.
+        way_x: x offset of that point [m], shape ``(n_slots, count)``.
+        way_y: y offset of that point [m], shape ``(n_slots, count)``.
         body: The bodies, -1 for none, shape ``(n_slots, count)``.
     """
 
@@ -50,10 +50,10 @@ class Nearest(Struct):
 class NearestBodies:
     """The nearest other bodies, nearest first, five numbers each.
 
-    Cosine and sine of the direction of the body's nearest point in the agent's frame; the gap between that point and
-    the agent's own outline, encoded as by ``scan``: 1 in contact, steep where it matters; and the relative velocity in
-    the agent's frame over ``speed``. Bodies whose surface is farther from the agent's origin than ``range`` are not
-    seen; one that is not there reads 0, 0, the code of ``range``, 0, 0.
+    The numbers are cosine and sine of the direction of the body's nearest point in the agent's frame; the gap between
+    that point and the agent's own outline, encoded as by ``scan``; and the relative velocity in the agent's frame,
+    divided by ``speed``. Bodies whose surface is farther from the agent's origin than ``range`` are not seen; a missing
+    body reads 0, 0, the code of ``range``, 0, 0.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -70,7 +70,7 @@ class NearestBodies:
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (gap + near) that becomes 0.")
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what is wrong with options that are right one by one: key and message."""
+        """Return key and message of conflicting options."""
         return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Nearest:
@@ -87,7 +87,7 @@ class NearestBodies:
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the five numbers of each body are."""
+        """Return the meaning of the columns."""
         gap = coded(self, "g", _sight(self.range, model))
         pace = f"v / {self.speed:g} m/s, relative to the robot"
         columns = [
@@ -113,7 +113,7 @@ class NearestBodies:
 
 
 def _sight(given: float | None, model: WorldModel) -> float:
-    """Return how far bodies are seen [m]: the world's diagonal where nothing is given."""
+    """Return the range of view [m], by default the world's diagonal."""
     return float(np.hypot(*(model.bounds[2:] - model.bounds[:2]))) if given is None else given
 
 
@@ -172,7 +172,7 @@ def span(start: Ints, count: Ints, w: int, body: int) -> tuple[int, int]:
 
 @kernel
 def nearest_on_discs(discs: Floats, x: float, y: float) -> tuple[float, float, float]:
-    """Return distance [m] and position of the nearest point of some discs; infinity without one, 0 within one."""
+    """Return distance and position of the nearest point of some discs [m]; infinity without discs, negative inside."""
     gap, px, py = np.inf, 0.0, 0.0
     for d in range(discs.shape[0]):
         dx, dy, radius = discs[d, 0] - x, discs[d, 1] - y, discs[d, 2]
@@ -185,7 +185,7 @@ def nearest_on_discs(discs: Floats, x: float, y: float) -> tuple[float, float, f
 
 @kernel
 def nearest_point(segments: Floats, x: float, y: float) -> tuple[float, float, float]:
-    """Return distance and position of the nearest point of some segments [m]; infinity without one."""
+    """Return distance and position of the nearest point of some segments [m]; infinity without segments."""
     least, px, py = np.inf, 0.0, 0.0
     for s in range(segments.shape[0]):
         ax, ay = segments[s, 0], segments[s, 1]
@@ -202,7 +202,7 @@ def nearest_point(segments: Floats, x: float, y: float) -> tuple[float, float, f
 
 @kernel
 def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: float, dy: float) -> float:
-    """Return how far an outline reaches from a point into a direction of any length [m]; 0 without a direction."""
+    """Return the extent of an outline from a point in a direction of any length [m]; 0 without a direction."""
     length = np.sqrt(dx * dx + dy * dy)
     farthest = 0.0
     if length == 0.0:
@@ -226,7 +226,7 @@ def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: floa
 
 @kernel
 def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Nearest) -> None:
-    """Insert a body, and the way to its nearest point, into the sorted list of the nearest ones.
+    """Insert a body, and the offset of its nearest point, into the sorted list of the nearest bodies.
 
     Reads: nearest (body, distance, way_x, way_y).
     Writes: nearest (body, distance, way_x, way_y).
@@ -250,7 +250,7 @@ def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Neares
 def write_gaps(
     w: int, own: int, slot: int, nearest: Nearest, term: Bound, model: WorldModel, state: WorldState, row: Rays
 ) -> None:
-    """Write the code of the gap between each body that was found and the agent's own outline.
+    """Write the code of the gap between each found body and the agent's own outline.
 
     Reads: nearest (distance, sight, way_x, way_y), term (options), model (disc_count, disc_start, segment_count,
         segment_start), state (discs, pose, segments).
@@ -271,7 +271,7 @@ def write_gaps(
 
 @kernel
 def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, state: WorldState, row: Rays) -> None:
-    """Write direction and relative velocity of each body that was found, in the agent's frame.
+    """Write direction and relative velocity of each found body, in the agent's frame.
 
     Reads: nearest (body, way_x, way_y), state (pose, stopped, twist).
     Writes: row.
@@ -293,7 +293,7 @@ def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, s
 
 @kernel
 def moving(w: int, b: int, axis: int, state: WorldState) -> float:
-    """Return a component of a body's velocity; 0 when it is held in place.
+    """Return a component of a body's velocity; 0 if the body is stopped.
 
     Reads: state (stopped, twist).
     """

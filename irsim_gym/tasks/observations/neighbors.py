@@ -1,4 +1,4 @@
-"""Neighbors: where the nearest other robots are and how they move."""
+"""Neighbors: position and motion of the nearest other robots."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ WIDTH = 6
 
 @dataclass
 class Robots(Struct):
-    """Whom agents look for, and scratch memory for the nearest ones found so far, nearest first.
+    """The robots, and scratch memory for the nearest ones found so far, nearest first.
 
     Attributes:
-        bodies: The robots, shape ``(n_robots,)``.
-        distance: Squared distances [m2], shape ``(n_slots, count)``.
-        found: Their bodies, -1 for none, shape ``(n_slots, count)``.
+        bodies: Bodies of the robots, shape ``(n_robots,)``.
+        distance: Squared distances of the nearest ones [m2], shape ``(n_slots, count)``.
+        found: Bodies of the nearest ones, -1 for none, shape ``(n_slots, count)``.
     """
 
     bodies: Ints
@@ -42,12 +42,12 @@ class Robots(Struct):
 
 @kind
 class Neighbors:
-    """The nearest other robots, nearest first, six numbers each; zeros for missing ones.
+    """The nearest other robots, nearest first, six numbers each; zeros for missing robots.
 
-    x, y of its origin in the agent's frame over ``range``; its velocity in the agent's frame, relative to the agent's,
-    over ``speed``; its reach (radius of the disc around its origin that holds it) over ``range``; and 1 for "there is
-    one". Robots whose origin is farther away than ``range`` are not seen; whether one is driven by a learner or by a
-    behaviour makes no difference.
+    The numbers are x, y of its origin in the agent's frame, divided by ``range``; its velocity relative to the agent in
+    the agent's frame, divided by ``speed``; its reach (radius of the disc around its origin that encloses it), divided
+    by ``range``; and 1 if there is a robot. Robots whose origin is farther away than ``range`` are not seen. Learners
+    and robots with a behaviour are observed alike.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -69,7 +69,7 @@ class Neighbors:
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the numbers of each robot are."""
+        """Return the meaning of the columns."""
         far = self.range or float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         over, pace = f"x / {far:.3g} m", f"v / {self.speed:g} m/s, relative to the robot"
         columns = [
@@ -121,7 +121,7 @@ def write_neighbors(
 
 @kernel
 def insert(squared: float, body: int, distance: Floats, found: Ints) -> None:
-    """Insert a body into the sorted list of the nearest ones; of equally near ones the first stays in front."""
+    """Insert a body into the sorted list of the nearest ones; among equal distances, the earlier body stays first."""
     k = distance.shape[0] - 1
     if squared >= distance[k]:
         return
@@ -135,7 +135,7 @@ def insert(squared: float, body: int, distance: Floats, found: Ints) -> None:
 def describe(
     w: int, own: int, body: int, far: float, speed: float, reach: Floats, state: WorldState, out: Rays
 ) -> None:
-    """Write the six numbers of a body, zeros for none (-1), cut to [-1, 1].
+    """Write the six numbers of a body, clipped to [-1, 1]; zeros for none (-1).
 
     Reads: state (pose, stopped, twist).
     Writes: out.

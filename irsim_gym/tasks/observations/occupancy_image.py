@@ -1,4 +1,4 @@
-"""Occupancy image: what stands around the agent, as a picture."""
+"""Occupancy image: the obstacles around the agent as an image."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 LEAST_GOAL = 1.5
-"""Least radius of the goal's disc [pixel]."""
+"""Minimum radius of the goal's disc [pixel]."""
 
 
 @dataclass
 class Tools(Struct):
-    """What an occupancy image is painted with, and the scans where it shows them."""
+    """Memory for painting an occupancy image, and the scans if it shows them."""
 
     paints: Paints
     beams: ScanBeams | None
@@ -50,11 +50,11 @@ class Tools(Struct):
 
 @kind
 class OccupancyImage:
-    """A square picture with the agent in its middle: 0 for free space, 255 for obstacles, with smooth edges.
+    """A square image with the agent in the middle: 0 for free space, 255 for obstacles, with smooth edges.
 
-    It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows what is occupied, or, with ``from_scan``, what
-    the lidar's latest scan knows: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds one for other robots alone,
-    ``goal_channel`` one with a disc where the goal is, at the border where it lies beyond.
+    It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows occupied space, or, with ``from_scan``, the
+    lidar's latest scan: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds a channel for other robots,
+    ``goal_channel`` one with a disc at the goal, or at the border if the goal is farther away.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -76,12 +76,12 @@ class OccupancyImage:
 
     @property
     def needs_goal(self) -> bool:
-        """It needs a goal where it shows one."""
+        """Whether it needs a goal: if it shows one."""
         return self.goal_channel
 
     @property
     def needs_scan(self) -> bool:
-        """It needs a range sensor where it shows a scan."""
+        """Whether it needs a range sensor: if it shows a scan."""
         return self.from_scan
 
     @property
@@ -90,12 +90,12 @@ class OccupancyImage:
         return self.pixels, self.pixels, 1 + self.robot_channel + self.goal_channel
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Tools:
-        """Return what is painted with, and the scans where they are shown."""
+        """Return the memory for painting, and the scans if it shows them."""
         paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
         return Tools(paints, beams_of(simulation, agents, "occupancy_image") if self.from_scan else None)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the channels show."""
+        """Return the meaning of the channels."""
         seen = "the scan: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
         channels = [Columns("obstacles around the robot", seen)]
         if self.robot_channel:
@@ -106,12 +106,12 @@ class OccupancyImage:
 
     @property
     def view(self) -> str:
-        """What the picture shows, and what is up in it."""
+        """Description of the image's area and orientation."""
         return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Paint the picture."""
+        """Paint the image."""
         options, tools, bound, image = term.options, term.arrays, term.bound, term.image
         worlds, slot, paints = shard.worlds, shard.slot, tools.paints
         if tools.beams is not None:
@@ -136,7 +136,7 @@ def paint_occupied(
     state: WorldState,
     image: Bytes,
 ) -> None:
-    """Clear the pictures, and paint what is occupied into their first channel.
+    """Clear the images, and paint occupied space into their first channel.
 
     Reads: term (agents, options), paints (box, colours, sheets), model (bounds, disc_count, disc_start, present, reach,
         role, segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
@@ -144,13 +144,13 @@ def paint_occupied(
 
     Args:
         worlds: The worlds to treat.
-        slot: Whose sheet is used.
+        slot: Slot of the calling thread.
         term: An ``OccupancyImage``.
-        paints: Free and occupied in this order.
-        model: What there is.
+        paints: The colours free and occupied, in this order.
+        model: Constants of the simulation.
         cells: The map, or None.
-        state: Where it is.
-        image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
+        state: Its present state.
+        image: Output, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
     options, box, sheet = term.options[0], paints.box, paints.sheets[slot]
     for w in worlds:
@@ -207,8 +207,8 @@ def paint_goal(
 ) -> None:
     """Paint the goal into the last channel; see ``paint_occupied``.
 
-    Its disc has the radius under which it is reached, at least ``LEAST_GOAL``. Where it would not be all in the picture
-    it touches the border, in the goal's direction.
+    The radius of its disc is the goal threshold, at least ``LEAST_GOAL``. A disc that would not lie completely in the
+    image touches the border instead, in the direction of the goal.
 
     Reads: term (agents, options), paints (box, colours, sheets), model (goal_threshold, has_goal), state (goal, pose).
     Writes: paints (sheets).

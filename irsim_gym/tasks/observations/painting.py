@@ -1,6 +1,6 @@
-"""What pictures that agents observe have in common: where a camera looks, and what it can see.
+"""Common parts of image observations: the view, and painting the world into it.
 
-Pixels count from the upper left corner, x to the right and y down, as in ``raster``.
+Pixels are counted from the upper left corner, x to the right and y downwards, as in ``raster``.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 CORNER = 1.42
-"""A little more than how much farther a square's corner is away than its side."""
+"""Upper bound of the ratio of the distances of a square's corner and side from its centre."""
 LINE = 1.5
-"""Thickness of what has none, such as a wall that is a line [pixel]."""
+"""Thickness of shapes without thickness, such as walls [pixel]."""
 
 
 class View(NamedTuple):
-    """What a picture shows: a place x, y [m], the unit vector that points up, pixels per metre, the place's pixel."""
+    """The view of an image: a point x, y [m], the unit vector that points up, pixels per metre, the point's pixel."""
 
     x: float
     y: float
@@ -41,7 +41,7 @@ class View(NamedTuple):
 
 
 class Canvas(NamedTuple):
-    """What forms are added to: a sheet that is empty before and after, the box of the whole picture, and its view."""
+    """The target of shapes: a sheet that is empty before and after painting, the box of the image, and its view."""
 
     sheet: Rays
     box: Ints
@@ -50,10 +50,10 @@ class Canvas(NamedTuple):
 
 @dataclass
 class Paints(Struct):
-    """What pictures are painted with.
+    """Memory and colours for painting.
 
     Attributes:
-        box: The whole picture: left, top, right, bottom [pixel], shape ``(4,)``.
+        box: The whole image: left, top, right, bottom [pixel], shape ``(4,)``.
         sheets: A sheet for each slot, see ``new_sheet``.
         colours: Values of the channels, and the opacity, shape ``(n_colours, n_channels + 1)``.
     """
@@ -64,27 +64,27 @@ class Paints(Struct):
 
     @classmethod
     def of(cls, simulation: Simulation, height: int, width: int, colours: Sequence[Sequence[float]]) -> Self:
-        """Return what pictures of a size [pixel] are painted with."""
+        """Allocate memory for images of a size [pixel]."""
         sheets = np.stack([new_sheet(height, width)] * simulation.shards.n_slots)
         return cls(np.array([0, 0, width, height], np.int64), sheets, np.array(colours, np.float64))
 
 
 def around(metres: float, pixels: int, rotated: bool) -> str:
-    """Return what a picture around a robot shows, and what is up in it, in words."""
+    """Return the description of the area and orientation of an image around a robot."""
     up = "the robot's heading is up, its left is left" if rotated else "the world's y axis is up, x to the right"
     return f"{metres:g} m x {metres:g} m around the robot, {metres / pixels:.3g} m a pixel; {up}"
 
 
 @kernel(inlined=True)
 def view_from(pose: Floats, rotated: bool, scale: float, pixels: int) -> View:
-    """Return the view of an agent at a pose, whose heading points up where ``rotated``."""
+    """Return the view of an agent at a pose; its heading points up if ``rotated``."""
     up_x, up_y = (np.cos(pose[2]), np.sin(pose[2])) if rotated else (0.0, 1.0)
     return View(pose[0], pose[1], up_x, up_y, scale, 0.5 * pixels, 0.5 * pixels)
 
 
 @kernel(inlined=True)
 def clear(picture: Bytes, value: int) -> None:
-    """Fill all channels of a picture."""
+    """Fill all channels of an image."""
     for row in range(picture.shape[0]):
         for column in range(picture.shape[1]):
             for channel in range(picture.shape[2]):
@@ -93,19 +93,19 @@ def clear(picture: Bytes, value: int) -> None:
 
 @kernel(inlined=True)
 def image_column(view: View, x: float, y: float) -> float:
-    """Return where a place [m] is, from the left of the picture [pixel]."""
+    """Return the column of a point [m], from the left of the image [pixel]."""
     return view.middle_x + view.scale * ((x - view.x) * view.up_y - (y - view.y) * view.up_x)
 
 
 @kernel(inlined=True)
 def image_row(view: View, x: float, y: float) -> float:
-    """Return where a place [m] is, from the top of the picture [pixel]."""
+    """Return the row of a point [m], from the top of the image [pixel]."""
     return view.middle_y - view.scale * ((x - view.x) * view.up_x + (y - view.y) * view.up_y)
 
 
 @kernel
 def add_side(canvas: Canvas, a: Point, b: Point) -> None:
-    """Add a side of an area from a to b [m] to a sheet, the area to the left of it."""
+    """Add a side of an area from a to b [m] to a sheet; the area is to its left."""
     sheet, box, view = canvas
     add_edge(
         sheet,
@@ -119,7 +119,7 @@ def add_side(canvas: Canvas, a: Point, b: Point) -> None:
 
 @kernel
 def add_wall(canvas: Canvas, a: Point, b: Point) -> None:
-    """Add a line from a to b [m] of the least thickness that can be seen well, a little longer at both ends."""
+    """Add a line from a to b [m] to a sheet, with thickness ``LINE`` and slightly extended ends."""
     sheet, box, view = canvas
     px, py, qx, qy = (
         image_column(view, a[0], a[1]),
@@ -140,7 +140,7 @@ def add_wall(canvas: Canvas, a: Point, b: Point) -> None:
 
 @kernel
 def is_near(canvas: Canvas, x: float, y: float, reach: float) -> bool:
-    """Return whether something around a place [m] may be in the picture, which is ``box``."""
+    """Return whether a shape within ``reach`` of a point [m] may be visible in the image."""
     view, box = canvas.camera, canvas.box
     column, row, far = image_column(view, x, y), image_row(view, x, y), reach * view.scale + LINE
     is_beside: bool = column + far <= box[0] or column - far >= box[2]
@@ -213,7 +213,7 @@ def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
         for k in range(here.n_boxes):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
-            size = CORNER * (right - left + high - low)  # most are far away however the picture is turned
+            size = CORNER * (right - left + high - low)  # most cells are far away in any orientation of the image
             if max(abs(left - view.x), abs(low - view.y)) < seen + size:
                 if here.radius > 0.0:
                     add_cell_discs(canvas, here, k)
@@ -223,7 +223,7 @@ def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
 
 @kernel
 def add_cell_discs(canvas: Canvas, cells: CellMap, k: int) -> None:
-    """Add the discs in the cells of a box of a map to a sheet."""
+    """Add the discs in the cells of a map's box to a sheet."""
     view = canvas.camera
     for i in range(cells.boxes[k, 0], cells.boxes[k, 1]):
         for j in range(cells.boxes[k, 2], cells.boxes[k, 3]):
@@ -234,7 +234,7 @@ def add_cell_discs(canvas: Canvas, cells: CellMap, k: int) -> None:
 
 @kernel
 def add_outside(canvas: Canvas, bounds: Floats) -> None:
-    """Add all that is outside of the world, as far as the picture shows it."""
+    """Add the visible space outside of the world to a sheet."""
     box, view = canvas.box, canvas.camera
     size = (box[2] - box[0] + box[3] - box[1]) / view.scale
     left, low, right, high = bounds[0], bounds[1], bounds[2], bounds[3]

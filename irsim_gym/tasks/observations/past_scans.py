@@ -1,4 +1,4 @@
-"""Past scans: what the range sensor saw a while ago, as it would be seen from where the agent is now."""
+"""Past scans: earlier scans of the range sensor, transformed to the agent's current pose."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ LONGEST = 1000
 
 @dataclass
 class Memory(Struct):
-    """Earlier scans, and what they were taken with.
+    """Earlier scans, and the geometry of the sensors.
 
     Attributes:
         ranges: Live readings [m], shape ``(n_worlds, n_members, n_beams)``.
         members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
         beams: Directions in the body frame, shape ``(n_agents, 2, n_beams)``.
-        mount: Place of the sensor in the body frame [m], shape ``(n_agents, 2)``.
-        reach: Radius of the disc that holds the agent [m], shape ``(n_agents,)``.
-        far: Greatest range [m], shape ``(n_agents,)``.
-        ago: How old the scans are that are shown [steps], shape ``(n_shown,)``.
-        scans: The latest scans [m], shape ``(n_worlds, n_agents, n_kept, n_beams)``; a scan's place is the number of
-            its step modulo ``n_kept``.
-        poses: The poses that they were taken from [m, m, rad], shape ``(n_worlds, n_agents, n_kept, 3)``.
+        mount: Position of the sensor in the body frame [m], shape ``(n_agents, 2)``.
+        reach: Radius of the disc that encloses the agent [m], shape ``(n_agents,)``.
+        far: Maximum range [m], shape ``(n_agents,)``.
+        ago: Ages of the observed scans [steps], shape ``(n_shown,)``.
+        scans: The latest scans [m], shape ``(n_worlds, n_agents, n_kept, n_beams)``; the index of a scan is its step
+            modulo ``n_kept``.
+        poses: The poses at which they were taken [m, m, rad], shape ``(n_worlds, n_agents, n_kept, 3)``.
     """
 
     ranges: Rays
@@ -61,11 +61,11 @@ class Memory(Struct):
 
 @kind
 class PastScans:
-    """Earlier scans, seen from the agent's current pose: free depth in sectors, encoded as in ``scan``.
+    """Earlier scans, transformed to the agent's current pose: free depth in sectors, encoded as in ``scan``.
 
-    What was hit then is put where it would be seen now, by the way that the agent itself has gone since. What stands
-    still therefore reads as in the present scan, and what differs has moved: a policy without memory sees who goes
-    where. As long as an episode is younger than that, its first scan is taken.
+    The points that were hit are transformed by the agent's own motion since then. Standing obstacles therefore read as
+    in the present scan, and differences show motion, even to a policy without memory. While an episode is shorter than
+    the age of a scan, its first scan is used.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -82,7 +82,7 @@ class PastScans:
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what is wrong with options that are right one by one: key and message."""
+        """Return key and message of conflicting options."""
         problems = code_problems(self)
         if not self.ago or not all(1 <= steps <= LONGEST for steps in self.ago):
             problems.append(("ago", f"must be whole numbers from 1 to {LONGEST}, got {list(self.ago)}"))
@@ -107,7 +107,7 @@ class PastScans:
         )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the codes of the greatest depth and of contact."""
+        """Return the codes of the maximum depth and of contact."""
         width = self.sectors * len(self.ago)
         far = term.arrays.far.max()
         low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
@@ -116,7 +116,7 @@ class PastScans:
         return low, high
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the sectors of each scan."""
+        """Return the meaning of the columns."""
         far = float(term.arrays.far[agent])
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
         sectors = evenly(self.sectors)
@@ -127,14 +127,14 @@ class PastScans:
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Remember the present scan, and write the sectors of earlier ones."""
+        """Store the present scan, and write the sectors of earlier ones."""
         note_scans(shard.worlds, term.agents, term.arrays, state, episode)
         write_past(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
 def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
-    """Put each agent's scan, and the pose that it was taken from, in place of the oldest one.
+    """Replace each agent's oldest scan and pose by the present ones.
 
     Reads: memory (members, ranges), state (pose), episode (steps).
     Writes: memory (poses, scans).
@@ -150,7 +150,7 @@ def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, ep
 
 @kernel
 def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
-    """Write the depths of earlier scans, encoded.
+    """Write the encoded depths of earlier scans.
 
     Reads: term (agents, column, options), memory (ago, beams, far, mount, poses, reach, scans), state (pose), episode
         (observation, steps).
@@ -175,17 +175,17 @@ def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, epi
 def project(
     scan: Rays, then: Floats, now: Floats, mount: Floats, beams: Floats, far: np.float32, reach: float, row: Rays
 ) -> None:
-    """Lower the sectors' depths [m] to what a scan shows from another pose.
+    """Lower the sectors' depths [m] to those of a scan, transformed to another pose.
 
     Args:
         scan: Ranges [m], ``(n_beams,)``.
-        then: Pose of the body when it was taken [m, m, rad].
-        now: Pose from which it is looked at.
+        then: Pose of the body at the time of the scan [m, m, rad].
+        now: Present pose of the body [m, m, rad].
         mount: Position of the sensor in the body frame [m].
         beams: Directions in the body frame, ``(2, n_beams)``.
-        far: Range from which on a beam has met nothing [m].
-        reach: Depth 0 [m], measured from the body's origin.
-        row: Written, ``(n_sectors,)``; the first sector begins straight behind.
+        far: Range from which a beam counts as having hit nothing [m].
+        reach: Distance from the body's origin that is depth 0 [m].
+        row: Output, ``(n_sectors,)``; the first sector begins straight behind.
     """
     n_sectors = row.shape[0]
     turn = then[2] - now[2]

@@ -1,4 +1,4 @@
-"""Position: where the agent is in the world."""
+"""Position: the position of the agent in the world."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Position:
-    """x and y relative to the world's middle, divided by half its longer side: the world lies within [-1, 1].
+    """x and y relative to the world's centre, divided by half its longer side, so that the world lies within [-1, 1].
 
-    The numbers continue beyond the world's edge, so that different places stay different.
+    The numbers continue beyond the world's edge, so that different positions stay different.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -30,11 +30,11 @@ class Position:
     needs_scan: ClassVar[bool] = False
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return that there are none."""
+        """Return infinite bounds."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the two elements are."""
+        """Return the meaning of the columns."""
         return [Columns(f"{axis} of the agent's place", place_scale(axis, model)) for axis in ("x", "y")]
 
     @staticmethod
@@ -44,7 +44,7 @@ class Position:
 
 
 def place_scale(axis: str, model: WorldModel) -> str:
-    """Return how a place becomes a number, in words."""
+    """Return the formula for a coordinate's number, as text."""
     x_min, y_min, x_max, y_max = model.bounds.tolist()
     middle = 0.5 * (x_min + x_max) if axis == "x" else 0.5 * (y_min + y_max)
     return f"({axis} - {middle:g} m) / {0.5 * max(x_max - x_min, y_max - y_min):g} m"
@@ -54,7 +54,7 @@ def place_scale(axis: str, model: WorldModel) -> str:
 def write_place(
     worlds: Ints, agents: Ints, column: int, model: WorldModel, episode: EpisodeState, places: Floats
 ) -> None:
-    """Write x and y of the agents' places ``(n_worlds, n_bodies, 3)`` [m], scaled as the world's rectangle is.
+    """Write x and y of the agents' rows of ``places``, ``(n_worlds, n_bodies, 3)`` [m], scaled by the world's size.
 
     Reads: model (bounds).
     Writes: episode (observation).

@@ -1,4 +1,4 @@
-"""What observations made from a range sensor share: whose sensor it is, and how a depth becomes a number."""
+"""Common parts of observations of a range sensor: the agents' sensors, and the encoding of depths."""
 
 from __future__ import annotations
 
@@ -48,24 +48,24 @@ def range_code(options: Any, far: float) -> RangeCode:
 
 
 def code_number(code: str) -> int:
-    """Return the number by which kernels know a code."""
+    """Return the number of a code in kernels."""
     return get_args(Code).index(code)
 
 
 def code_problems(options: Any) -> list[tuple[str, str]]:
-    """Return what is wrong with ``code``, ``near`` and ``zero`` together: key and message."""
+    """Return key and message of conflicts between ``code``, ``near`` and ``zero``."""
     if options.code == "inverse" and options.zero * options.near > 0.5:
         return [("zero", f"must be <= 0.5 / near = {0.5 / options.near:g}, got {options.zero:g}")]
     return []
 
 
 def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Group, Ints]:
-    """Return the group of the agents' range sensors and each agent's member of it.
+    """Return the group of the agents' range sensors, and each agent's member of it.
 
-    Of several range sensors of an agent the first of the file is taken.
+    If an agent has several range sensors, the first one in the file is used.
 
     Raises:
-        ValueError: An agent has none, or one that differs in its beams or in whether it has noise.
+        ValueError: If an agent has no range sensor, or the sensors differ in their beams or in having noise.
     """
     found = [simulation.scan(int(b)) for b in agents]
     groups = [item[0] for item in found if item is not None]
@@ -76,7 +76,7 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
 
 @kernel(inlined=True)
 def encode(row: Rays, code: RangeCode) -> None:
-    """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
+    """Replace depths [m] by their codes, in place; the float32 codes decrease monotonically with the depth."""
     for s in range(row.shape[0]):
         row[s] = encoded(row[s], code)
 

@@ -1,4 +1,4 @@
-"""Route: the direction of the shortest way to the goal, from the map."""
+"""Route: direction and length of the shortest path to the goal, from the map."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 CELL = 0.1
-"""Side of the cells [m] where none is given, and the world is small enough."""
+"""Default cell size [m], if the world is small enough."""
 FINEST = 200
-"""Most cells along the longer side of the world, unless a side is given."""
+"""Maximum number of cells along the longer side of the world with the default cell size."""
 ENTRY = 4
-"""How many cells around the agent's own are looked at for a free one."""
+"""Search radius for a free cell around the agent's own [cells]."""
 
 
 @dataclass
 class RouteWays(Struct):
-    """The ways to the agents' goals, over a grid of cells, and what they are found with.
+    """The paths to the agents' goals on a grid, and scratch memory for the search.
 
     Attributes:
         grid: The grid.
-        onward: Number of the next cell on the way, -1 at its end, shape ``(n_worlds, n_agents, n_cells)``.
-        length: Length of the way from each cell [m], infinite without one, shape ``(n_worlds, n_agents, n_cells)``.
-        target: The goals [m] that the ways lead to, shape ``(n_worlds, n_agents, 2)``.
-        blocked: Scratch: see ``Search``; first axis the slot, as in all that follow.
-        field: Scratch: see ``Search``.
-        queue: Scratch: see ``Search``.
-        blocks: Scratch: bodies that are in the way, shape ``(n_slots, n_bodies)``.
+        onward: Number of the next cell on the path, -1 at its end, shape ``(n_worlds, n_agents, n_cells)``.
+        length: Length of the path from each cell [m], infinite without one, shape ``(n_worlds, n_agents, n_cells)``.
+        target: The goals [m] of the paths, shape ``(n_worlds, n_agents, 2)``.
+        blocked: Scratch, see ``Search``; as in all following arrays, the first axis is the slot.
+        field: Scratch, see ``Search``.
+        queue: Scratch, see ``Search``.
+        blocks: Scratch: flags of bodies that are obstacles, shape ``(n_slots, n_bodies)``.
     """
 
     grid: Grid
@@ -63,8 +63,9 @@ class RouteWays(Struct):
 class Route:
     """Direction of a point ahead on the shortest path to the next goal, as cosine and sine, and the path's length.
 
-    The way leads around what never moves, at the agent's reach, over free cells; it is found when the goal is new. The
-    length comes over the world's diagonal, cut to 1. Where no way is known both are those of the straight one.
+    The path avoids everything that never moves, with clearance for the agent's reach, on free cells; it is computed
+    when the goal changes. The length is divided by the world's diagonal and clipped to 1. Without a path, both are
+    those of the straight line.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -77,7 +78,7 @@ class Route:
     )
 
     def arrays(self, simulation: Simulation, agents: Ints) -> RouteWays:
-        """Return the ways, and scratch memory."""
+        """Return the paths, and scratch memory."""
         bounds = simulation.model.bounds
         side = max(float(bounds[2] - bounds[0]), float(bounds[3] - bounds[1]))
         grid = Grid.over(bounds, max(CELL, side / FINEST) if self.cell is None else self.cell)
@@ -98,7 +99,7 @@ class Route:
         return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the three elements are."""
+        """Return the meaning of the columns."""
         full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
         return [
@@ -109,12 +110,12 @@ class Route:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget the goals, so that all routes are searched again."""
+        """Clear the goals, so that all paths are computed again."""
         forget(term.arrays.target, np.nan, episode, shard)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Find the ways to goals that are new, and write the three elements."""
+        """Compute the paths to new goals, and write the three elements."""
         find_ways(shard.worlds, shard.slot, term.agents, term.arrays, model, model.cells, state)
         write_route(shard.worlds, term.bound, term.arrays, model, state, episode)
 
@@ -123,7 +124,7 @@ class Route:
 def find_ways(
     worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: WorldModel, cells: CellMaps | None, state: WorldState
 ) -> None:
-    """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new.
+    """Compute the paths to new goals: the next cell and the length of the path for each free cell.
 
     Reads: ways (blocked, blocks, field, grid, queue, target), model (present, reach, stands, unobstructed), state
         (goal).
@@ -153,7 +154,7 @@ def find_ways(
 def write_route(
     worlds: Ints, term: Bound, ways: RouteWays, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal.
+    """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
     Reads: term (agents, column, options), ways (grid, length, onward), model (bounds), state (direction, goal, pose).
     Writes: episode (observation).
@@ -181,7 +182,7 @@ def write_route(
 
 @kernel
 def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
-    """Return the number of the cell nearest to a point from which a way is known; -1 if none is near."""
+    """Return the number of the nearest cell with a path to the goal; -1 if none is near."""
     rows, columns = grid.rows, grid.columns
     own_row, own_column = int(np.floor((y - grid.origin_y) / grid.cell)), int(np.floor((x - grid.origin_x) / grid.cell))
     best, found = np.inf, -1
@@ -200,7 +201,7 @@ def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
 def point_ahead(
     onward: Spans, grid: Grid, first: int, ahead: float, goal_x: float, goal_y: float
 ) -> tuple[float, float]:
-    """Return the point [m] so far ahead on the way from a cell, to the next cell; the goal where the way is shorter."""
+    """Return the first cell centre on a path that is at least ``ahead`` [m] away; the goal if the path is shorter."""
     columns, here, driven = grid.columns, first, 0.0
     x, y = centre(grid, here // columns, here % columns)
     while driven < ahead:

@@ -32,15 +32,15 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Sectors(Struct):
-    """What a scan is pooled with.
+    """The tables for pooling a scan.
 
     Attributes:
         ranges: Live readings [m], shape ``(n_worlds, n_members, n_beams)``.
         members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
-        first: First beam of each sector, shape ``(n_sectors,)``; unsigned, which spares a test for negative numbers.
-        last: One past its last beam.
+        first: First beam of each sector, shape ``(n_sectors,)``; unsigned, which avoids a check for negative indices.
+        last: One past the last beam of each sector, likewise.
         extent: Distance to the agent's own outline [m], shape ``(n_agents, n_beams)``.
-        far: Greatest range of each agent's sensor [m], shape ``(n_agents,)``.
+        far: Maximum range of each agent's sensor [m], shape ``(n_agents,)``.
         angles: Directions of the beams [rad], shape ``(n_beams,)``.
         turns: Heading of each agent's sensor in the body frame [rad], shape ``(n_agents,)``.
     """
@@ -57,10 +57,10 @@ class Sectors(Struct):
 
 @kind
 class Scan:
-    """Free depth in sectors of equal angle: the least range beyond the agent's own outline, encoded.
+    """Free depth in sectors of equal angle: the encoded minimum range beyond the agent's own outline.
 
-    With the depth ``m`` of a sector, ``inverse`` is ``(1 / (m + near) - zero) / (1 / near - zero)``: 1 in contact,
-    steep where it matters, about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
+    For the depth ``m`` of a sector, ``inverse`` is ``(1 / (m + near) - zero) / (1 / near - zero)``: 1 in contact, steep
+    at small depths, and about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -76,11 +76,11 @@ class Scan:
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what is wrong with options that are right one by one: key and message."""
+        """Return key and message of conflicting options."""
         return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Sectors:
-        """Return the live ranges, who has which, the sectors' beams and the agents' own extents."""
+        """Return the live ranges with each agent's row, the sectors' beams and the agents' own extents."""
         group, members = shared_sensors(simulation, agents, "scan")
         table = group.arrays
         first, last = sector_beams(table["angles"], self.sectors)
@@ -96,7 +96,7 @@ class Scan:
         )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the codes of the greatest depth that each sector can show, and of contact."""
+        """Return the codes of the maximum depth of each sector, and of contact."""
         sectors: Sectors = term.arrays
         first, last, far = sectors.first, sectors.last, sectors.far
         farthest = far[:, None] - sectors.extent
@@ -108,7 +108,7 @@ class Scan:
         return low.min(axis=0), high.max(axis=0)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return where the sectors look: from their outer beams, and half a beam more, to each side."""
+        """Return the meaning of the columns; sectors extend half a beam beyond their outer beams."""
         table: Sectors = term.arrays
         edges = sector_edges(table.angles, len(table.first)) + table.turns[agent]
         far = float(table.far[agent])
@@ -128,20 +128,20 @@ def half_beam(angles: Floats) -> float:
 
 
 def sector_edges(angles: Floats, count: int) -> Floats:
-    """Return where sectors of equal angle begin, and where the last one ends [rad], shape ``(count + 1,)``."""
+    """Return the edges of sectors of equal angle [rad], shape ``(count + 1,)``."""
     half = half_beam(angles)
     return np.linspace(angles[0] - half, angles[-1] + half, count + 1)
 
 
 def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
-    """Return first and one past last beam of each sector; sectors of equal angle cover all beams.
+    """Return the first and one past the last beam of each sector; sectors of equal angle cover all beams.
 
-    The sectors span the beams' angles [rad, rising] and half a beam more at both ends. A sector in which no
-    beam falls takes the one nearest to its middle; where all beams point the same way, they are the first sector's.
+    The sectors span the beams' angles (ascending [rad]) and half a beam more at both ends. A sector without a beam gets
+    the one nearest to its middle. If all beams have the same direction, they belong to the first sector.
 
     Args:
         angles: Beam directions, shape ``(n_beams,)``.
-        sectors: Wanted number of sectors.
+        sectors: Maximum number of sectors.
     """
     n_beams = len(angles)
     count = min(sectors, n_beams)
@@ -162,7 +162,7 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
 
 @kernel
 def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> None:
-    """Write each sector's least depth beyond the own outline, encoded.
+    """Write each sector's encoded minimum depth beyond the own outline.
 
     Reads: term (column, options), sectors (extent, far, first, last, members, ranges), episode (observation).
     Writes: episode (observation).
@@ -187,7 +187,7 @@ def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> 
 
 @kernel(inlined=True)
 def write_depths(code: RangeCode, own: Rays, scan: Rays, row: Rays) -> None:
-    """Write the code of each beam's depth beyond the own outline: what sectors of one beam show."""
+    """Write the code of each beam's depth beyond the own outline, for sectors of one beam."""
     for k in range(row.shape[0]):
         depth = scan[k] - own[k]
         depth = depth if depth < code.far else code.far

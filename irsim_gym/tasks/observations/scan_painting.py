@@ -1,4 +1,4 @@
-"""A scan as a picture: what the latest beams of a range sensor know of the places around an agent."""
+"""Paints a scan as an image: what the latest beams of a range sensor show around an agent."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from irsim_gym.tasks.term import Bound
 from irsim_gym.world.state import WorldState
 
 UNKNOWN = 127
-"""What is shown where no beam has been."""
+"""Value of pixels that no beam has seen."""
 WIDEST = 0.05
-"""A beam knows of places up to this angle aside, and not beyond the middle between it and the next one [rad]."""
+"""Maximum half width of a beam [rad]; it also ends halfway to the neighbouring beam."""
 
 
 @dataclass
@@ -30,11 +30,11 @@ class ScanBeams(Struct):
     Attributes:
         ranges: Readings [m], shape ``(n_worlds, n_members, n_beams)``.
         members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
-        mount: The sensor's place in the body frame [m], shape ``(n_agents, 2)``.
+        mount: Position of the sensor in the body frame [m], shape ``(n_agents, 2)``.
         directions: Unit vectors in the body frame, shape ``(n_agents, n_beams, 2)``.
-        spread: Half the width of a beam for each metre.
+        spread: Half width of a beam per metre of range.
         do_touch: Whether neighbouring beams touch.
-        far: The greatest range [m], shape ``(n_agents,)``.
+        far: Maximum range [m], shape ``(n_agents,)``.
     """
 
     ranges: Rays
@@ -47,7 +47,7 @@ class ScanBeams(Struct):
 
 
 class Sensor(NamedTuple):
-    """Where a sensor is in the world [m], and cosine and sine of its body's heading."""
+    """Position of a sensor in the world [m], and cosine and sine of its body's heading."""
 
     x: float
     y: float
@@ -76,7 +76,7 @@ def beams_of(simulation: Simulation, agents: Ints, name: str) -> ScanBeams:
 def paint_scan(
     worlds: Ints, slot: int, term: Bound, beams: ScanBeams, paints: Paints, state: WorldState, image: Bytes
 ) -> None:
-    """Paint what a scan knows into the first channel and clear the others: free, occupied, ``UNKNOWN``.
+    """Paint a scan into the first channel (free, occupied, ``UNKNOWN``), and clear the others.
 
     Reads: term (agents, options), beams (directions, do_touch, far, members, mount, ranges, spread), paints (box,
         colours, sheets), state (pose).
@@ -84,12 +84,12 @@ def paint_scan(
 
     Args:
         worlds: The worlds to treat.
-        slot: Whose sheet is used.
+        slot: Slot of the calling thread.
         term: An ``OccupancyImage``.
-        beams: What the agents' sensors read.
-        paints: Free and occupied in this order.
+        beams: The agents' sensors.
+        paints: The colours free and occupied, in this order.
         state: Poses of the bodies.
-        image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
+        image: Output, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
     options, box, sheet = term.options[0], paints.box, paints.sheets[slot]
     scale = options.pixels / options.metres
@@ -112,7 +112,7 @@ def paint_scan(
 
 @kernel
 def add_fan(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays) -> None:
-    """Add what the beams of agent ``a`` have passed through; ``scan`` holds its ranges [m], ``(n_beams,)``.
+    """Add the area that the beams of agent ``a`` have passed; ``scan`` holds its ranges [m], ``(n_beams,)``.
 
     Reads: beams (directions, do_touch, spread).
     """
@@ -134,7 +134,7 @@ def add_fan(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays
 
 @kernel
 def add_hits(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays) -> None:
-    """Add what the beams of a scan have hit: a piece of wall as wide as a beam, at least a pixel, behind each end.
+    """Add the hits of a scan: behind each end, a piece of wall as wide as the beam, but at least one pixel.
 
     Reads: beams (directions, far, spread).
     """

@@ -1,4 +1,4 @@
-"""What the scans of each learner have shown so far, in a grid of cells of its own."""
+"""Grid maps of what each learner's scans have shown so far."""
 
 from __future__ import annotations
 
@@ -23,32 +23,32 @@ from irsim_gym.world.own_scan import OwnScan
 from irsim_gym.world.state import WorldState
 
 FINEST = 64
-"""Cells along the longer side of the world, unless a side is given."""
+"""Default number of cells along the longer side of the world."""
 
 CELL = option(None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side.")
 EVERY = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
 
 NOTHING = -1
-"""In place of the step of the latest scan that was added."""
+"""Value of ``noted`` before the first scan is added."""
 
 
 @dataclass
 class SeenGrid(Struct):
-    """The latest scans, and what they and those before them have shown. Observations of a task share it.
+    """The latest scans, and the maps of all scans so far. Observations of a task share it.
 
     Attributes:
         scan: The scans; member k is learner k.
-        grid: The grid: the world, and one cell more on each side for what stands on its edge.
-        every: Steps from one scan that is added to the next.
-        follows: Beams are followed, so that cells that they pass are known.
-        cells: What each learner knows of each cell, see ``paths.scan_marks``, shape ``(n_worlds, n_agents, rows,
+        grid: The grid: the world, and one more cell on each side for obstacles on its edge.
+        every: Number of steps between added scans.
+        follows: Whether beams are traced, so that the cells that they pass become known.
+        cells: State of each cell for each learner, see ``paths.scan_marks``, shape ``(n_worlds, n_agents, rows,
             columns)``.
-        noted: Step of the latest scan that was added, ``NOTHING`` before, shape ``(n_worlds, n_agents)``.
-        fresh: Quarters of cells that it has shown to be occupied, shape ``(n_worlds, n_agents, n_beams)``.
-        n_fresh: How many, shaped as ``noted``.
-        n_freed: How many it has shown not to be occupied any more, likewise.
-        doubted: Scratch: quarters that beams have passed although they were occupied, shape ``(n_slots, n_quarters)``;
-            none where nothing but the learner can move, as nothing that is occupied can become free there.
+        noted: Step of the latest added scan, or ``NOTHING``, shape ``(n_worlds, n_agents)``.
+        fresh: Quarters of cells that it newly showed to be occupied, shape ``(n_worlds, n_agents, n_beams)``.
+        n_fresh: Number of these quarters, shape ``(n_worlds, n_agents)``.
+        n_freed: Number of quarters that it showed to be no longer occupied, likewise.
+        doubted: Scratch: occupied quarters that beams have passed, shape ``(n_slots, n_quarters)``; empty if only the
+            learner can move, because occupied cells cannot become free then.
     """
 
     scan: OwnScan
@@ -64,14 +64,14 @@ class SeenGrid(Struct):
 
     @classmethod
     def over(cls, term: Any, simulation: Simulation, agents: Ints, name: str, *, follows: bool) -> Self:
-        """Return maps without anything.
+        """Return empty maps.
 
         Args:
             term: An observation with the options ``cell`` and ``every``.
-            simulation: Whose scans they show.
+            simulation: The simulation.
             agents: Body of each learner, shape ``(n_agents,)``.
             name: Name of the observation.
-            follows: Whether it needs to know what beams have passed.
+            follows: Whether the observation needs the cells that beams have passed.
         """
         group, members = shared_sensors(simulation, agents, name)
         scan, grid = own_scan(group, members), world_grid(simulation, term.cell)
@@ -92,7 +92,7 @@ class SeenGrid(Struct):
 
 
 def shared_map(own: SeenGrid, earlier: Sequence[Term]) -> SeenGrid:
-    """Return the map of an earlier term of the task with the same cells and scans, to use it too; else the own one."""
+    """Return the map of an earlier term of the task with the same cells and scans, to share it; else the own map."""
     for term in earlier:
         other = getattr(term.arrays, "seen", None)
         if isinstance(other, SeenGrid) and (other.grid, other.every) == (own.grid, own.every):
@@ -102,7 +102,7 @@ def shared_map(own: SeenGrid, earlier: Sequence[Term]) -> SeenGrid:
 
 
 def world_grid(simulation: Simulation, cell: float | None) -> Grid:
-    """Return a grid over the world with one cell more on each side, for a side of a cell [m] or for the usual one."""
+    """Return a grid over the world with one more cell on each side, for a cell size [m] or the default one."""
     bounds = simulation.model.bounds
     side = max(float(bounds[2] - bounds[0]), float(bounds[3] - bounds[1]))
     inner = Grid.over(bounds, side / FINEST if cell is None else cell)
@@ -112,7 +112,7 @@ def world_grid(simulation: Simulation, cell: float | None) -> Grid:
 
 @kernel(inlined=True)
 def cell_number(up: float, across: float, grid: Grid) -> np.int32:
-    """Return the number of the cell at a point [cells], -1 outside of the grid; loops over points run on vectors."""
+    """Return the number of the cell at a point [cells], -1 outside of the grid; loops over points are vectorised."""
     row, column = np.int32(np.floor(up)), np.int32(np.floor(across))
     is_inside = (row >= 0) & (row < np.int32(grid.rows)) & (column >= 0) & (column < np.int32(grid.columns))
     return np.int32(row * np.int32(grid.columns) + column) if is_inside else np.int32(-1)
@@ -120,7 +120,7 @@ def cell_number(up: float, across: float, grid: Grid) -> np.int32:
 
 @kernel
 def forget_seen(worlds: Ints, seen: SeenGrid, episode: EpisodeState) -> None:
-    """Forget what agents have seen whose episodes begin.
+    """Clear the maps of agents whose episodes begin.
 
     Reads: seen (noted), episode (began).
     Writes: seen (cells, noted).
@@ -134,7 +134,7 @@ def forget_seen(worlds: Ints, seen: SeenGrid, episode: EpisodeState) -> None:
 
 @kernel
 def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: WorldState, episode: EpisodeState) -> None:
-    """Add the latest scans to the maps of learners, at the start and then every few steps, if nobody has done so yet.
+    """Add the latest scans to the learners' maps, at the start and then every ``every`` steps, unless already added.
 
     Reads: term (agents), seen (cells, doubted, every, follows, grid, noted, scan), state (pose), episode (steps).
     Writes: seen (cells, doubted, fresh, n_freed, n_fresh, noted).

@@ -1,4 +1,4 @@
-"""Seen map: what the learner's own scans have shown so far, pooled into rings and sectors around it."""
+"""Seen map: the map from the learner's own scans, pooled into rings and sectors around it."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 APART = 2.0
-"""Distance of neighbouring samples [cells], at most."""
+"""Maximum distance between neighbouring samples [cells]."""
 
 
 @dataclass
 class SeenBins(Struct):
-    """The maps, and where they are sampled.
+    """The maps, and the points at which they are sampled.
 
     Attributes:
         seen: The maps.
-        samples: The samples in the body frame [m], one bin after the other, shape ``(2, n_samples)``.
+        samples: The samples in the body frame [m], bin by bin, shape ``(2, n_samples)``.
         ends: One past the last sample of each bin, ring by ring, shape ``(n_rings * sectors,)``.
-        places: Scratch: numbers of their cells, shape ``(n_slots, n_samples)``.
+        places: Scratch: cell numbers of the samples, shape ``(n_slots, n_samples)``.
     """
 
     seen: SeenGrid
@@ -45,12 +45,12 @@ class SeenBins(Struct):
 
 @kind
 class SeenMap:
-    """What the agent's own scans have shown so far, by rings and sectors around it.
+    """The map of what the agent's own scans have shown so far, by rings and sectors around it.
 
-    For each ring, from the inner one on: the share of each sector that is occupied, then the share of each that is
-    unknown. Cells are unknown until a beam passes them or hits something in them, and so is all that is beyond the
-    world. What was hit stays; where other bodies can move, beams clear what was seen before. A cell is occupied as long
-    as a quarter of it is. Observations of the map share it where ``cell`` and ``every`` agree.
+    For each ring, from the inside out, the columns are the occupied share of each sector, then the unknown share of
+    each. Cells are unknown until a beam passes them or hits something in them; space outside the world is unknown. Hits
+    remain in the map, but beams clear them if other bodies can move. A cell is occupied as long as a quarter of it is.
+    Observations with the same ``cell`` and ``every`` share one map.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -64,13 +64,13 @@ class SeenMap:
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
-        """Return what is wrong with options that are right one by one: key and message."""
+        """Return key and message of conflicting options."""
         if not self.rings or not all(a < b for a, b in zip((0.0, *self.rings), self.rings, strict=False)):
             return [("rings", f"must be growing numbers > 0, got {list(self.rings)}")]
         return []
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenBins:
-        """Return the maps, and where they are sampled."""
+        """Return the maps, and the points at which they are sampled."""
         seen = SeenGrid.over(self, simulation, agents, "seen_map", follows=True)
         bins = bin_samples(self.rings, self.sectors, APART * seen.grid.cell)
         return SeenBins(
@@ -81,7 +81,7 @@ class SeenMap:
         )
 
     def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Use the map of an earlier observation."""
+        """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
@@ -90,7 +90,7 @@ class SeenMap:
         return np.zeros(width, np.float32), np.ones(width, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the sectors of each ring."""
+        """Return the meaning of the columns."""
         sectors = evenly(self.sectors)
         rings = [f"between {a:g} m and {b:g} m away" for a, b in zip((0.0, *self.rings), self.rings, strict=False)]
         return [
@@ -101,12 +101,12 @@ class SeenMap:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget what was seen."""
+        """Clear the maps."""
         forget_seen(shard.worlds, term.arrays.seen, episode)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Take in the latest scans, and write the shares."""
+        """Add the latest scans to the maps, and write the shares."""
         note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
         write_seen(shard.worlds, shard.slot, term.bound, term.arrays, state, episode)
 
@@ -126,7 +126,7 @@ def bin_samples(rings: Sequence[float], sectors: int, apart: float) -> list[Floa
 
 @kernel
 def write_seen(worlds: Ints, slot: int, term: Bound, bins: SeenBins, state: WorldState, episode: EpisodeState) -> None:
-    """Write which share of each bin is occupied, and which is unknown.
+    """Write the occupied and the unknown share of each bin.
 
     Reads: term (agents, column, options), bins (ends, places, samples, seen), state (pose).
     Writes: bins (places), episode (observation).

@@ -1,4 +1,4 @@
-"""Seen map image: what the learner's own scans have shown so far, as a picture."""
+"""Seen map image: the map from the learner's own scans as an image."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
-"""What is shown of a cell, by what is known of it."""
+"""Value of a pixel by the state of its cell."""
 
 
 @dataclass
 class SeenPicture(Struct):
-    """The maps, and what goals are painted with.
+    """The maps, and memory for painting goals.
 
     Attributes:
         seen: The maps.
-        paints: For goals.
-        places: Scratch: numbers of the cells in a row of pixels, shape ``(n_slots, pixels)``.
+        paints: Memory for painting goals.
+        places: Scratch: cell numbers of a row of pixels, shape ``(n_slots, pixels)``.
     """
 
     seen: SeenGrid
@@ -46,10 +46,11 @@ class SeenPicture(Struct):
 
 @kind
 class SeenMapImage:
-    """A square picture of what the agent's own scans have shown so far: 0 free, 255 hit, 127 not seen.
+    """A square image of what the agent's own scans have shown so far: 0 free, 255 hit, 127 not seen.
 
-    It is uint8 ``(pixels, pixels, n_channels)``, the agent in its middle; each pixel shows the cell at its centre. The
-    map is that of ``seen_map``. ``goal_channel`` adds a disc where the goal is, at the border where it lies beyond.
+    It is uint8 ``(pixels, pixels, n_channels)`` with the agent in the middle; each pixel shows the cell at its centre.
+    The map is that of ``seen_map``. ``goal_channel`` adds a channel with a disc at the goal, or at the border if the
+    goal is farther away.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -67,7 +68,7 @@ class SeenMapImage:
 
     @property
     def needs_goal(self) -> bool:
-        """It needs a goal where it shows one."""
+        """Whether it needs a goal: if it shows one."""
         return self.goal_channel
 
     @property
@@ -76,17 +77,17 @@ class SeenMapImage:
         return self.pixels, self.pixels, 1 + self.goal_channel
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenPicture:
-        """Return the maps, and what goals are painted with."""
+        """Return the maps, and memory for painting goals."""
         seen = SeenGrid.over(self, simulation, agents, "seen_map_image", follows=True)
         paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
         return SeenPicture(seen, paints, np.zeros((simulation.shards.n_slots, self.pixels), np.int32))
 
     def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Use the map of an earlier observation."""
+        """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the channels show."""
+        """Return the meaning of the channels."""
         channels = [Columns("what its scans have shown so far", "0 free, 127 not seen, 255 hit")]
         if self.goal_channel:
             channels.append(Columns("the next goal", "255 where it is, at the border where it is farther away"))
@@ -94,17 +95,17 @@ class SeenMapImage:
 
     @property
     def view(self) -> str:
-        """What the picture shows, and what is up in it."""
+        """Description of the image's area and orientation."""
         return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget what was seen."""
+        """Clear the maps."""
         forget_seen(shard.worlds, term.arrays.seen, episode)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Take in the latest scans, and paint the picture."""
+        """Add the latest scans to the maps, and paint the image."""
         worlds, slot, tools, image = shard.worlds, shard.slot, term.arrays, term.image
         note_all(worlds, slot, term.bound, tools.seen, state, episode)
         paint_seen(worlds, slot, term.bound, tools, state, image)
@@ -114,7 +115,7 @@ class SeenMapImage:
 
 @kernel
 def paint_seen(worlds: Ints, slot: int, term: Bound, tools: SeenPicture, state: WorldState, image: Bytes) -> None:
-    """Write what is known of the place at each pixel's centre into the first channel, and clear the others.
+    """Write the state of the cell at each pixel's centre into the first channel, and clear the others.
 
     Reads: term (agents, options), tools (places, seen), state (pose).
     Writes: tools (places), image.

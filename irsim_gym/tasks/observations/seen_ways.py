@@ -1,4 +1,4 @@
-"""What learners' scans have shown as cells in which they fit, and the ways to their goals over these."""
+"""Cells in which learners fit by their scans, and paths to their goals over these cells."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from irsim_gym.world.rows import row_of
 
 @dataclass
 class SeenWays(Struct):
-    """Ways to the goals over cells in which learners fit as far as they know.
+    """Paths to the goals over cells in which learners fit, as far as their maps show.
 
     Attributes:
-        seen: What they know.
-        levels: Where a learner fits, see ``paths.wavefront``, shape ``(n_worlds, n_agents, rows, columns)``; cells at
-            the border are blocked.
-        least: What ways cost at least, see ``paths.wavefront``, shaped as ``levels``.
-        target: The goals [m] that ``least`` is for, NaN before, shape ``(n_worlds, n_agents, 2)``.
-        queues: Scratch, first axis the slot: see ``new_queues``.
-        way: Scratch, shape ``(n_slots, n_cells)``.
+        seen: The learners' maps.
+        levels: How a learner fits in each cell, see ``paths.wavefront``, shape ``(n_worlds, n_agents, rows, columns)``;
+            cells at the border are blocked.
+        least: Lower bounds of path costs, see ``paths.wavefront``, shape ``(n_worlds, n_agents, rows, columns)``.
+        target: The goals [m] of ``least``; NaN before the first one, shape ``(n_worlds, n_agents, 2)``.
+        queues: Scratch, see ``new_queues``; the first axis is the slot.
+        way: Scratch for the cells of a path, shape ``(n_slots, n_cells)``.
     """
 
     seen: SeenGrid
@@ -44,7 +44,7 @@ class SeenWays(Struct):
 
     @classmethod
     def over(cls, seen: SeenGrid, slots: int) -> Self:
-        """Return ways over maps without anything, and scratch memory for so many slots."""
+        """Return paths over empty maps, and scratch memory for ``slots`` slots."""
         shape, grid = seen.noted.shape, seen.grid
         return cls(
             seen=seen,
@@ -58,7 +58,7 @@ class SeenWays(Struct):
 
 @kernel
 def clear_levels(worlds: Ints, ways: SeenWays, episode: EpisodeState) -> None:
-    """Make all cells free for agents whose episodes begin, and forget their ways.
+    """Make all cells free for agents whose episodes begin, and clear their goals.
 
     Reads: episode (began).
     Writes: ways (levels, target).
@@ -72,7 +72,7 @@ def clear_levels(worlds: Ints, ways: SeenWays, episode: EpisodeState) -> None:
 
 @kernel
 def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: WorldModel, episode: EpisodeState) -> None:
-    """Write where the agents fit after a scan was added to their maps.
+    """Update the cells in which agents fit after a scan was added to their maps.
 
     Reads: term (agents), ways (levels, seen), model (reach), episode (steps).
     Writes: ways (levels, target).
@@ -95,7 +95,7 @@ def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: WorldModel, ep
 
 @kernel
 def rebuild(levels: Bytes, cells: Bytes, reach: float) -> None:
-    """Write which cells are blocked or tight because of all quarters of cells that are occupied.
+    """Recompute which cells are blocked or tight from all occupied quarters of cells.
 
     Writes: levels.
     """
@@ -109,9 +109,9 @@ def rebuild(levels: Bytes, cells: Bytes, reach: float) -> None:
 
 @kernel
 def find_way(ways: SeenWays, slot: int, w: int, a: int, place: Point, goal: Point) -> int:
-    """Write the cells of an agent's way from a place to its goal [m], and return how many; 0 if there is none.
+    """Write the cells of an agent's path from a point to its goal [m], and return their number; 0 without a path.
 
-    What ways cost at least is kept, and forgotten only if the goal is new or something has moved away.
+    Lower bounds of path costs are reused until the goal changes or an obstacle disappears.
 
     Reads: ways (least, levels, queues, seen, target, way).
     Writes: ways (least, queues, target, way).
@@ -133,7 +133,7 @@ def find_way(ways: SeenWays, slot: int, w: int, a: int, place: Point, goal: Poin
 
 @kernel
 def inner_cell(grid: Grid, place: Point) -> int:
-    """Return the number of the cell that holds a point [m], the nearest one within the border if that is not."""
+    """Return the number of the cell at a point [m], or of the nearest cell inside the border."""
     column = min(max(int(np.floor((place[0] - grid.origin_x) / grid.cell)), 1), grid.columns - 2)
     row = min(max(int(np.floor((place[1] - grid.origin_y) / grid.cell)), 1), grid.rows - 2)
     return row * grid.columns + column
@@ -141,10 +141,10 @@ def inner_cell(grid: Grid, place: Point) -> int:
 
 @kernel
 def last_in_sight(place: Point, grid: Grid, levels: Bytes, way: Labels, count: int) -> int:
-    """Return the number of a cell of a way, as far along it as can be reached straight from a place [m].
+    """Return the number of a cell of a path, as far along it as can be reached straight from a point [m].
 
-    Cells are looked at twice as far along each time, then between the last one that can be reached and the first one
-    that cannot. At least the second next cell is taken.
+    The search doubles its distance along the path until a cell cannot be reached, and then bisects. The result is at
+    least the second next cell.
     """
     near, far, step = min(2, count - 1), count, 2
     while near + step < count:
@@ -163,6 +163,6 @@ def last_in_sight(place: Point, grid: Grid, levels: Bytes, way: Labels, count: i
 
 @kernel
 def sees(place: Point, grid: Grid, levels: Bytes, number: int) -> bool:
-    """Return whether a cell's centre can be reached straight over free cells from a place [m]."""
+    """Return whether a cell's centre can be reached straight over free cells from a point [m]."""
     cell = centre(grid, number // grid.columns, number % grid.columns)
     return bool(is_clear(place, cell, grid, levels))

@@ -1,4 +1,4 @@
-"""Time to collision: how soon the agent would touch another body, for each of many velocities."""
+"""Time to collision: the time until the agent touches another body, for each of many velocities."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from irsim_gym.world.state import WorldState
 
 
 class MovingPoint(NamedTuple):
-    """What may be hit, in the agent's frame: a point of it [m], how it moves [m/s], and the radius of the agent [m]."""
+    """A moving point in the agent's frame [m], its velocity [m/s], and the distance at which it collides [m]."""
 
     x: float
     y: float
@@ -35,7 +35,7 @@ class MovingPoint(NamedTuple):
 
 @dataclass
 class Velocities(Struct):
-    """Velocities that are looked at.
+    """The observed velocities.
 
     Attributes:
         ahead: Velocities in the body frame [m/s], shape ``(n_agents, n_velocities)``.
@@ -50,11 +50,11 @@ class Velocities(Struct):
 
 @kind
 class TimeToCollision:
-    """Time until a disc around the agent would touch another body, for velocities in evenly spaced directions.
+    """Time until a disc around the agent touches another body, for velocities in evenly spaced directions.
 
-    Each velocity is taken up at once and kept, and so is that of every other body; turns are left out (van den Berg et
-    al. 2008, "Reciprocal velocity obstacles", uses the same time). A time t reads ``1 - t / horizon``: 1 in contact, 0
-    where nothing is hit in time. Bodies that are ``unobstructed``, and an obstacle map, are not seen.
+    The agent takes up each velocity at once and keeps it, as do all other bodies, without turning (van den Berg et al.
+    2008, "Reciprocal velocity obstacles", uses the same time). A time t reads ``1 - t / horizon``: 1 in contact, 0
+    without a collision within the horizon. Bodies that are ``unobstructed``, and an obstacle map, are not seen.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -84,7 +84,7 @@ class TimeToCollision:
         return np.zeros(count, np.float32), np.ones(count, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the directions of each speed, slowest first."""
+        """Return the meaning of the columns: the directions of each speed, slowest first."""
         table = term.arrays
         turn = 360.0 / self.directions
         angles = tuple(np.radians(turn * k - 180.0) for k in range(self.directions))
@@ -103,7 +103,7 @@ class TimeToCollision:
 
 
 def fastest(model: WorldModel, body: int) -> float:
-    """Return a body's greatest speed along an axis of its drive that is not a turn [m/s]."""
+    """Return a body's maximum speed along a linear axis of its drive [m/s]."""
     low, high = model.velocity_min[:, body], model.velocity_max[:, body]
     axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
     return float(np.maximum(np.abs(low), np.abs(high))[:, :axes].max())
@@ -141,7 +141,7 @@ def write_times(
 def meet_body(
     w: int, a: int, own: int, body: int, table: Velocities, model: WorldModel, state: WorldState, row: Rays
 ) -> None:
-    """Shorten the times of the velocities with which the agent hits a body.
+    """Shorten the times of velocities with which the agent hits a body.
 
     Reads: table (ahead, aside, radius), model (disc_count, disc_start, segment_count, segment_start), state (discs,
         pose, segments, stopped, twist).
@@ -171,10 +171,10 @@ def meet_body(
 
 @kernel(contract=True)
 def meet_disc(point: MovingPoint, ahead: Rays, aside: Rays, row: Rays) -> None:
-    """Shorten the times of the velocities with which a point comes as near as a radius.
+    """Shorten the times of velocities with which a point comes closer than a radius.
 
-    The root of |p - u t| = R for the velocity u relative to the point. Without a branch, so that velocities run in
-    lanes. Where they overlap already, velocities that lead nearer have time 0.
+    The time is the root of |p - u t| = R for the velocity u relative to the point, computed without branches so that
+    the loop is vectorised. In case of overlap, velocities that reduce the distance have time 0.
 
     Reads: ahead, aside.
     Writes: row.
@@ -194,7 +194,7 @@ def meet_disc(point: MovingPoint, ahead: Rays, aside: Rays, row: Rays) -> None:
 
 @kernel
 def meet_side(end: MovingPoint, along_x: float, along_y: float, ahead: Rays, aside: Rays, row: Rays) -> None:
-    """Shorten the times of the velocities with which the agent meets what lies between the ends of a segment.
+    """Shorten the times of velocities with which the agent hits a segment between its ends.
 
     Reads: ahead, aside.
     Writes: row.

@@ -1,4 +1,4 @@
-"""Top view: what a camera above the agent sees, or one above the whole world."""
+"""Top view: the image of a camera above the agent, or above the whole world."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ from irsim_gym.world.state import WorldState
 COLOURS = ("background", "outside", "obstacles", "goals", "robots", "itself", "headings")
 BACKGROUND, OUTSIDE, OBSTACLES, GOALS, ROBOTS, ITSELF, HEADINGS = range(len(COLOURS))
 WHOLE_WORLD = 1
-"""What ``follow: world`` is in the records of options."""
+"""The number of ``follow: world`` in the records of options."""
 NOBODY = -1
-"""In place of the body that is left out."""
+"""Value for excluding no body."""
 
 
 @kind
 class TopView:
-    """A square picture in colours, seen from above, with smooth edges.
+    """A square colour image, seen from above, with smooth edges.
 
-    It is uint8 ``(pixels, pixels, 3)``: red, green, blue. The agent, other robots, obstacles and its goal have a colour
-    each, and a triangle on each robot points ahead. ``follow: robot`` keeps the agent in the middle, ``follow: world``
-    shows all of the world.
+    It is uint8 ``(pixels, pixels, 3)``: red, green, blue. The agent, other robots, obstacles and the agent's goal have
+    different colours, and a triangle on each robot points ahead. ``follow: robot`` keeps the agent in the middle,
+    ``follow: world`` shows the whole world.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -70,7 +70,7 @@ class TopView:
     headings: str = option("#ffffff", meaning="Colour of the triangle that points ahead.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of what cannot be."""
+        """Yield key and message of invalid colours."""
         for name in COLOURS:
             if not re.fullmatch("#[0-9a-fA-F]{6}", getattr(self, name)):
                 yield name, f"must be a colour such as '#1c6dd0', got '{getattr(self, name)}'"
@@ -81,24 +81,24 @@ class TopView:
         return self.pixels, self.pixels, 3
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Paints:
-        """Return what is painted with: the colours with their opacity, ``(n_colours, 4)``."""
+        """Return memory for painting, with the colours and their opacity, ``(n_colours, 4)``."""
         colours = [[*bytes.fromhex(getattr(self, name)[1:]), 1.0] for name in COLOURS]
         return Paints.of(simulation, self.pixels, self.pixels, colours)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the channels show."""
+        """Return the meaning of the channels."""
         return [Columns(f"{name} of the picture", "0 to 255") for name in ("red", "green", "blue")]
 
     @property
     def view(self) -> str:
-        """What the picture shows, and what is up in it."""
+        """Description of the image's area and orientation."""
         if self.follow == "world":
             return "all of the world; its y axis is up, x to the right"
         return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Paint the picture."""
+        """Paint the image."""
         worlds, slot, cells = shard.worlds, shard.slot, model.cells
         paint_view(worlds, slot, term.bound, term.arrays, model, cells, state, term.image)
 
@@ -114,7 +114,7 @@ def paint_view(
     state: WorldState,
     image: Bytes,
 ) -> None:
-    """Paint the pictures.
+    """Paint the images.
 
     Reads: term (agents, options), paints (box, colours, sheets), model (bounds, disc_count, disc_start, goal_threshold,
         has_goal, present, reach, role, segment_count, segment_start, solid), state (discs, goal, pose, segments).
@@ -122,13 +122,13 @@ def paint_view(
 
     Args:
         worlds: The worlds to treat.
-        slot: Whose sheet is used.
+        slot: Slot of the calling thread.
         term: A ``TopView``.
         paints: The colours in the order of ``COLOURS``.
-        model: What there is.
+        model: Constants of the simulation.
         cells: The map, or None.
-        state: Where it is.
-        image: Written, ``(n_worlds, n_agents, pixels, pixels, 3)``.
+        state: Its present state.
+        image: Output, ``(n_worlds, n_agents, pixels, pixels, 3)``.
     """
     options, box, sheet, colours = term.options[0], paints.box, paints.sheets[slot], paints.colours
     scale = options.pixels / options.metres
@@ -161,7 +161,7 @@ def paint_view(
 
 @kernel
 def view_of_all(bounds: Floats, pixels: int) -> View:
-    """Return a view of all of the world, its y axis up."""
+    """Return a view of the whole world, with its y axis up."""
     width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
     x, y = bounds[0] + 0.5 * width, bounds[1] + 0.5 * height
     return View(x, y, 0.0, 1.0, pixels / max(width, height), 0.5 * pixels, 0.5 * pixels)
@@ -169,7 +169,7 @@ def view_of_all(bounds: Floats, pixels: int) -> View:
 
 @kernel
 def fill(picture: Bytes, colour: Floats) -> None:
-    """Fill a picture of three channels with a colour."""
+    """Fill an image of three channels with a colour."""
     red, green, blue = int(colour[0]), int(colour[1]), int(colour[2])
     for row in range(picture.shape[0]):
         for column in range(picture.shape[1]):
@@ -180,7 +180,7 @@ def fill(picture: Bytes, colour: Floats) -> None:
 
 @kernel
 def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, role: int, but: int) -> None:
-    """Add the bodies of a role that are in a world, all but one, to a sheet.
+    """Add the present bodies of a role in a world to a sheet, except ``but``.
 
     Reads: model (disc_count, disc_start, present, reach, role, segment_count, segment_start, solid), state (discs,
         pose, segments).
@@ -192,7 +192,7 @@ def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, rol
 
 @kernel
 def add_headings(canvas: Canvas, model: WorldModel, state: WorldState, w: int) -> None:
-    """Add a triangle that points ahead on each robot.
+    """Add a triangle that points ahead on each robot to a sheet.
 
     Reads: model (present, reach, role), state (pose).
     """

@@ -1,4 +1,4 @@
-"""Trail: where the agent has been, seen from where it is."""
+"""Trail: earlier positions of the agent, relative to its present pose."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Marks(Struct):
-    """Where agents have been.
+    """Earlier positions of agents.
 
     Attributes:
-        places: The marks [m], shape ``(n_worlds, n_agents, n_marks, 2)``; a new one takes the place of the oldest.
-        count: How many there have been, shape ``(n_worlds, n_agents)``.
+        places: The marks [m], shape ``(n_worlds, n_agents, n_marks, 2)``; a new mark replaces the oldest one.
+        count: Number of marks so far, shape ``(n_worlds, n_agents)``.
     """
 
     places: Floats
@@ -35,10 +35,10 @@ class Marks(Struct):
 
 @kind
 class Trail:
-    """The nearest mark that the agent has left, by sector of its bearing: ``near / (d + near)``, or 0 without one.
+    """Nearness of the nearest mark that the agent has left, by sector: ``near / (d + near)``, or 0 without one.
 
-    A mark is left every ``spacing`` metres of the way; the last ones, which lie right behind, do not count. It is
-    memory for a policy that has none: what has been tried already can be told from what has not.
+    The agent leaves a mark every ``spacing`` metres. The latest marks, which lie right behind it, do not count. With
+    this observation, a policy without memory can avoid places where it has been.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -62,18 +62,18 @@ class Trail:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget all marks."""
+        """Clear all marks."""
         forget(term.arrays.count, 0, episode, shard)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return the sectors."""
+        """Return the meaning of the columns."""
         scale = f"{self.near:g} m / (d + {self.near:g} m), d = distance of the mark; 0 without one"
         meaning = f"nearness of the nearest place where it has been; a mark each {self.spacing:g} m of its way"
         return [Columns(meaning, scale, self.sectors, evenly(self.sectors))]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Leave a mark if it is time for one, and write the sectors."""
+        """Leave a mark if due, and write the sectors."""
         write_trail(shard.worlds, term.bound, term.arrays, state, episode)
 
 
@@ -104,7 +104,7 @@ def write_trail(worlds: Ints, term: Bound, marks: Marks, state: WorldState, epis
 
 @kernel
 def leave_mark(x: float, y: float, spacing: float, marks: Floats, count: Ints, a: int) -> None:
-    """Add the place to the marks if it is ``spacing`` away from the latest one."""
+    """Add a position to the marks if it is at least ``spacing`` away from the latest one."""
     n, size = count[a], marks.shape[0]
     dx, dy = marks[(n - 1) % size, 0] - x, marks[(n - 1) % size, 1] - y
     if n == 0 or dx * dx + dy * dy >= spacing * spacing:

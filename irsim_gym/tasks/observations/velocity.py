@@ -1,4 +1,4 @@
-"""Velocity: how fast the agent is."""
+"""Velocity: the velocity of the agent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from irsim_gym.world.state import WorldState
 class Velocity:
     """The velocity executed in the latest step, each component divided by the larger of its two limits.
 
-    For an ``omni`` drive it is the velocity in the body frame, over the length of the two largest limits.
+    For an ``omni`` drive, it is the velocity in the body frame, divided by the length of the vector of both limits.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -31,7 +31,7 @@ class Velocity:
     needs_scan: ClassVar[bool] = False
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the limits themselves, scaled; an agent at rest is always within them."""
+        """Return the scaled velocity limits, extended to include 0."""
         low = np.zeros(term.action_size, np.float32)
         high = np.zeros(term.action_size, np.float32)
         for c in range(term.action_size):
@@ -45,11 +45,11 @@ class Velocity:
         return low, high
 
     def used(self, term: Term) -> Flags:
-        """Return which components each agent's drive has, ``(n_agents, action_size)``."""
+        """Return flags of the components that each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the components are; agents with fewer have zeros there."""
+        """Return the meaning of the columns; components that an agent lacks are 0."""
         body = term.agents[agent]
         largest = np.maximum(np.abs(model.velocity_min), np.abs(model.velocity_max)).max(axis=0)[body]
         words = term.components[agent]
@@ -70,7 +70,7 @@ class Velocity:
 def write_velocity(
     worlds: Ints, agents: Ints, column: int, size: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped.
+    """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 if stopped.
 
     Reads: model (drive, velocity_max, velocity_min), state (pose, stopped, velocity).
     Writes: episode (observation).
@@ -105,7 +105,7 @@ def write_velocity(
 def write_turned(
     heading: float, velocity: Floats, slowest: Floats, fastest: Floats, is_stopped: bool, out: Rays
 ) -> None:
-    """Write a world-frame velocity in the body frame, over the length of the largest limits; 0 when stopped."""
+    """Write a world-frame velocity in the body frame, over the length of the vector of both limits; 0 if stopped."""
     x, y = max(np.abs(slowest[0]), np.abs(fastest[0])), max(np.abs(slowest[1]), np.abs(fastest[1]))
     largest = np.sqrt(x * x + y * y)
     share = 0.0 if is_stopped or largest == 0.0 else 1.0 / largest

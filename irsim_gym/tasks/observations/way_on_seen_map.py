@@ -1,4 +1,4 @@
-"""Way on the seen map: where the shortest way leads on what the learner's own scans have shown."""
+"""Way on the seen map: the shortest path to the goal on the map from the learner's own scans."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class WayOnSeenMap:
-    """Direction and length of the shortest way to the next goal on what the agent's own scans have shown so far.
+    """Direction and length of the shortest path to the next goal on the map from the agent's own scans.
 
     Unknown space counts as free (Koenig and Smirnov 1996). The direction, as cosine and sine, is that of the last point
-    of the way that can be reached straight; the length comes over the world's diagonal, cut to 1. Cells in which the
-    agent fits, but not at their centre, count eight times. Where no way is left the direction is that of the goal, and
-    the length is 1. Where other bodies can move, beams clear what was seen before.
+    of the path that can be reached straight. The length is divided by the world's diagonal and clipped to 1. Cells in
+    which the agent fits, but not at their centre, cost eight times as much. Without a path, the direction is that of
+    the goal, and the length is 1. If other bodies can move, beams clear earlier hits.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -57,12 +57,12 @@ class WayOnSeenMap:
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenWays:
-        """Return the maps, the ways, and scratch memory."""
+        """Return the maps, the paths, and scratch memory."""
         seen = SeenGrid.over(self, simulation, agents, "way_on_seen_map", follows=False)
         return SeenWays.over(seen, simulation.shards.n_slots)
 
     def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Use the map of an earlier observation."""
+        """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
@@ -70,7 +70,7 @@ class WayOnSeenMap:
         return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
-        """Return what the three elements are."""
+        """Return the meaning of the columns."""
         full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = "of the direction of the shortest way to the next goal on what its scans have shown"
         return [
@@ -81,14 +81,14 @@ class WayOnSeenMap:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget what was seen."""
+        """Clear the maps and paths."""
         ways = term.arrays
         forget_seen(shard.worlds, ways.seen, episode)
         clear_levels(shard.worlds, ways, episode)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Take in the latest scans, and write the three elements."""
+        """Add the latest scans to the maps, and write the three elements."""
         note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
         narrow_ways(shard.worlds, term.bound, term.arrays, model, episode)
         write_ways_seen(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
@@ -104,7 +104,7 @@ def write_ways_seen(
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
-    """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal.
+    """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
     Reads: term (agents, column), ways (least, levels, queues, seen, target, way), model (bounds), state (direction,
         goal, pose).

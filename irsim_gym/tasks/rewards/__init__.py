@@ -1,4 +1,4 @@
-"""What an agent is paid for."""
+"""Reward terms."""
 
 from irsim_gym.families import REWARDS
 from irsim_gym.tasks.rewards.arrival import Arrival

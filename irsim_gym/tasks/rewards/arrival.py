@@ -27,7 +27,7 @@ class Arrival:
     weight: float = option(5.0, ge=0.0, meaning="Bonus for success.")
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         return f"+{self.weight:g}, once, when the episode ends with success"
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Clearance: passing close to other bodies costs."""
+"""Clearance: the cost of passing close to other bodies."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Clearance:
 
     @property
     def clearance_range(self) -> float:
-        """Clearances up to this must be exact [m]."""
+        """Clearance up to which the value must be exact [m]."""
         return self.safe
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         most = self.weight / term.max_steps
         return f"nearer than {self.safe:g} m to another body: -{most:.3g} (1 - clearance / {self.safe:g} m)^2 a step"
 

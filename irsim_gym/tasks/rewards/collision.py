@@ -21,7 +21,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Collision:
-    """Penalty ``-weight`` in the step in which the agent begins to touch another body, or ends because of it."""
+    """Penalty ``-weight`` in the step in which the agent begins to touch another body, or its episode ends by it."""
 
     only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
@@ -35,7 +35,7 @@ class Collision:
     map: float | None = option(None, ge=0.0, meaning="Penalty for a collision with the obstacle map; default: weight.")
 
     def least(self, bodies: Iterable[str] | None = None) -> float:
-        """Return the penalty of the cheapest collision: with any body, or with kinds as ``collided`` names them."""
+        """Return the smallest penalty for a collision with any body, or with some kinds (see ``collided``)."""
         kinds = list(HitKind)[1:] if bodies is None else [HitKind[name.upper()] for name in bodies]
         return min(self._amounts()[kind] for kind in kinds)
 
@@ -47,17 +47,17 @@ class Collision:
         return 0.0, obstacle, obstacle, robot, cells
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the penalties by HitKind, and the memory of who was touching something one step ago."""
+        """Return the penalties by HitKind, and flags of the agents that touched something one step ago."""
         touching = np.zeros((simulation.n_worlds, len(agents)), np.bool_)
         return {"touching": touching, "amounts": -np.array(self._amounts())}
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget; who touches something in the first step has begun to."""
+        """Clear the flags: a contact in the first step counts as new."""
         forget(term.arrays["touching"], False, episode, shard)
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         names = {"obstacle": "an obstacle", "robot": "a robot", "map": "the map"}
         special = [f"with {names[key]} -{getattr(self, key):g}" for key in names if getattr(self, key) is not None]
         return f"-{self.weight:g} in the step in which it begins to touch another body" + "".join(
@@ -76,7 +76,7 @@ class Collision:
 def pay_onset(
     worlds: Ints, agents: Ints, column: int, amounts: Floats, state: WorldState, episode: EpisodeState, touching: Flags
 ) -> None:
-    """Write the amount for what is touched where a collision begins or ends the episode; remember who collides.
+    """Write the amount if a collision begins or ends the episode, and store who collides.
 
     Reads: state (collided), episode (hit_kind, outcome).
     Writes: episode (reward_term), touching.

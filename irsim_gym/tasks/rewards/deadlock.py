@@ -27,7 +27,7 @@ class Deadlock:
     weight: float = option(4.0, ge=0.0, meaning="Penalty for a deadlock.")
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         return f"-{self.weight:g}, once, when the episode ends in a deadlock"
 
     @staticmethod

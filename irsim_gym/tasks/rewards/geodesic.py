@@ -1,4 +1,4 @@
-"""Distances to the goal around what never moves, for rewards: one field for each agent of each world."""
+"""Geodesic distances to the goal for rewards, around everything that never moves: one field per agent and world."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Fields(Struct):
-    """Distances to the agents' goals over a grid of cells, and what they are found with.
+    """Distances to the agents' goals on a grid, and scratch memory for computing them.
 
     Attributes:
         grid: The grid.
         target: The goals [m], shape ``(n_worlds, n_agents, 2)``.
         potential: Each agent's distance one step ago [m], shape ``(n_worlds, n_agents)``.
         field: The distances [m], shape ``(n_worlds, n_agents, rows, columns)``.
-        blocked: Scratch: see ``Search``; first axis the slot, as in all that follow.
-        queue: Scratch: see ``Search``.
-        blocks: Scratch: bodies that are in the way, shape ``(n_slots, n_bodies)``.
+        blocked: Scratch, see ``Search``; as in all following arrays, the first axis is the slot.
+        queue: Scratch, see ``Search``.
+        blocks: Scratch: flags of bodies that are obstacles, shape ``(n_slots, n_bodies)``.
     """
 
     grid: Grid
@@ -45,7 +45,7 @@ class Fields(Struct):
 
     @classmethod
     def over(cls, simulation: Simulation, n_agents: int, cell: float) -> Self:
-        """Return fields with cells of some side [m]."""
+        """Return fields with a cell size [m]."""
         grid = Grid.over(simulation.model.bounds, cell)
         search = grid.search()
         slots, shape = simulation.shards.n_slots, (simulation.n_worlds, n_agents)
@@ -61,7 +61,7 @@ class Fields(Struct):
 
 
 def note_fields(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-    """Draw the fields of agents whose episode begins or whose goal has changed, and note goals and distances."""
+    """Compute the fields of agents whose episode begins or whose goal has changed, and store goals and distances."""
     worlds, slot = shard.worlds, shard.slot
     draw_fields(worlds, slot, term.agents, term.arrays, model, model.cells, state, episode)
 
@@ -77,9 +77,9 @@ def draw_fields(
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
-    """Write field, noted goal and distance [m] where the goal is new or the episode begins.
+    """Write field, goal and distance [m] if the goal is new or the episode begins.
 
-    Where the field knows no way from the agent the straight distance takes its place.
+    If the field has no path from the agent, the straight distance is used.
 
     Reads: fields (blocked, blocks, field, grid, queue, target), model (present, reach, stands, unobstructed), state
         (goal, pose), episode (began).
@@ -109,7 +109,7 @@ def draw_fields(
 def pay_field_gain(
     worlds: Ints, term: Bound, fields: Fields, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way.
+    """Write the weighted decrease of distance over the diagonal of ``bounds``; 0 if the field has no path.
 
     Reads: term (agents, column, options), fields (field, grid, potential), model (bounds), state (pose).
     Writes: fields (potential), episode (reward_term).

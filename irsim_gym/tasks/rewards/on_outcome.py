@@ -1,4 +1,4 @@
-"""An amount paid once, when an episode ends in a certain way."""
+"""An amount that is paid once, when an episode ends with a certain outcome."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from irsim_gym.tasks.episode_state import EpisodeState
 
 @kernel
 def pay_outcome(worlds: Ints, column: int, wanted: int, amount: float, episode: EpisodeState) -> None:
-    """Write ``amount`` where the outcome is the wanted one, else 0.
+    """Write ``amount`` if the outcome is ``wanted``, else 0.
 
     Reads: episode (outcome).
     Writes: episode (reward_term).

@@ -1,4 +1,4 @@
-"""Progress: coming closer to the goal pays, moving away costs as much."""
+"""Progress: the reward for approaching the goal, and the equal cost of moving away."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Potentials(Struct):
-    """Where the agents' goals were one step ago, and how far.
+    """The agents' goals one step ago, with their distances.
 
     Attributes:
         target: The goals [m], shape ``(n_worlds, n_agents, 2)``.
@@ -37,7 +37,7 @@ class Potentials(Struct):
 class Progress:
     """``weight`` times the progress towards the goal in the step, divided by the world's diagonal.
 
-    The way is measured to the goal that was next before the step, so that a change of goal costs nothing.
+    Progress is measured to the goal before the step, so that a change of goal costs nothing.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -62,20 +62,20 @@ class Progress:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Note goals and distances."""
+        """Store goals and distances."""
         if term.options.potential == "geodesic":
             note_fields(term, model, state, episode, shard)
         else:
             note(shard.worlds, term.agents, term.arrays, state)
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         way = "way around what never moves" if self.potential == "geodesic" else "straight way"
         return f"{self.weight:g} times the {way} gained towards the goal in the step, over the world's diagonal"
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Write the gain since the step before, and note where things are now."""
+        """Write the gain since the previous step, and store goals and distances."""
         if term.options.potential == "geodesic":
             pay_field_gain(shard.worlds, term.bound, term.arrays, model, state, episode)
             note_fields(term, model, state, episode, shard)
@@ -92,7 +92,7 @@ def distance(pose: Floats, target: Floats) -> float:
 
 @kernel
 def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> None:
-    """Write where each agent's goal is and how far away [m].
+    """Store each agent's goal and its distance [m].
 
     Reads: memory (target), state (goal, pose).
     Writes: memory (distance, target).
@@ -108,7 +108,7 @@ def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> N
 def pay_gain(
     worlds: Ints, term: Bound, memory: Potentials, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new.
+    """Write the weighted decrease of distance to the stored goal, over the diagonal of ``bounds``; store the new goal.
 
     Reads: term (agents, column, options), memory (distance, target), model (bounds), state (goal, pose).
     Writes: memory (distance, target), episode (reward_term).

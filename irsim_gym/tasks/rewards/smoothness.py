@@ -1,4 +1,4 @@
-"""Smoothness: changing the action costs."""
+"""Smoothness: the cost of changing the action."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Smoothness:
     weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action jumps between its bounds.")
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         most = f"-{self.weight / term.max_steps:.3g} per step for a change between the bounds"
         return f"the action changes: at most {most}, with the square of the change"
 

@@ -1,4 +1,4 @@
-"""Time: every step costs the same."""
+"""Time: the constant cost of each step."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Time:
     weight: float = option(2.0, ge=0.0, meaning="Cost of a full episode; a step costs weight / max_steps.")
 
     def when(self, term: Term) -> str:
-        """Return when and how much it pays."""
+        """Return when and how much it pays, as text."""
         return f"-{self.weight / term.max_steps:.3g} in each step"
 
     @staticmethod
