@@ -121,7 +121,7 @@ def main(copy: Path, names: list[str]) -> None:
         "machine": {**machine(), "processes": JOBS},
         "settings": {"robot": {"scenario": "barn", "speed": SPEED}, "published": GIVEN, "ours": OURS},
         "published": PUBLISHED,
-        "rows": {row: played[row] for row in ROWS},
+        "rows": {row: played[row] for row in ROWS if row in played},
     }
     RESULT.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
