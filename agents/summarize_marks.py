@@ -49,17 +49,20 @@ class Elsewhere:
         name: Of the file in ``results``.
         trained: Name of their ``Mark``.
         benchmark: Where they are played.
+        planner: Whose row of docs/benchmarks.md stands beside them.
     """
 
     name: str
     trained: str
     benchmark: str
+    planner: str = "seen"
 
 
 MARKS = (
     Mark("bug_trap", "bug_trap"),
     Mark("narrow_door", "narrow_door"),
     Mark("crossing", "crossing", planner="orca"),
+    Mark("crossing_10", "crossing_10", planner="orca"),
     Mark("barn", "barn", 95.0),
     Mark("maze", "maze"),
     Mark("dense_room_memory", "dense_room", 99.0),
@@ -67,6 +70,8 @@ MARKS = (
 )
 ELSEWHERE = (
     Elsewhere("narrow_door_in_1.15", "narrow_door", "narrow_door_1.15"),
+    Elsewhere("crossing_10_in_3", "crossing_10", "crossing", "orca"),
+    Elsewhere("crossing_10_in_6", "crossing_10", "crossing_6", "orca"),
     Elsewhere("maze_in_rooms", "maze", "rooms"),
     Elsewhere("maze_in_0.65", "maze", "maze_0.65"),
     Elsewhere("maze_in_1.0", "maze", "maze_1.0"),
@@ -119,7 +124,11 @@ def played_row(place: Elsewhere, found: Any) -> tuple[str, ...]:
     trained = next(mark.benchmark for mark in MARKS if mark.name == place.trained)
     return (
         *(trained, place.benchmark, str(found["conditions"]["levels"])),
-        *(", ".join(f"{share:.1f}" for share in shares), f"{median(shares):.1f}", planner(place.benchmark, "seen")),
+        *(
+            ", ".join(f"{share:.1f}" for share in shares),
+            f"{median(shares):.1f}",
+            planner(place.benchmark, place.planner),
+        ),
     )
 
 

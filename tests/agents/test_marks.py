@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from irsim_gym.suite.members import shipped_suite
 from irsim_gym.training.shelf import card_of
 
 AGENTS = Path(__file__).parents[2] / "agents"
@@ -29,7 +30,9 @@ def test_five_seeds_play_the_test_levels(mark: Any) -> None:
     found = SCRIPT.read(mark.name)
     assert [seed["settings"]["seed"] for seed in found["seeds"]] == [0, 1, 2, 3, 4]
     assert (found["conditions"]["split"], found["conditions"]["levels"]) == ("test", 1000)
-    assert found["conditions"]["scenario"] == mark.benchmark
+    member = shipped_suite().members[mark.benchmark]
+    assert found["conditions"]["scenario"] == member.scenario
+    assert all(found["conditions"]["parameters"][name] == value for name, value in member.parameters.items())
 
 
 @pytest.mark.parametrize("mark", MARKS, ids=lambda mark: mark.name)
