@@ -21,6 +21,7 @@ from summarize import HERE
 from irsim_gym.scenario.library import references_file
 from irsim_gym.training.seed_summary import WORST, markdown_table, percent
 
+BASELINES = "random", "dash"
 RESULTS, PAGE = HERE / "results", HERE / "README.md"
 
 
@@ -120,7 +121,8 @@ def seed_rows(mark: Mark, found: Any) -> Iterator[tuple[str, ...]]:
 
 def played_row(place: Elsewhere, found: Any) -> tuple[str, ...]:
     """Return what the seeds of a training came to elsewhere."""
-    shares = [100 * row["success"]["value"] for row in found["policies"]]
+    seeds = [row for row in found["policies"] if row["policy"] not in BASELINES]
+    shares = [100 * row["success"]["value"] for row in seeds]
     trained = next(mark.benchmark for mark in MARKS if mark.name == place.trained)
     return (
         *(trained, place.benchmark, str(found["conditions"]["levels"])),

@@ -45,3 +45,9 @@ def test_the_policy_on_the_shelf_is_a_seed_of_median_success(mark: Any) -> None:
     assert result.success.model_dump() == own["test"]["success"]
     assert result.success.value == found["median_test_success"]
     assert result.seeds == {seed["run"]: seed["test"]["success"]["value"] for seed in found["seeds"]}
+
+
+def test_rows_of_other_benchmarks_are_those_of_the_seeds_alone() -> None:
+    rows = [SCRIPT.played_row(place, found) for place in SCRIPT.ELSEWHERE if (found := SCRIPT.read(place.name))]
+    assert rows
+    assert all(len(row[3].split(", ")) == 5 for row in rows)
