@@ -56,8 +56,8 @@ class BodyView(IrSimReadings):
 
     Args:
         group: The behaviour's group.
-        model: The constants of the worlds.
-        state: The present of the worlds.
+        model: Constants of the worlds.
+        state: State of the worlds.
         world: Number of the world.
         body: Number of the body.
 
@@ -139,8 +139,8 @@ class EgoView(BodyView):
 
     Args:
         group: The behaviour's group.
-        model: The constants of the worlds.
-        state: The present of the worlds.
+        model: Constants of the worlds.
+        state: State of the worlds.
         world: Number of the world.
         body: Number of the body.
         memory: What the function keeps for this body until its episode ends.

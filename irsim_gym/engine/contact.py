@@ -183,8 +183,8 @@ def clearance(
     Args:
         bodies: The bodies to measure, shape ``(n_bodies,)``.
         limit: Distances above it [m] may be reported as it, shape ``(n_worlds, n_bodies)``; may be ``distance`` itself.
-        model: The constants.
-        state: The moment.
+        model: Constants of the worlds.
+        state: State of the worlds.
         shard: The worlds to treat.
         distance: Written, [m], shape ``(n_worlds, n_bodies)``; ``limit`` where nothing else is present.
         only_mover: The one body that moves: how much room is around it is kept for later steps.

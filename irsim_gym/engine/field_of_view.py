@@ -26,8 +26,8 @@ def detect(
         body: The one that looks.
         fov: Width of the sector about its heading [rad].
         depth: Radius of the sector [m].
-        model: The constants.
-        state: The moment.
+        model: Constants of the worlds.
+        state: State of the worlds.
         detected: Written, shape ``(n_worlds, n_bodies)``.
     """
     radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)

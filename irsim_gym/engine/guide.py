@@ -43,7 +43,7 @@ def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], m
         group: The group; its ``guide`` is written.
         bodies: What the file says of each body.
         kinematics: All bodies that move, by drive.
-        model: The constants.
+        model: Constants of the worlds.
     """
     guided = [int(b) for b in group.members if families.steers(group.kind, type(bodies[b].kinematics))]
     if guided:

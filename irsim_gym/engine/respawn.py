@@ -36,7 +36,7 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
         bodies: The bodies in question, shape ``(n,)``.
         gone: Which of them go, shape ``(n_worlds, n)``.
         model: The constants; ``present`` and ``altered`` are rewritten.
-        state: The moment.
+        state: State of the worlds.
         shard: The worlds to treat.
     """
     remove(shard.worlds, bodies, gone, model)

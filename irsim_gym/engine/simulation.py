@@ -31,7 +31,7 @@ class Simulation:
     Attributes:
         scenario: What the file says.
         model: The episode's constants.
-        state: The moment.
+        state: State of the worlds.
         parts: Groups and index lists.
         agents: Bodies that are commanded from outside, shape ``(n_agents,)``.
         shards: The division of labour.

@@ -28,8 +28,8 @@ class AgentView(EgoView):
 
     Args:
         term: The term that asks.
-        model: The constants of the worlds.
-        state: The present of the worlds.
+        model: Constants of the worlds.
+        state: State of the worlds.
         episode: The episodes of the agents.
         place: Number of the world, and of the agent in it.
     """
