@@ -171,7 +171,7 @@ class EgoView(BodyView):
         return group.arrays[name][self._w, member].copy()
 
     def uniform(self, low: float, high: float) -> float:
-        """Draw a uniform number from low to high from the world's own stream, so that a seed reproduces the episode.
+        """Draw a uniform number, in the unit of its bounds, from the world's own stream: a seed reproduces the episode.
 
         Args:
             low: Lower end, in the [unit] of the number.
@@ -180,7 +180,7 @@ class EgoView(BodyView):
         return float(rng.uniform(self._state.random, self._w, low, high))
 
     def normal(self, mean: float, deviation: float) -> float:
-        """Draw a normally distributed number from the world's own stream.
+        """Draw a normally distributed number, in the unit of the arguments, from the world's own stream.
 
         Args:
             mean: Mean, in the [unit] of the number.

@@ -355,12 +355,12 @@ class Scenario:
         source: The data that it was read from, with lines.
         root: Path of the wrapper key around all sections; empty without one.
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
-                bottom; None without a map. The map is the last body.
-            levels: Levels from a file (``levels``); None if they are drawn.
-            doubts: Remarks on suspicious values, found while reading.
-            ignored: Unused keys that were ignored.
-            strict: Whether unused keys are errors, also in the section ``task``.
-            parameters: Values of its parameters by name: given ones, else the defaults.
+            bottom; None without a map. The map is the last body.
+        levels: Levels from a file (``levels``); None if they are drawn.
+        doubts: Remarks on suspicious values, found while reading.
+        ignored: Unused keys that were ignored.
+        strict: Whether unused keys are errors, also in the section ``task``.
+        parameters: Values of its parameters by name: given ones, else the defaults.
     """
 
     name: str
@@ -395,6 +395,11 @@ class Scenario:
         return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem with its line, about the value at a path such as ``("task", "rewards", 0, "weight")``."""
+        """Return a problem with its line.
+
+        Args:
+            place: Path of the value, such as ``("task", "rewards", 0, "weight")``.
+            message: What is wrong with it.
+        """
         prefix = self.root.get(str(place[0]), ()) if place else ()
         return self.source.problem((*prefix, *place), message)

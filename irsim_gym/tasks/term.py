@@ -88,7 +88,7 @@ class HasArrays(Protocol):
     """A kind with its own arrays."""
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]] | Struct:
-        """Return the value of ``Term.arrays``.
+        """Return the value of ``Term.arrays``: arrays of any shapes.
 
         Args:
             simulation: The worlds.

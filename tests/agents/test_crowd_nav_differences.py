@@ -18,6 +18,7 @@ SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "agents" / "crowd_nav_di
 RADIUS, JITTER = 8.485, 0.564  # of the circle, and by how much a start on it is shifted, as in the file
 
 
+@pytest.mark.slow
 def test_the_robot_that_sees_10_m_is_the_social_force_robot() -> None:
     """The forces of the script, in NumPy, lead where those of the behaviour do."""
     found = irsim_gym.evaluate("crowd_nav", {"own": SCRIPT["Believing"](10.0), "sfm": "sfm"}, levels=4)

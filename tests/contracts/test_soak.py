@@ -116,7 +116,10 @@ def most_objects(step):
     return most - before
 
 
-@pytest.mark.parametrize(("face", "per_world"), [("same", 0), ("next", 0), ("sb3", 1)])
+@pytest.mark.parametrize(
+    ("face", "per_world"),
+    [("same", 0), *(pytest.param(*one, marks=pytest.mark.slow) for one in (("next", 0), ("sb3", 1)))],
+)
 def test_worlds_that_go_on_cost_no_objects(face, per_world):
     """Stable-Baselines3 wants a dict for each; that is the only one."""
     few, many = 256, 1024
