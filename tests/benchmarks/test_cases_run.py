@@ -35,11 +35,11 @@ def valid(result: dict[str, Any]) -> None:
     Draft202012Validator(json.loads(results.SCHEMA.read_text(encoding="utf-8"))).validate(result)
 
 
-ALONE = {"memory"}
-"""Cases that start processes of their own, and take seconds therefore."""
+HEAVY = {"memory"}
+"""Cases that make so many worlds that they take seconds."""
 
 
-@pytest.mark.parametrize("name", sorted(CASES.keys() - LONG - ALONE))
+@pytest.mark.parametrize("name", sorted(CASES.keys() - LONG - HEAVY))
 def test_a_case_runs(name: str) -> None:
     figures = list(flatten(CASES[name](TINY)))
     assert figures or (name == "s1/twin" and c_twin.compiler() is None)
@@ -49,7 +49,7 @@ def test_a_case_runs(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(LONG | ALONE))
+@pytest.mark.parametrize("name", sorted(LONG | HEAVY))
 def test_a_long_case_runs(name: str) -> None:
     assert all(math.isfinite(value) for _, value, _ in flatten(CASES[name](TINY)))
 
