@@ -71,8 +71,7 @@ class WorldSpec:
         "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
     obstacle_map: Any = option(
-        None,
-        meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind.",
+        None, meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind."
     )
     mdownsample: int = option(
         1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
@@ -85,10 +84,7 @@ class WorldSpec:
     )
     fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it does not affect the simulation.")
     fog_map_resolution: float | None = option(
-        None,
-        gt=0.0,
-        unit="m",
-        meaning="Cell size of fog_map; default: that of obstacle_map, else 0.1 m.",
+        None, gt=0.0, unit="m", meaning="Cell size of fog_map; default: that of obstacle_map, else 0.1 m."
     )
     update: Literal["sequential", "simultaneous"] = option(
         "sequential",
@@ -401,5 +397,4 @@ class Scenario:
             place: Path of the value, such as ``("task", "rewards", 0, "weight")``.
             message: What is wrong with it.
         """
-        prefix = self.root.get(str(place[0]), ()) if place else ()
-        return self.source.problem((*prefix, *place), message)
+        return self.source.problem((*(self.root.get(str(place[0]), ()) if place else ()), *place), message)
