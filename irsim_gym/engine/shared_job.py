@@ -157,15 +157,7 @@ class Share(NamedTuple):
 
 
 @kernel
-def write_job(
-    job: int,
-    addresses: Ints,
-    worlds: Ints,
-    bounds: Ints,
-    share: Share,
-    n_calls: int,
-    looks: int,
-) -> int:
+def write_job(job: int, addresses: Ints, worlds: Ints, bounds: Ints, share: Share, n_calls: int, looks: int) -> int:
     """Write a job, and return which of the wanted slots sleep, as bits; from then on they count as awake.
 
     The number of pieces that are left is written last: a thread that sees it sees all else. Where no slot is awake or

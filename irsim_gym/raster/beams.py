@@ -33,13 +33,7 @@ def load_beams(points: Floats, scan: Any, pose: Floats, angles: Floats, ranges: 
 
 @kernel
 def paint_scan(
-    canvas: RasterCanvas,
-    points: Floats,
-    item: Any,
-    scan: Any,
-    ranges: Rays,
-    speeds: Floats,
-    colour: Floats,
+    canvas: RasterCanvas, points: Floats, item: Any, scan: Any, ranges: Rays, speeds: Floats, colour: Floats
 ) -> None:
     """Paint a scan below the bodies: the visible area and the beams, or beams in the colours of radial velocities.
 
@@ -85,13 +79,7 @@ def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> N
 
 @kernel
 def _paint_velocities(
-    canvas: RasterCanvas,
-    points: Floats,
-    item: Any,
-    scan: Any,
-    ranges: Rays,
-    speeds: Floats,
-    colour: Floats,
+    canvas: RasterCanvas, points: Floats, item: Any, scan: Any, ranges: Rays, speeds: Floats, colour: Floats
 ) -> None:
     """Paint all beams that hit nothing in one colour, and each other beam in the colour of its radial velocity."""
     picture, sheet, box = canvas

@@ -207,14 +207,7 @@ def paint_field(picture: Bytes, sheet: Rays, box: Ints, points: Floats, item: An
 
 @kernel
 def paint_path(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
-    points: Floats,
-    item: Any,
-    count: int,
-    view: Floats,
-    colour: Floats,
+    picture: Bytes, sheet: Rays, box: Ints, points: Floats, item: Any, count: int, view: Floats, colour: Floats
 ) -> None:
     """Paint the path of a body: a thin line that fades towards its beginning, or a band if the width is in metres.
 

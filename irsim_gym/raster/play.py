@@ -74,13 +74,7 @@ LABEL_GAP = 0.08
 
 @kernel
 def draw_items(
-    pictures: Bytes,
-    frames: Ints,
-    worlds: Ints,
-    items: Any,
-    source: RasterSource,
-    look: Look,
-    scratch: Scratch,
+    pictures: Bytes, frames: Ints, worlds: Ints, items: Any, source: RasterSource, look: Look, scratch: Scratch
 ) -> None:
     """Draw the items of a plan on pictures.
 

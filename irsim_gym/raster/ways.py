@@ -21,13 +21,7 @@ ALIGNED = 1e-4
 
 @kernel
 def add_way(
-    sheet: Rays,
-    box: Ints,
-    points: Floats,
-    count: int,
-    line: tuple[float, int, float],
-    closed: bool,
-    round_ends: bool,
+    sheet: Rays, box: Ints, points: Floats, count: int, line: tuple[float, int, float], closed: bool, round_ends: bool
 ) -> None:
     """Add a line through the first ``count`` points to a sheet.
 

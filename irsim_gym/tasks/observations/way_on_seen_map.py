@@ -96,13 +96,7 @@ class WayOnSeenMap:
 
 @kernel
 def write_ways_seen(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    ways: SeenWays,
-    model: WorldModel,
-    state: WorldState,
-    episode: EpisodeState,
+    worlds: Ints, slot: int, term: Bound, ways: SeenWays, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
