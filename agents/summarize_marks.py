@@ -18,10 +18,10 @@ from typing import Any
 
 from summarize import HERE
 
-from irsim_gym.scenario.library import references_file
+from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
+from irsim_gym.suite.listing import reference_figures
 from irsim_gym.training.seed_summary import WORST, markdown_table, percent
 
-BASELINES = "random", "dash"
 RESULTS, PAGE = HERE / "results", HERE / "README.md"
 
 
@@ -93,8 +93,7 @@ def read(name: str) -> Any:
 
 def planner(benchmark: str, method: str) -> str:
     """Return a method's row of docs/benchmarks.md."""
-    figures = json.loads(references_file().read_text(encoding="utf-8"))["figures"]
-    return f"{percent(figures[benchmark][method]['success'])}{'' if method == 'seen' else f' (`{method}`)'}"
+    return f"{percent(reference_figures()[benchmark][method]['success'])}{'' if method == 'seen' else f' (`{method}`)'}"
 
 
 def overview_row(mark: Mark, found: Any) -> tuple[str, ...]:
@@ -121,7 +120,7 @@ def seed_rows(mark: Mark, found: Any) -> Iterator[tuple[str, ...]]:
 
 def played_row(place: Elsewhere, found: Any) -> tuple[str, ...]:
     """Return what the seeds of a training came to elsewhere."""
-    seeds = [row for row in found["policies"] if row["policy"] not in BASELINES]
+    seeds = [row for row in found["policies"] if row["policy"] not in ALWAYS_SHOWN]
     shares = [100 * row["success"]["value"] for row in seeds]
     trained = next(mark.benchmark for mark in MARKS if mark.name == place.trained)
     return (

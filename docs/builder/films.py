@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 import irsim_gym
+from builder.records import cards_in, references
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.library import references_file
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.suite.members import shipped_suite
-from irsim_gym.suite.suite_record import SuiteRecord
-from irsim_gym.training.cards import PolicyCard, read_card
-from irsim_gym.training.players import load_players
-from irsim_gym.training.shelf import shelf_files
+from irsim_gym.training.cards import PolicyCard
+from irsim_gym.training.players import Players, load_players
 
 SIZE = 480
 """Longer side of a frame [pixels]."""
@@ -73,7 +70,7 @@ def driver_of(name: str) -> Driver:
 
 def _trained(name: str) -> Driver | None:
     """Return the policy of the shelf that succeeds most often in a scenario."""
-    cards = [card for file in shelf_files().values() if (card := read_card(file)) and card.scenario.name == name]
+    cards = cards_in(name)
     if not cards:
         return None
     best = max(cards, key=_success)
@@ -87,7 +84,7 @@ def _success(card: PolicyCard) -> float:
 
 def _reference(name: str) -> Driver | None:
     """Return the method that succeeds most often in the benchmark of a scenario."""
-    record = _references()
+    record = references()
     for member in shipped_suite().members.values():
         figures = record.figures.get(member.name, {}) if member.scenario == name and not member.parameters else {}
         if figures:
@@ -107,27 +104,30 @@ def _planner(name: str) -> Driver:
     return Driver(None, False, "The behaviours of the file drive")
 
 
-@cache
-def _references() -> SuiteRecord:
-    return SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
-
-
 def _policy_film(name: str, driver: Driver) -> Film:
     """Film the first level that is solved, or the last of those that are tried."""
     cast = load_players(name, [driver.source or ""], team=driver.team)
-    try:
-        for level in range(driver.levels):
-            frames, status = [], ""
-            every = _steps_per_frame(cast.step_time)
-            for step, status in enumerate(cast.play(0, level)):
-                if len(frames) < MOST_FRAMES and (step % every == 0 or status != "running"):
-                    frames.append(small(np.asarray(cast.renderer.frame(0, status))))
-            if status == "success":
-                break
-    finally:
-        cast.renderer.close()
-    ending = status.replace("_", " ")
-    return Film(frames, f"{driver.text} in this film of `test` level {level}: {ending}.")
+    level, ending = _first_solved(cast, driver.levels)
+    frames = list(islice(_played_frames(cast, level), MOST_FRAMES))
+    cast.renderer.close()
+    return Film(frames, f"{driver.text} in this film of `test` level {level}: {ending.replace('_', ' ')}.")
+
+
+def _first_solved(cast: Players, levels: int) -> tuple[int, str]:
+    """Return the first level that is solved, else the last one, and how it ends; nothing is drawn."""
+    level, ending = 0, ""
+    for level in range(levels):
+        *_, ending = cast.play(0, level)
+        if ending == "success":
+            break
+    return level, ending
+
+
+def _played_frames(cast: Players, level: int) -> Iterator[Bytes]:
+    every = _steps_per_frame(cast.step_time)
+    for step, status in enumerate(cast.play(0, level)):
+        if step % every == 0 or status != "running":
+            yield small(np.asarray(cast.renderer.frame(0, status)))
 
 
 def _loaded_frames(name: str) -> Iterator[Bytes]:

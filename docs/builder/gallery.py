@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import irsim_gym
 from builder import pictures as drawn
 from builder import tables
+from builder.records import cards_in, references
 from irsim_gym.envs.description import Description
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.library import benchmark_names, every_scenario, references_file
+from irsim_gym.scenario.library import benchmark_names, every_scenario
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.parameters import ParameterSpec
 from irsim_gym.scenario.source import read_file
 from irsim_gym.suite import suite_tables
 from irsim_gym.suite.members import shipped_suite
-from irsim_gym.suite.suite_record import SuiteRecord
-from irsim_gym.training.cards import PolicyCard, read_card
-from irsim_gym.training.shelf import shelf_files
+from irsim_gym.training.cards import PolicyCard
 from irsim_gym.training.shelf_tables import percent
 
 FOLDER = "scenarios"
@@ -84,7 +82,7 @@ def _page(name: str, file: Path, have: drawn.Pictures) -> str:
             f"aria-label='Film of {name}'></video>\n```"
         )
     parts.append(f'```python\nimport irsim_gym\n\nenv = irsim_gym.make("{name}")\n```')
-    parts += [*_parameters(file), *_learned(name), *_rows(name), *_cards(name)]
+    parts += [*_parameters(file), *_learned(name), *_rows(name), *map(_card, cards_in(name))]
     parts.append(f"## File\n\n```yaml\n{file.read_text(encoding='utf-8').strip()}\n```")
     return "\n\n".join(parts) + "\n"
 
@@ -121,7 +119,7 @@ def _learned(name: str) -> Iterator[str]:
 
 def _rows(name: str) -> Iterator[str]:
     """Yield the reference rows of the benchmarks that play a scenario."""
-    record = SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
+    record = references()
     played = [one for one in shipped_suite().members.values() if one.scenario == name and one.name in record.figures]
     if played:
         yield "## Reference rows\n\nFrom the [benchmark suite](../benchmarks.md), success and others in percent."
@@ -130,14 +128,7 @@ def _rows(name: str) -> Iterator[str]:
         yield f"### {member.name}\n\n{member.asks}\n\n{told}"
 
 
-def _cards(name: str) -> Iterator[str]:
-    for shelf_name, file in shelf_files().items():
-        card = read_card(file)
-        if card is not None and card.scenario.name == name:
-            yield _card(shelf_name, card)
-
-
-def _card(name: str, card: PolicyCard) -> str:
+def _card(card: PolicyCard) -> str:
     observed = ", ".join(f"`{term.name}` {' x '.join(map(str, term.shape))}" for term in card.observation)
     training = card.training
     rows = [
@@ -152,5 +143,5 @@ def _card(name: str, card: PolicyCard) -> str:
         *(("success [%]", f"{percent(one.success)} on {one.levels:,} {one.split} levels") for one in card.results),
         *(("weakness", sentence) for sentence in card.weaknesses),
     ]
-    use = f'`irsim_gym.load_policy("{name}")`, `irsim-gym policies show {name}`'
-    return f"## Policy {name}\n\n{use}\n\n" + tables.table(("", ""), rows)
+    use = f'`irsim_gym.load_policy("{card.name}")`, `irsim-gym policies show {card.name}`'
+    return f"## Policy {card.name}\n\n{use}\n\n" + tables.table(("", ""), rows)

@@ -94,7 +94,8 @@ def summarize_runs(folder: Path, runs: Sequence[Run], levels: int) -> None:
     report_changes(settings.scenario, [runs[0].folder], settings.task, strict=settings.strict)
     if not settings.mixture:
         _summarize(folder, settings, runs, levels)
-    for name, part in zip(settings.names, settings.parts(), strict=True) if settings.mixture else ():
+        return
+    for name, part in zip(settings.names, settings.parts(), strict=True):
         _summarize(folder / name, part, runs, levels, name)
 
 

@@ -1,0 +1,23 @@
+"""Reference rows and policies of the shelf, for the pages and films of scenarios."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+
+from irsim_gym.scenario.library import references_file
+from irsim_gym.suite.suite_record import SuiteRecord
+from irsim_gym.training.cards import PolicyCard
+from irsim_gym.training.shelf import card_of, shelf_files
+
+
+@cache
+def references() -> SuiteRecord:
+    """Return the shipped reference rows of the suite."""
+    return SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
+
+
+def cards_in(scenario: str) -> list[PolicyCard]:
+    """Return the cards of the shipped policies that were trained in a scenario."""
+    cards = map(card_of, shelf_files())
+    return [card for card in cards if card is not None and card.scenario.name == scenario]
