@@ -2,7 +2,7 @@
 
 A kernel gets the address of a block of memory in which the fields stand as machine words, an array as its place, shape
 and strides. Numba's own form for this, a named tuple, hands every field of it to every kernel as arguments of their
-own: eleven kernels with all fields of ``WorldModel`` and ``WorldState`` took 9.0 s to compile, 2.1 s with this form and
+own: eleven kernels with all fields of ``Model`` and ``State`` took 9.0 s to compile, 2.1 s with this form and
 2.1 s with arrays as arguments. In plain Python (``NUMBA_DISABLE_JIT=1``) kernels get the dataclass itself.
 """
 

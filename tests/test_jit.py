@@ -205,9 +205,9 @@ def test_a_kernel_on_disk_may_allocate(tmp_path: Path) -> None:
     use = """
 import numpy as np
 from irsim_gym.engine.body_measures import measure
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 sizes = dict.fromkeys(("disc", "map_column", "map_row", "map_box", "waypoint", "watching"), 0)
-model = WorldModel.allocate({**sizes, "world": 1, "body": 1, "segment": 4})
+model = Model.allocate({**sizes, "world": 1, "body": 1, "segment": 4})
 corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
 model.local_segments[0] = [[*corners[k - 1], *corners[k]] for k in range(4)]
 model.segment_count[:], model.solid[:], one = 4, True, np.zeros(1, np.int64)

@@ -16,8 +16,8 @@ from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import kind, kind_of_function, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, Model
+from irsim_gym.world.state import State
 
 ROLES = (-1, ROBOT, OBSTACLE)
 
@@ -38,12 +38,12 @@ class PythonBehavior(RenewsGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate the members' memories."""
         reserve_memory(group, model)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Call the function for the command of each member that can move, world by world."""
         for w in shard.worlds:
             for k, b in enumerate(group.members):
@@ -70,12 +70,12 @@ class PythonGroupBehavior(RenewsMembersGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate the members' memories."""
         reserve_memory(group, model)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Call the function for the commands of all members, world by world."""
         for w in shard.worlds:
             here = model.present[w, group.members]
@@ -91,7 +91,7 @@ class PythonGroupBehavior(RenewsMembersGoals):
 
 
 @contextmanager
-def noting(kind: Any, whose: str, state: WorldState, world: int) -> Iterator[None]:
+def noting(kind: Any, whose: str, state: State, world: int) -> Iterator[None]:
     """Add the body and the time of the call to any error of a kind's function."""
     try:
         yield
@@ -157,7 +157,7 @@ def _decorator(name: str, kinematics: Sequence[str] | None, base: type[Any], reg
     return register
 
 
-def write_command(group: Group, model: WorldModel, body: int, answer: Any, command: Floats) -> None:
+def write_command(group: Group, model: Model, body: int, answer: Any, command: Floats) -> None:
     """Write what a function returned into ``command``, shape ``(3,)``.
 
     Raises:

@@ -15,9 +15,9 @@ from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -44,17 +44,17 @@ class Dash(RenewsGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Do nothing: the behaviour needs no memory."""
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands; all members of a group have one drive."""
         KERNELS[int(model.drive[group.members[0]])](shard.worlds, group.members, group.params, model, state)
 
 
 @kernel
-def dash_differential(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def dash_differential(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write a differential drive's command: v = v_max cos(e), a turn towards the goal at full or braking rate.
 
     ``e`` is the goal's bearing; behind the robot the speed is negative. With a limited angular acceleration the
@@ -79,7 +79,7 @@ def dash_differential(worlds: Ints, members: Ints, params: Any, model: WorldMode
 
 
 @kernel
-def dash_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def dash_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write an omnidirectional drive's command: each component at its share of its own limit.
 
     With unequal limits the way is not straight. There is no slowing down.
@@ -102,7 +102,7 @@ def dash_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state
 
 
 @kernel
-def dash_omni_angular(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def dash_omni_angular(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write the command of an omnidirectional drive that turns: towards the goal, and there to the goal's heading.
 
     Reads: model (acceleration_limit, goal_threshold, has_goal, step_time, velocity_max), state (goal, pose).
@@ -129,7 +129,7 @@ def dash_omni_angular(worlds: Ints, members: Ints, params: Any, model: WorldMode
 
 
 @kernel
-def dash_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def dash_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write a car's command: full speed, and the goal's bearing as steering angle (or as yaw rate per second).
 
     It never slows down or reverses, so it circles around a goal that is nearer than it can turn.
@@ -153,7 +153,7 @@ def dash_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, 
 
 
 @kernel
-def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolerance: float) -> float:
+def turn_rate(model: Model, w: int, b: int, turn: int, error: float, tolerance: float) -> float:
     """Return the turn rate towards a bearing ``error`` [rad]: full speed, or what can be braked in time [rad/s].
 
     Reads: model (acceleration_limit, step_time, velocity_max).

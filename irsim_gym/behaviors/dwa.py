@@ -15,8 +15,8 @@ from irsim_gym.behaviors.local_way import forget_ways
 from irsim_gym.behaviors.renewal import renewal_problems
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 MOST_SAMPLES = 1000
 """Maximum number of values along an axis."""
@@ -89,7 +89,7 @@ class Dwa(LocalPlanner):
             yield "sim_granularity", f"must not exceed sim_time = {self.sim_time:g}, got {self.sim_granularity:g}"
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for the members' scans, paths and turns."""
         shape = len(model.present), len(group.members)
         turns = Turns(np.full((*shape, 2), np.nan), np.zeros(shape, np.int64))
@@ -103,7 +103,7 @@ class Dwa(LocalPlanner):
         forget_turns(shard.worlds, turns)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
         tables, turns = group.tables[shard.slot]
         find_paths(group, model, state, shard, tables)

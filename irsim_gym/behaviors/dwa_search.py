@@ -33,10 +33,10 @@ from irsim_gym.behaviors.rollouts import (
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, Model
 from irsim_gym.world.own_scan import OwnScan
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 BOTH = 2
 """Value of ``turned`` for turns to both sides."""
@@ -63,8 +63,8 @@ def decide_dwa(
     members: Ints,
     params: Any,
     scan: OwnScan,
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     tables: LocalTables,
     turns: Turns,
 ) -> None:

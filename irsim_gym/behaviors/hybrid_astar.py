@@ -15,8 +15,8 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -56,7 +56,7 @@ class HybridAstar(RenewsGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for the paths, and compute path costs without obstacles."""
         group.tables = PoseTables.reserve(group, model, n_slots)
 
@@ -66,7 +66,7 @@ class HybridAstar(RenewsGoals):
         forget_poses(shard.worlds, group.tables)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands; all members of a group have one drive."""
         drive_all_poses(shard.worlds, shard.slot, group.members, group.params, group.tables, model, model.cells, state)
 
@@ -78,9 +78,9 @@ def drive_all_poses(
     members: Ints,
     params: Any,
     tables: PoseTables,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
 ) -> None:
     """Write the commands of the members.
 

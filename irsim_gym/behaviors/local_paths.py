@@ -15,10 +15,10 @@ from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Search
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 MAP, SEEN = 1, 2
 """Kinds of paths, in the order of the option ``path``."""
@@ -28,7 +28,7 @@ SHARES = (1.0, 0.5, 0.0)
 """Shares of a path's distance from obstacles that are tried in order until there is a path."""
 
 
-def find_paths(group: Group, model: WorldModel, state: WorldState, shard: Shard, tables: LocalTables) -> None:
+def find_paths(group: Group, model: Model, state: State, shard: Shard, tables: LocalTables) -> None:
     """Find the paths of members that follow one, where there is a new goal or the known one is no good."""
     paths = {options.path for options in group.options}
     if "seen" in paths:
@@ -39,14 +39,7 @@ def find_paths(group: Group, model: WorldModel, state: WorldState, shard: Shard,
 
 @kernel
 def note_scans(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    scan: OwnScan,
-    model: WorldModel,
-    state: WorldState,
-    hits: Floats,
-    ways: LocalWays,
+    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, state: State, hits: Floats, ways: LocalWays
 ) -> None:
     """Write what the scans show, and the paths of members that go by it, where the known one is blocked.
 
@@ -102,13 +95,7 @@ def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
 
 @kernel
 def find_ways(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    model: WorldModel,
-    cells: CellMaps | None,
-    state: WorldState,
-    ways: LocalWays,
+    worlds: Ints, members: Ints, params: Any, model: Model, cells: CellMaps | None, state: State, ways: LocalWays
 ) -> None:
     """Find the paths of members that follow the map, where the goal is new or the body has gone astray.
 

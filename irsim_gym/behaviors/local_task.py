@@ -14,11 +14,11 @@ from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, Model
 from irsim_gym.world.outline import own_outline
 from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 LETHAL = 253.0
 """Cost of touching the padded footprint, as in ROS's cost maps."""
@@ -45,7 +45,7 @@ class LocalTables(Struct):
     ways: LocalWays
 
     @classmethod
-    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> list[Self]:
+    def reserve(cls, group: Group, model: Model, n_slots: int) -> list[Self]:
         """Return memory for each slot."""
         by_rate, n_beams = np.zeros(len(model.role), np.bool_), group.scan.ranges.shape[2]
         by_rate[group.members] = commanded_by_rate(group)
@@ -86,7 +86,7 @@ class LocalTask(NamedTuple):
 
 
 @kernel
-def is_under_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
+def is_under_way(model: Model, state: State, w: int, b: int) -> bool:
     """Return whether a body is there and has a goal that it has not reached.
 
     Reads: model (goal_threshold, has_goal, present), state (goal, pose).
@@ -98,9 +98,7 @@ def is_under_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 
 
 @kernel
-def task_of(
-    w: int, b: int, n_hits: int, options: Any, model: WorldModel, state: WorldState, tables: LocalTables
-) -> LocalTask:
+def task_of(w: int, b: int, n_hits: int, options: Any, model: Model, state: State, tables: LocalTables) -> LocalTask:
     """Return what body b of world w has to do; ``tables.way`` is written.
 
     Reads: model (disc_count, disc_start, drive, goal_threshold, local_discs, local_segments, reach, segment_count,

@@ -15,8 +15,8 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 MOST_POINTS = 256
 """Maximum number of stored points of a path, CELL apart or more; beyond the last but one, the path is straight."""
@@ -63,7 +63,7 @@ class LocalWays(Struct):
     blocks: Flags
 
     @classmethod
-    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> list[Self]:
+    def reserve(cls, group: Group, model: Model, n_slots: int) -> list[Self]:
         """Return memory for each slot; the paths themselves are shared, and empty where nobody follows the map."""
         n_worlds, n_members, n_bodies = len(model.present), len(group.members), len(model.role)
         row = np.zeros(n_bodies, np.int64)
@@ -116,7 +116,7 @@ def advance_on_way(ways: LocalWays, w: int, m: int, place: Point) -> float:
 
 
 @kernel
-def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, length: float, way: Floats) -> int:
+def lay_way(state: State, ways: LocalWays, w: int, b: int, length: float, way: Floats) -> int:
     """Write the path of a body from where it is nearest, in the frame of the body, and return its number of points.
 
     Reads: state (goal, pose), ways (count, points, row, side).

@@ -7,11 +7,11 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, CellMaps, Floats
 from irsim_gym.geometry.cells import cell_range
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
 
 
-def most_map_walls(model: WorldModel, threshold: float) -> int:
+def most_map_walls(model: Model, threshold: float) -> int:
     """Return an upper bound of the number of map walls within ``threshold`` [m] of a point; discs have none."""
     if (chart := model.cells) is None or chart.radius > 0.0:
         return 0
@@ -19,7 +19,7 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
     return int(2.0 * (columns + 1.0) * (rows + 1.0)) + 1
 
 
-def most_map_discs(model: WorldModel, threshold: float) -> int:
+def most_map_discs(model: Model, threshold: float) -> int:
     """Return an upper bound of the number of map discs whose centres are within ``threshold`` [m] of a point."""
     if (chart := model.cells) is None or chart.radius == 0.0:
         return 0
@@ -37,7 +37,7 @@ def _most_cells(chart: CellMaps, threshold: float) -> tuple[float, float]:
 
 
 @kernel
-def map_walls(model: WorldModel, w: int, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
+def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
     Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
@@ -101,7 +101,7 @@ def is_occupied(squares: Bytes, axis: int, cell: int, line: int) -> bool:
 
 
 @kernel
-def map_discs(model: WorldModel, w: int, x: float, y: float, threshold: float, discs: Floats) -> int:
+def map_discs(model: Model, w: int, x: float, y: float, threshold: float, discs: Floats) -> int:
     """Write the discs of a map whose centres are near a point, column by column; return their number.
 
     There are none where occupied cells are occupied all over.

@@ -15,8 +15,8 @@ from irsim_gym.behaviors.mppi_sampling import Samples, decide_mppi, forget_plans
 from irsim_gym.behaviors.renewal import renewal_problems
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -60,7 +60,7 @@ class Mppi(LocalPlanner):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for the members' scans, paths, plans and samples."""
         n_steps = max(1, round(max(options.horizon for options in group.options) / float(model.step_time[0])))
         n_samples = max(options.samples for options in group.options)
@@ -78,7 +78,7 @@ class Mppi(LocalPlanner):
         forget_plans(shard.worlds, samples)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
         tables, samples = group.tables[shard.slot]
         find_paths(group, model, state, shard, tables)

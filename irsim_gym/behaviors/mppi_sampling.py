@@ -15,10 +15,10 @@ from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import ACKERMANN, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import ACKERMANN, OMNI_WORLD, Model
 from irsim_gym.world.own_scan import OwnScan
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @dataclass(repr=False)
@@ -72,8 +72,8 @@ def decide_mppi(
     members: Ints,
     params: Any,
     scan: OwnScan,
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     tables: LocalTables,
     samples: Samples,
 ) -> None:
@@ -106,7 +106,7 @@ def decide_mppi(
 
 
 @kernel
-def motion_of(model: WorldModel, state: WorldState, w: int, b: int) -> Motion:
+def motion_of(model: Model, state: State, w: int, b: int) -> Motion:
     """Return what body b of world w does and can do.
 
     Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min), state (steering, twist, velocity).
@@ -120,7 +120,7 @@ def motion_of(model: WorldModel, state: WorldState, w: int, b: int) -> Motion:
 
 
 @kernel
-def draw_samples(w: int, state: WorldState, options: Any, motion: Motion, nominal: Floats, samples: Samples) -> None:
+def draw_samples(w: int, state: State, options: Any, motion: Motion, nominal: Floats, samples: Samples) -> None:
     """Write sequences about the nominal one, itself and a stop among them, and their cost from noise.
 
     With u the nominal commands, e the noise and s its standard deviation, that is gamma times the sum of u e / s^2.

@@ -16,8 +16,8 @@ from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.geometry.linear_program import HALF_PLANE
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -45,7 +45,7 @@ class OrcaGroup(RenewsMembersGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Mark the bodies to avoid, and allocate scratch memory."""
         n_bodies, n_parts = len(model.role), model.local_segments.shape[1] + model.local_discs.shape[1]
         is_member, plans = np.zeros(n_bodies, np.bool_), np.zeros(n_bodies, np.bool_)
@@ -70,7 +70,7 @@ class OrcaGroup(RenewsMembersGoals):
         ]
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands and ``state.plan``; all see each other as they were before."""
         tables = group.tables[shard.slot]
         if len(tables.deciding):

@@ -17,9 +17,9 @@ from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.buckets import square_of
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 FEW = 32
 """Number of members up to which they are searched one by one."""
@@ -134,7 +134,7 @@ def lay_squares(bounds: Floats, n_members: int, reach: float, most: int) -> Squa
 
 
 @kernel
-def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> None:
+def sort_members(model: Model, state: State, w: int, crowd: Crowd) -> None:
     """Write where the members of one world are, square by square, and how they move.
 
     Members that plan do as they planned, the others as they move.
@@ -173,7 +173,7 @@ def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> 
 
 
 @kernel
-def find_nearest(model: WorldModel, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
+def find_nearest(model: Model, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
     """Write the nearest members that a member sees, nearest first; return their number.
 
     The circle in which it looks for them grows until it holds enough of them.
@@ -230,7 +230,7 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
 
 
 @kernel
-def keep_visible(model: WorldModel, b: int, n_found: int, crowd: Crowd) -> int:
+def keep_visible(model: Model, b: int, n_found: int, crowd: Crowd) -> int:
     """Keep those found members that body b sees; return their number.
 
     Reads: model (seen_row, watchers), crowd (body, found, gap2).

@@ -12,7 +12,7 @@ from irsim_gym.behaviors.orca_walls import add_edge, see_edge
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 
 SIGHT = 3.0
 """Range of view for maps [m], which have many walls or discs, of which distant ones matter only later."""
@@ -20,14 +20,7 @@ SIGHT = 3.0
 
 @kernel
 def add_map(
-    model: WorldModel,
-    w: int,
-    ego: Ego,
-    horizon: float,
-    within: float,
-    obstacles: OrcaObstacles,
-    planes: Records,
-    count: int,
+    model: Model, w: int, ego: Ego, horizon: float, within: float, obstacles: OrcaObstacles, planes: Records, count: int
 ) -> int:
     """Append the half-planes of the map's walls or discs to ``planes``, nearest first; return how many those are now.
 
@@ -58,7 +51,7 @@ def add_map(
 
 
 @kernel
-def near_walls(model: WorldModel, w: int, ego: Ego, within: float, obstacles: OrcaObstacles) -> int:
+def near_walls(model: Model, w: int, ego: Ego, within: float, obstacles: OrcaObstacles) -> int:
     """Write the walls of the map that are nearer than ``within`` [m], and their order; return their number.
 
     Reads: model (map_disc, map_frame, map_squares), obstacles (map_gap, map_order, sides).
@@ -76,7 +69,7 @@ def near_walls(model: WorldModel, w: int, ego: Ego, within: float, obstacles: Or
 
 
 @kernel
-def near_discs(model: WorldModel, w: int, ego: Ego, within: float, obstacles: OrcaObstacles) -> int:
+def near_discs(model: Model, w: int, ego: Ego, within: float, obstacles: OrcaObstacles) -> int:
     """Write the discs of the map that are nearer than ``within`` [m], and their order; return their number.
 
     Reads: model (map_disc, map_frame, map_squares), obstacles (map_discs, map_gap, map_order).

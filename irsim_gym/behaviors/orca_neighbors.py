@@ -12,9 +12,9 @@ from irsim_gym.behaviors.surroundings import find_around
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 FEW_WALLS = 64
 """Number of static bodies up to which they are searched one by one; more are looked up in the buckets."""
@@ -82,7 +82,7 @@ def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -
 
 
 @kernel
-def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: float, obstacles: OrcaObstacles) -> int:
+def find_walls(model: Model, state: State, w: int, b: int, within: float, obstacles: OrcaObstacles) -> int:
     """Write sides and discs of bodies that never move, nearest first, up to some distance; return their number.
 
     Reads: model (bucket_frame, disc_count, disc_start, present, reach, seen_row, segment_count, segment_start,

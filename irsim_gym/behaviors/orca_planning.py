@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Records
+from irsim_gym.arraytypes import Ints, Records, Vector
 from irsim_gym.behaviors.orca_crowd import Crowd, find_nearest, sort_members
 from irsim_gym.behaviors.orca_lines import HALF, LANES, Other, disc_plane, disc_planes, standing_plane
 from irsim_gym.behaviors.orca_map import SIGHT, add_map
@@ -18,9 +18,9 @@ from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.linear_program import choose, set_plane
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import DIFFERENTIAL, WorldModel
+from irsim_gym.world.model import DIFFERENTIAL, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 AT_GOAL = 0.1
 """Distance from its goal below which an omnidirectional body prefers to stand still [m]."""
@@ -55,7 +55,7 @@ class OrcaTables(Struct):
 
 
 @kernel
-def speed_cap(model: WorldModel, w: int, b: int, most: float) -> float:
+def speed_cap(model: Model, w: int, b: int, most: float) -> float:
     """Return the speed [m/s] that a drive can hold in every direction, no more than ``most`` (NaN: no bound).
 
     Reads: model (drive, velocity_max).
@@ -66,7 +66,7 @@ def speed_cap(model: WorldModel, w: int, b: int, most: float) -> float:
 
 
 @kernel
-def preferred_velocity(model: WorldModel, state: WorldState, w: int, b: int, speed: float) -> tuple[float, float]:
+def preferred_velocity(model: Model, state: State, w: int, b: int, speed: float) -> Vector:
     """Return the velocity towards the goal [m/s], 0 without one.
 
     As in IR-SIM, an omnidirectional body stops near its goal and leans to the axis on which it is faster; a
@@ -98,7 +98,7 @@ def is_held(ego: Ego, speed: float) -> bool:
 
 
 @kernel
-def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
+def plan_velocities(worlds: Ints, params: Any, model: Model, state: State, tables: OrcaTables) -> None:
     """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
 
     Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_disc, map_frame, map_squares,
@@ -116,9 +116,7 @@ def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldSt
 
 
 @kernel
-def plan_velocity(
-    model: WorldModel, state: WorldState, w: int, m: int, place: int, options: Any, tables: OrcaTables
-) -> None:
+def plan_velocity(model: Model, state: State, w: int, m: int, place: int, options: Any, tables: OrcaTables) -> None:
     """Write the velocity that member m in square ``place`` chooses.
 
     Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_disc, map_frame, map_squares,
@@ -172,7 +170,7 @@ def add_members(ego: Ego, m: int, n_near: int, n_hard: int, options: Any, step_t
 
 @kernel
 def add_obstacles(
-    model: WorldModel, state: WorldState, w: int, b: int, ego: Ego, horizon: float, speed: float, tables: OrcaTables
+    model: Model, state: State, w: int, b: int, ego: Ego, horizon: float, speed: float, tables: OrcaTables
 ) -> int:
     """Write the half-planes of what never moves and of the map; return their number.
 
@@ -192,9 +190,7 @@ def add_obstacles(
 
 
 @kernel
-def add_walls(
-    model: WorldModel, state: WorldState, w: int, ego: Ego, horizon: float, n_parts: int, tables: OrcaTables
-) -> int:
+def add_walls(model: Model, state: State, w: int, ego: Ego, horizon: float, n_parts: int, tables: OrcaTables) -> int:
     """Write the half-planes of the sides and discs that were found, nearest first; return their number.
 
     Reads: model (segment_count, segment_start, solid), state (discs, segments), tables (obstacles).
@@ -215,7 +211,7 @@ def add_walls(
 
 
 @kernel
-def command_plans(worlds: Ints, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
+def command_plans(worlds: Ints, model: Model, state: State, tables: OrcaTables) -> None:
     """Keep the chosen velocities as plans, and turn them into commands of the drives.
 
     Reads: model (drive, present, step_time, velocity_max), state (command, plan, pose), tables (deciding).

@@ -231,7 +231,7 @@ def cone_plane(edge: Edge, front: Front, ego: Ego, horizon: float, plane: Record
 
 
 @kernel
-def tangent(x: float, y: float, radius: float, turn: float) -> tuple[float, float]:
+def tangent(x: float, y: float, radius: float, turn: float) -> Vector:
     """Return the direction of the tangent from the origin to a disc around (x, y), on its left (turn 1) or right."""
     gap2 = x * x + y * y
     leg, radius = np.sqrt(max(gap2 - radius * radius, 0.0)), turn * radius

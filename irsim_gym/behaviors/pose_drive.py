@@ -13,7 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 PARTS = 4
 """Number of speeds that are tried, each half of the previous one."""
@@ -90,7 +90,7 @@ def way_of(tables: PoseTables, w: int, m: int) -> PoseWay:
 
 
 @kernel
-def is_new(state: WorldState, tables: PoseTables, w: int, m: int, b: int) -> bool:
+def is_new(state: State, tables: PoseTables, w: int, m: int, b: int) -> bool:
     """Return whether a member's goal is not where its way leads; a heading that is NaN is one like any other.
 
     Reads: state (goal), tables (goal).

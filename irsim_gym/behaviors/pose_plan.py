@@ -28,10 +28,10 @@ from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Search
 from irsim_gym.paths.outline_room import PoseShape, room_at_pose
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
 from irsim_gym.world.outline import own_outline
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 PADDING = 0.02
 """Minimum distance of paths from obstacles [m], unless the body starts closer."""
@@ -42,7 +42,7 @@ ATTEMPTS = 2
 
 
 @kernel
-def aim_of(model: WorldModel, state: WorldState, w: int, b: int) -> Aim:
+def aim_of(model: Model, state: State, w: int, b: int) -> Aim:
     """Return where a way is to lead a body, a little nearer to the goal than where it has arrived.
 
     Reads: model (arrive_mode, goal_threshold), state (goal).
@@ -52,7 +52,7 @@ def aim_of(model: WorldModel, state: WorldState, w: int, b: int) -> Aim:
 
 
 @kernel
-def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -> PoseShape:
+def shape_of(model: Model, w: int, b: int, tables: PoseTables, slot: int) -> PoseShape:
     """Return the outline of body b of world w, with room for it at a pose.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid),

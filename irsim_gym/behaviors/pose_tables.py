@@ -18,7 +18,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.outline_room import largest_disc
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import STATE, WorldModel
+from irsim_gym.world.model import STATE, Model
 from irsim_gym.world.rows import row_of
 
 MOST_PIECES = 256
@@ -93,7 +93,7 @@ class PoseTables(Struct):
     everything: Flags
 
     @classmethod
-    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> Self:
+    def reserve(cls, group: Group, model: Model, n_slots: int) -> Self:
         """Return memory for the members of a group; nobody has a way yet."""
         shape, n_bodies = (len(model.present), len(group.members)), len(model.role)
         inner = np.array([inner_radius_of(model, 0, b) for b in group.members.tolist()])
@@ -124,7 +124,7 @@ class PoseTables(Struct):
 
 
 @kernel
-def inner_radius_of(model: WorldModel, w: int, b: int) -> float:
+def inner_radius_of(model: Model, w: int, b: int) -> float:
     """Return the radius of the largest disc about the origin of body b of world w within it [m], at least some.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid).
@@ -143,7 +143,7 @@ def forget_poses(worlds: Ints, tables: PoseTables) -> None:
             tables.goal[w, m, 0], tables.retry[w, m], tables.count[w, m] = np.nan, 0, 0
 
 
-def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes: PoseNodes) -> tuple[Ints, Floats]:
+def _costs(group: Group, model: Model, cell: Floats, by_rate: Flags, nodes: PoseNodes) -> tuple[Ints, Floats]:
     """Return the number of each member's table of costs without obstacles, and the tables.
 
     Those who move alike share one; the first one is of zeros, for those who do not turn. Where levels draw speeds, the
@@ -165,7 +165,7 @@ def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes:
     return numbers, np.stack(tables)
 
 
-def _asked(group: Group, model: WorldModel, k: int, cell: float, by_rate: bool) -> tuple[Records, Aim]:
+def _asked(group: Group, model: Model, k: int, cell: float, by_rate: bool) -> tuple[Records, Aim]:
     """Return the moves of a member, and its goal as if that were the origin."""
     b, still, moves = int(group.members[k]), np.zeros(3), np.zeros(MOST_MOVES, MOVE)
     moving = Moving(
@@ -177,7 +177,7 @@ def _asked(group: Group, model: WorldModel, k: int, cell: float, by_rate: bool) 
     return moves[:count], Aim(0.0, 0.0, heading, NEARER * float(model.goal_threshold[0, b]))
 
 
-def _half(model: WorldModel, moves: Records, cell: float) -> int:
+def _half(model: Model, moves: Records, cell: float) -> int:
     """Return how many cells the table of costs of a body with these moves reaches from the goal, within the world."""
     arcs = moves[(moves["turn"] != 0.0) & (moves["ahead"] != 0.0)]
     radius = float(np.min(np.abs(arcs["ahead"] / arcs["turn"]), initial=np.inf)) if len(arcs) else 0.0

@@ -17,8 +17,8 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -95,7 +95,7 @@ class Pursuit(RenewsGoals):
         return self.known == "seen"
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for the paths, and fill in default options."""
         speed = group.params["speed"]
         group.params["speed"] = np.where(np.isnan(speed), np.inf, speed)
@@ -107,7 +107,7 @@ class Pursuit(RenewsGoals):
         forget_ways(shard.worlds, group.tables)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands; all members of a group have one drive."""
         worlds, slot, members, params, tables = shard.worlds, shard.slot, group.members, group.params, group.tables
         if group.scan is None:
@@ -123,9 +123,9 @@ def pursue_known(
     members: Ints,
     params: Any,
     tables: PursuitTables,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
 ) -> None:
     """Write the commands of bodies that know all that stands.
 

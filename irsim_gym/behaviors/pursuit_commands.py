@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Record
+from irsim_gym.arraytypes import Point, Record
 from irsim_gym.behaviors.pursuit_formulas import arc_curvature, regulated_speed
 from irsim_gym.behaviors.pursuit_motion import Command, Moving, executed
 from irsim_gym.behaviors.steering import braked_rate
@@ -17,9 +17,7 @@ STEEPEST = 1.5
 
 
 @kernel
-def command_to(
-    options: Record, moving: Moving, target: tuple[float, float], room: float, remaining: float, share: float
-) -> Command:
+def command_to(options: Record, moving: Moving, target: Point, room: float, remaining: float, share: float) -> Command:
     """Return the command that brings a body to a point ahead.
 
     Args:
@@ -136,7 +134,7 @@ def braking_command(moving: Moving) -> Command:
 
 
 @kernel
-def turn_command(moving: Moving, target: tuple[float, float]) -> Command:
+def turn_command(moving: Moving, target: Point) -> Command:
     """Return the command with which a differential drive turns towards a point [m] where it is."""
     dx, dy = target[0] - moving.pose[0], target[1] - moving.pose[1]
     return 0.0, spin(moving, 1, wrap_below(np.arctan2(dy, dx) - moving.pose[2])), 0.0

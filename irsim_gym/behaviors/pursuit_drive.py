@@ -11,13 +11,13 @@ from irsim_gym.behaviors.surroundings import is_seen
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, STATE, WorldModel
+from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
-def is_under_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
+def is_under_way(model: Model, state: State, w: int, b: int) -> bool:
     """Return whether a body has somewhere to go and may go there.
 
     Reads: model (has_goal, present), state (arrived, goal, stopped).
@@ -28,7 +28,7 @@ def is_under_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 
 
 @kernel
-def turns_at_goal(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
+def turns_at_goal(model: Model, state: State, w: int, b: int) -> bool:
     """Return whether a body that is to arrive with a heading is near enough to its goal to turn there, if it can.
 
     Reads: model (arrive_mode, drive, goal_threshold), state (goal, pose).
@@ -41,7 +41,7 @@ def turns_at_goal(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 
 
 @kernel
-def mark_moving(model: WorldModel, w: int, own: int, target_roles: int, standing: Flags, everything: Flags) -> None:
+def mark_moving(model: Model, w: int, own: int, target_roles: int, standing: Flags, everything: Flags) -> None:
     """Write what stands in the way of a body, and what moves.
 
     Reads: model (heedless, movable, present, role, seen_row, stands, unobstructed, watchers).

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Record
+from irsim_gym.arraytypes import Floats, Point, Record
 from irsim_gym.behaviors.pursuit_commands import braking_command, command_to, turn_command
 from irsim_gym.behaviors.pursuit_formulas import lookahead_distance
 from irsim_gym.behaviors.pursuit_motion import Command, Moving, can_stop
@@ -51,14 +51,8 @@ class Course(NamedTuple):
 
 @kernel
 def follow(
-    standing: Obstacles,
-    everything: Obstacles,
-    options: Record,
-    reach: float,
-    moving: Moving,
-    course: Course,
-    back: int,
-) -> tuple[bool, int, int, Command]:  # fmt: skip
+    standing: Obstacles, everything: Obstacles, options: Record, reach: float, moving: Moving, course: Course, back: int
+) -> tuple[bool, int, int, Command]:
     """Return whether the way can be followed, the side where the body is, how long it drives back, and its command.
 
     The body aims at a point ahead to which the straight way is free. If it could not stop on the arc to it before it
@@ -107,14 +101,14 @@ def follow(
 
 
 @kernel
-def bearing_to(moving: Moving, target: tuple[float, float]) -> float:
+def bearing_to(moving: Moving, target: Point) -> float:
     """Return the bearing of a point [rad], without its sign."""
     dx, dy = target[0] - moving.pose[0], target[1] - moving.pose[1]
     return float(np.abs(wrap_below(np.arctan2(dy, dx) - moving.pose[2])))
 
 
 @kernel
-def wants_back(moving: Moving, target: tuple[float, float], back: int) -> bool:
+def wants_back(moving: Moving, target: Point, back: int) -> bool:
     """Return whether a car is to drive back: the point lies behind it, or not ahead yet while it does so."""
     if moving.drive != ACKERMANN or moving.low[0] >= 0.0:
         return False
@@ -123,7 +117,7 @@ def wants_back(moving: Moving, target: tuple[float, float], back: int) -> bool:
 
 @kernel
 def careful_command(
-    obstacles: Obstacles, options: Record, radius: float, slack: float, moving: Moving, target: tuple[float, float],
+    obstacles: Obstacles, options: Record, radius: float, slack: float, moving: Moving, target: Point,
     room: float, remaining: float,
 ) -> tuple[bool, Command]:  # fmt: skip
     """Return whether a body that cannot go on as it should drives back, and its command.

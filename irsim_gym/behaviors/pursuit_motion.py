@@ -9,9 +9,9 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, way_is_free
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 MOST_STEPS = 100
 """A stop that takes longer is looked at no further."""
@@ -49,7 +49,7 @@ class Moving(NamedTuple):
 
 
 @kernel
-def moving_of(model: WorldModel, state: WorldState, w: int, b: int, by_rate: bool) -> Moving:
+def moving_of(model: Model, state: State, w: int, b: int, by_rate: bool) -> Moving:
     """Return what body b of world w does and can do.
 
     Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min, wheelbase), state (pose, steering,

@@ -14,10 +14,10 @@ from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.points import PointMap, add_point
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
@@ -28,8 +28,8 @@ def pursue_seen(
     params: Any,
     tables: PursuitTables,
     scan: OwnScan,
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
 ) -> None:
     """Write the commands of bodies that know what their scans have shown, and remember the latest.
 
@@ -57,7 +57,7 @@ def pursue_seen(
 
 
 @kernel
-def note_scan(scan: OwnScan, w: int, k: int, b: int, state: WorldState, points: PointMap, hits: Floats) -> None:
+def note_scan(scan: OwnScan, w: int, k: int, b: int, state: State, points: PointMap, hits: Floats) -> None:
     """Add what the latest scan of a member hit to the points that it remembers.
 
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), state (pose).

@@ -16,7 +16,7 @@ from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.points import PointMap
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 
 MOST_POINTS = 256
 """Maximum number of stored points of a path; a longer path is planned again at their end."""
@@ -102,7 +102,7 @@ class PursuitTables(Struct):
     everything: Flags
 
     @classmethod
-    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> Self:
+    def reserve(cls, group: Group, model: Model, n_slots: int) -> Self:
         """Return memory for the members of a group; nobody has a way yet."""
         shape, n_bodies = (len(model.present), len(group.members)), len(model.role)
         reach = float(model.reach[:, group.members].min())

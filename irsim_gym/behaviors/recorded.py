@@ -14,8 +14,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.recordings import sampled
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 STRAIGHT = Turning(1.0, 0.0, 0.0, 0.0)
 """For drives that do not turn."""
@@ -50,7 +50,7 @@ class Recorded:
     offset: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Added to all positions.")
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Compute the position of each person at each step."""
         ways = [sampled(options, float(model.step_time[0])) for options in group.options]
         points = np.full((len(ways), max(map(len, ways)) + 1, 2), np.nan)
@@ -59,12 +59,12 @@ class Recorded:
         group.tables = RecordedTables(points)
 
     @staticmethod
-    def appear(group: Group, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
+    def appear(group: Group, model: Model, state: State, shard: Shard, ahead: int) -> None:
         """Make members present or absent as their recorded persons come and go."""
         come_and_go(shard.worlds, group.members, ahead, model, state, group.tables)
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
         decide_recorded(shard.worlds, group.members, model, state, group.tables)
 
@@ -81,9 +81,7 @@ class RecordedTables(Struct):
 
 
 @kernel
-def come_and_go(
-    worlds: Ints, members: Ints, ahead: int, model: WorldModel, state: WorldState, tables: RecordedTables
-) -> None:
+def come_and_go(worlds: Ints, members: Ints, ahead: int, model: Model, state: State, tables: RecordedTables) -> None:
     """Write who is there ``ahead`` steps from now; who comes stands where its person is.
 
     Reads: model (present), state (step), tables (points).
@@ -104,7 +102,7 @@ def come_and_go(
 
 
 @kernel
-def decide_recorded(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, tables: RecordedTables) -> None:
+def decide_recorded(worlds: Ints, members: Ints, model: Model, state: State, tables: RecordedTables) -> None:
     """Write the commands that lead to where the persons are after the step.
 
     Reads: model (drive, step_time), state (pose, step), tables (points).

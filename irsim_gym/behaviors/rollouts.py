@@ -13,9 +13,9 @@ from irsim_gym.arraytypes import BodyOutline, Floats, Record
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 LANES = 16
 """Number of poses that are compared with a point at once."""
@@ -49,7 +49,7 @@ class Wheels(NamedTuple):
 
 
 @kernel
-def wheels_of(model: WorldModel, state: WorldState, w: int, b: int, by_rate: bool) -> Wheels:
+def wheels_of(model: Model, state: State, w: int, b: int, by_rate: bool) -> Wheels:
     """Return how body b of world w moves.
 
     Reads: model (drive, wheelbase), state (pose).
@@ -76,7 +76,7 @@ def twist_of(wheels: Wheels, first: float, second: float) -> Twist:
 
 
 @kernel
-def command_window(model: WorldModel, state: WorldState, w: int, b: int, axis: int) -> tuple[float, float]:
+def command_window(model: Model, state: State, w: int, b: int, axis: int) -> tuple[float, float]:
     """Return the least and the greatest value of a number of the command that is executed as it is asked for.
 
     That is the dynamic window: [max(v_min, v - a t), min(v_max, v + a t)] with the step's duration t.

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Records
+from irsim_gym.arraytypes import Floats, Ints, Records, Vector
 from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
@@ -18,9 +18,9 @@ from irsim_gym.behaviors.velocity_obstacles import CONE, PITCH, disc_cones, lay_
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import DIFFERENTIAL, WorldModel
+from irsim_gym.world.model import DIFFERENTIAL, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 TURNING = Turning(0.2, 0.1, 0.02, 1.5)
 """How a differential drive follows the chosen velocity."""
@@ -59,7 +59,7 @@ class Rvo(RenewsGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate scratch memory for the perception and samples of one body."""
         n_rounds = len(model.role) + model.local_discs.shape[1]
         sight = max(options.neighbor_threshold for options in group.options)
@@ -78,7 +78,7 @@ class Rvo(RenewsGoals):
         ]
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
         decide_rvo(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
@@ -90,9 +90,7 @@ def _most_samples(params: Any) -> int:
 
 
 @kernel
-def decide_rvo(
-    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: RvoTables
-) -> None:
+def decide_rvo(worlds: Ints, members: Ints, params: Any, model: Model, state: State, tables: RvoTables) -> None:
     """Write the commands of bodies that avoid the bodies they see.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal, heedless, map_disc,
@@ -126,8 +124,8 @@ def decide_rvo(
 
 @kernel
 def choose_velocity(
-    ego: Ego, wanted: tuple[float, float], most: float, options: Any, rounds: Records, sides: Floats, tables: RvoTables
-) -> tuple[float, float]:
+    ego: Ego, wanted: Vector, most: float, options: Any, rounds: Records, sides: Floats, tables: RvoTables
+) -> Vector:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty.
 
     Along each axis the samples are no faster than ``most`` [m/s].

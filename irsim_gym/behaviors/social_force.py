@@ -13,8 +13,8 @@ from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
 SOCIAL = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")
@@ -68,19 +68,19 @@ class SocialForce(RenewsGoals):
         yield from renewal_problems(self)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate scratch memory for the bodies and walls that one body sees."""
         group.tables = [SocialTables.reserve(group, model, together=False) for _ in range(n_slots)]
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
         decide_social_force(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
 
 @kernel
 def decide_social_force(
-    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: SocialTables
+    worlds: Ints, members: Ints, params: Any, model: Model, state: State, tables: SocialTables
 ) -> None:
     """Write the commands of bodies that follow social forces; bodies without a goal stand still.
 

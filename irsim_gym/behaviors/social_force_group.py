@@ -23,9 +23,9 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -82,7 +82,7 @@ class SocialForceGroup(RenewsMembersGoals):
         return replace(self, social_groups=tuple(party for party in parties if party))
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate scratch memory and number the parties of members.
 
         Raises:
@@ -102,7 +102,7 @@ class SocialForceGroup(RenewsMembersGoals):
         ]
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the commands of the members that decide."""
         decide_social_group(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
@@ -124,7 +124,7 @@ class PartyTables(Struct):
 
 @kernel
 def decide_social_group(
-    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: PartyTables
+    worlds: Ints, members: Ints, params: Any, model: Model, state: State, tables: PartyTables
 ) -> None:
     """Write the commands of the members; members without a goal stay, but give way.
 
@@ -148,9 +148,7 @@ def decide_social_group(
 
 
 @kernel
-def force_of_party(
-    model: WorldModel, state: WorldState, w: int, k: int, members: Ints, party: Ints, options: Any
-) -> tuple[float, float]:
+def force_of_party(model: Model, state: State, w: int, k: int, members: Ints, party: Ints, options: Any) -> Vector:
     """Return the force that keeps member k with the others of its party: coherence, repulsion and gaze [m/s2].
 
     Reads: model (present, radius), state (pose, twist).

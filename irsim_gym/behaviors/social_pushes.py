@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from irsim_gym.arraytypes import Vector
 from irsim_gym.behaviors.social_walls import (
     FADED,
     TOUCHING,
@@ -34,10 +35,10 @@ from irsim_gym.behaviors.surroundings import (
 )
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 CIRCULAR = 1
 """``interaction: circular``."""
@@ -48,15 +49,8 @@ TURN_TOLERANCE, SLOW = 0.02, 0.02
 
 @kernel
 def planned_velocity(
-    model: WorldModel,
-    state: WorldState,
-    w: int,
-    b: int,
-    options: Any,
-    wanted: tuple[float, float],
-    extra: tuple[float, float],
-    tables: SocialTables,
-) -> tuple[float, float]:
+    model: Model, state: State, w: int, b: int, options: Any, wanted: Vector, extra: Vector, tables: SocialTables
+) -> Vector:
     """Return the velocity after one step under all forces [m/s], no faster than ``vmax`` or a drawn speed.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, heedless, map_disc, map_frame,
@@ -102,7 +96,7 @@ def planned_velocity(
 
 
 @kernel
-def follow(model: WorldModel, state: WorldState, w: int, b: int, velocity: tuple[float, float]) -> None:
+def follow(model: Model, state: State, w: int, b: int, velocity: Vector) -> None:
     """Write the command that follows a velocity within one step, as fast as a differential drive can turn.
 
     Reads: model (acceleration_limit, drive, step_time, velocity_max), state (pose, velocity).
@@ -117,7 +111,7 @@ def follow(model: WorldModel, state: WorldState, w: int, b: int, velocity: tuple
 
 @kernel
 def push_of_bodies(
-    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
+    model: Model, state: State, w: int, b: int, options: Any, tables: SocialTables
 ) -> tuple[float, float, float, float]:
     """Return the push of moving bodies and discs (x, y), and that of standing bodies with sides (x, y).
 
@@ -165,7 +159,7 @@ def push_of_bodies(
 
 
 @kernel
-def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hypot: bool) -> tuple[float, float]:
+def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hypot: bool) -> Vector:
     """Return the push of another body at (dx, dy) [m] on one whose velocity relative to it is (ux, uy) [m/s].
 
     After Moussaid et al. (2009): the interaction t points along lambda (v_i - v_j) + e_ij, whose length times gamma is
@@ -194,7 +188,7 @@ def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hy
 
 
 @kernel
-def push_of_disc(dx: float, dy: float, both: float, fading: float) -> tuple[float, float]:
+def push_of_disc(dx: float, dy: float, both: float, fading: float) -> Vector:
     """Return the push of another disc at (dx, dy) [m] away from it: exp(-gap / fading), with both radii ``both`` [m].
 
     This is the circular form of Helbing and Molnar (1995). Discs that overlap push each other harder.

@@ -10,16 +10,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Point, Record, Records
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Point, Record, Records, Vector
 from irsim_gym.behaviors.map_parts import map_discs, map_walls, most_map_discs, most_map_walls
 from irsim_gym.behaviors.surroundings import MARGIN, is_seen, wall_bodies
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""
@@ -54,7 +54,7 @@ class SocialTables(Struct):
     nearest: Records
 
     @classmethod
-    def reserve(cls, group: Group, model: WorldModel, *, together: bool) -> Self:
+    def reserve(cls, group: Group, model: Model, *, together: bool) -> Self:
         """Allocate memory for one shard; ``together`` means that the members are one group."""
         reach = FADED * max(options.sigma_obstacle for options in group.options) + float(model.reach.max()) + MARGIN
         among = np.zeros(len(model.role), np.bool_)
@@ -71,7 +71,7 @@ class SocialTables(Struct):
 
 
 @kernel
-def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, float]:
+def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> Vector:
     """Return the push of a wall whose nearest point lies at (-dx, -dy) [m] from the centre of a disc of radius r.
 
     It fades with the gap between them as exp(-gap / sigma) (Helbing and Molnar 1995).
@@ -84,9 +84,7 @@ def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, f
 
 
 @kernel
-def push_of_lines(
-    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
-) -> tuple[float, float]:
+def push_of_lines(model: Model, state: State, w: int, b: int, options: Any, tables: SocialTables) -> Vector:
     """Return the push of the segments of all linestrings; each segment pushes on its own.
 
     Reads: model (heedless, movable, present, radius, role, seen_row, segment_count, segment_start, watchers), state
@@ -109,9 +107,7 @@ def push_of_lines(
 
 
 @kernel
-def push_of_map(
-    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
-) -> tuple[float, float]:
+def push_of_map(model: Model, state: State, w: int, b: int, options: Any, tables: SocialTables) -> Vector:
     """Return the push of an occupancy map: that of the nearest wall that faces each of the four directions.
 
     Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. Walls that
@@ -138,7 +134,7 @@ def push_of_map(
 
 
 @kernel
-def find_nearest_walls(model: WorldModel, w: int, x: float, y: float, reach: float, tables: SocialTables) -> None:
+def find_nearest_walls(model: Model, w: int, x: float, y: float, reach: float, tables: SocialTables) -> None:
     """Note the nearest points of a map's walls within ``reach`` [m], one for each direction that walls face.
 
     Reads: model (map_disc, map_frame, map_squares), tables (nearest, sides).
@@ -152,7 +148,7 @@ def find_nearest_walls(model: WorldModel, w: int, x: float, y: float, reach: flo
 
 
 @kernel
-def find_nearest_discs(model: WorldModel, w: int, x: float, y: float, reach: float, tables: SocialTables) -> None:
+def find_nearest_discs(model: Model, w: int, x: float, y: float, reach: float, tables: SocialTables) -> None:
     """Note the nearest points of a map's discs within ``reach`` [m], one for each side; skip discs that hold (x, y).
 
     Reads: model (map_disc, map_frame, map_squares), tables (discs, nearest).
@@ -178,7 +174,7 @@ def note_nearest(body: Point, point: Point, nearest: Record) -> None:
 
 
 @kernel
-def nearest_point(x: float, y: float, outline: BodyOutline) -> tuple[float, float]:
+def nearest_point(x: float, y: float, outline: BodyOutline) -> Point:
     """Return the point of an outline that is nearest to the point (x, y) [m]."""
     best, best_x, best_y = np.inf, x, y
     for i in range(outline.first_segment, outline.first_segment + outline.n_segments):
@@ -197,7 +193,7 @@ def nearest_point(x: float, y: float, outline: BodyOutline) -> tuple[float, floa
 
 
 @kernel
-def foot_on(x: float, y: float, segment: Floats) -> tuple[float, float]:
+def foot_on(x: float, y: float, segment: Floats) -> Point:
     """Return the point of a segment that is nearest to a point [m]."""
     ax, ay = segment[0], segment[1]
     dx, dy = segment[2] - ax, segment[3] - ay

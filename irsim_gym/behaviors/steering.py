@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.arraytypes import Flags, Floats, Vector
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 ARRIVED = 0.1
 """Nearer to the goal than this [m] no velocity is wanted."""
@@ -42,7 +42,7 @@ def commanded_by_rate(group: Group) -> Flags:
 
 
 @kernel
-def goal_offset(state: WorldState, w: int, b: int) -> tuple[float, float]:
+def goal_offset(state: State, w: int, b: int) -> Vector:
     """Return the vector from a body to its goal in the world frame [m].
 
     Reads: state (goal, pose).
@@ -51,7 +51,7 @@ def goal_offset(state: WorldState, w: int, b: int) -> tuple[float, float]:
 
 
 @kernel
-def clear_command(state: WorldState, w: int, b: int) -> None:
+def clear_command(state: State, w: int, b: int) -> None:
     """Write a zero command.
 
     Writes: state (command).
@@ -60,7 +60,7 @@ def clear_command(state: WorldState, w: int, b: int) -> None:
 
 
 @kernel
-def wanted_velocity(model: WorldModel, state: WorldState, w: int, b: int) -> tuple[float, float]:
+def wanted_velocity(model: Model, state: State, w: int, b: int) -> Vector:
     """Return the velocity straight to the goal [m/s], 0 at the goal.
 
     An omnidirectional drive has a speed for each axis of the world.

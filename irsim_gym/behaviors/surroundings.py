@@ -7,16 +7,16 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Record, Records
+from irsim_gym.arraytypes import Floats, Ints, Point, Record, Records
 from irsim_gym.behaviors.map_parts import map_discs, map_walls
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 MARGIN = 0.1
 """Added to the radius of every disc [m], as in IR-SIM."""
@@ -71,19 +71,19 @@ class Surroundings(Struct):
     discs: Floats
 
     @classmethod
-    def reserve(cls, model: WorldModel, n_rounds: int, n_sides: int, n_discs: int) -> Self:
+    def reserve(cls, model: Model, n_rounds: int, n_sides: int, n_discs: int) -> Self:
         """Allocate memory for the given numbers of discs and walls of bodies and a map, and of discs of a map."""
         nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds + n_discs, DISC)
         return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
 
 
-def wall_bodies(model: WorldModel) -> Ints:
+def wall_bodies(model: Model) -> Ints:
     """Return the bodies that are chains of segments without an area."""
     return np.flatnonzero(~model.solid & (model.segment_count.max(axis=0) > 0))
 
 
 @kernel
-def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> bool:
+def is_seen(model: Model, w: int, b: int, q: int, target_roles: int) -> bool:
     """Return whether body b takes body q into account, whether or not it is hidden behind others.
 
     It does if q is another body that is present, has the target role, and is visible to b. A body that ignores moving
@@ -99,7 +99,7 @@ def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> boo
 
 
 @kernel
-def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
+def is_map_seen(model: Model, w: int, target_roles: int) -> bool:
     """Return whether there is an occupancy map to take into account; the map's body has no outline.
 
     Reads: model (map_frame, present, role).
@@ -111,7 +111,7 @@ def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
 
 
 @kernel
-def look_of(model: WorldModel, w: int, q: int) -> int:
+def look_of(model: Model, w: int, q: int) -> int:
     """Return how others see a body; one that never moves and is more than a disc shows its outline.
 
     Reads: model (disc_count, movable, segment_count, solid).
@@ -126,7 +126,7 @@ def look_of(model: WorldModel, w: int, q: int) -> int:
 
 
 @kernel
-def centroid_of(model: WorldModel, state: WorldState, w: int, q: int) -> tuple[float, float]:
+def centroid_of(model: Model, state: State, w: int, q: int) -> Point:
     """Return the centre of a body's area in the world frame [m].
 
     Reads: model (centroid), state (pose).
@@ -140,7 +140,7 @@ def centroid_of(model: WorldModel, state: WorldState, w: int, q: int) -> tuple[f
 
 
 @kernel
-def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: float, nearby: Ints) -> int:
+def find_around(model: Model, state: State, w: int, b: int, radius: float, nearby: Ints) -> int:
     """Write the bodies that may reach into a circle around a body, in ascending order; return their number.
 
     Reads: model (bucket_frame), state (bucket_first, bucket_next, pose).
@@ -159,7 +159,7 @@ def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: fl
 
 
 @kernel
-def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius: float) -> bool:
+def is_far(model: Model, state: State, w: int, b: int, q: int, radius: float) -> bool:
     """Return whether body q certainly does not reach into a circle of the radius [m] around body b.
 
     Reads: model (reach), state (pose).
@@ -171,7 +171,7 @@ def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius:
 
 @kernel
 def look_around(
-    model: WorldModel, state: WorldState, w: int, b: int, target_roles: int, sight: float, seen: Surroundings
+    model: Model, state: State, w: int, b: int, target_roles: int, sight: float, seen: Surroundings
 ) -> tuple[int, int]:
     """Write the discs and segments that a body avoids; return the number of each.
 
@@ -228,7 +228,7 @@ def write_disc(disc: Record, x: float, y: float, vx: float, vy: float, radius: f
 
 
 @kernel
-def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Records, n_rounds: int) -> int:
+def copy_discs(model: Model, state: State, w: int, q: int, rounds: Records, n_rounds: int) -> int:
     """Append the discs of a standing body to ``rounds``; return the new number of discs.
 
     Reads: model (disc_count, disc_start), state (discs).
@@ -241,7 +241,7 @@ def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Rec
 
 
 @kernel
-def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floats, n_sides: int) -> int:
+def copy_sides(model: Model, state: State, w: int, q: int, sides: Floats, n_sides: int) -> int:
     """Append the segments of a body to ``sides``; return the new number of segments.
 
     Reads: model (segment_count, segment_start), state (segments).

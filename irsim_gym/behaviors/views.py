@@ -12,9 +12,9 @@ from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.irsim_readings import IrSimReadings
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 _ANSWER = "a behaviour only looks at bodies: it returns the command of its own"
 _SCRIPT = "a behaviour sees the moment alone; ask the world, in the script"
@@ -69,12 +69,12 @@ class BodyView(IrSimReadings):
 
     _b: int
     _columns: bool
-    _model: WorldModel
-    _state: WorldState
+    _model: Model
+    _state: State
     _w: int
     name: str
 
-    def __init__(self, group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> None:
+    def __init__(self, group: Group, model: Model, state: State, world: int, body: int) -> None:
         self._group = group
         self._columns = getattr(group.kind, "columns", False)
         self._model, self._state, self._w, self._b = model, state, world, body
@@ -148,9 +148,7 @@ class EgoView(BodyView):
 
     __slots__ = ("memory",)
 
-    def __init__(
-        self, group: Group, model: WorldModel, state: WorldState, world: int, body: int, memory: dict[str, Any]
-    ) -> None:
+    def __init__(self, group: Group, model: Model, state: State, world: int, body: int, memory: dict[str, Any]) -> None:
         super().__init__(group, model, state, world, body)
         self.memory = memory
 
@@ -189,12 +187,12 @@ class EgoView(BodyView):
         return float(rng.normal(self._state.random, self._w, mean, deviation))
 
 
-def reserve_memory(group: Group, model: WorldModel) -> None:
+def reserve_memory(group: Group, model: Model) -> None:
     """Allocate a memory for each world and body, which ``ego_view`` fills and the engine clears."""
     group.arrays["memory"] = np.full(model.present.shape, None, dtype=object)
 
 
-def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> EgoView:
+def ego_view(group: Group, model: Model, state: State, world: int, body: int) -> EgoView:
     """Return the view of a deciding body, with its memory; see ``reserve_memory``."""
     memories = group.arrays["memory"]
     if memories[world, body] is None:
@@ -202,7 +200,7 @@ def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, bod
     return EgoView(group, model, state, world, body, memories[world, body])
 
 
-def others(group: Group, model: WorldModel, state: WorldState, world: int, looking: Ints, role: int) -> list[BodyView]:
+def others(group: Group, model: Model, state: State, world: int, looking: Ints, role: int) -> list[BodyView]:
     """Return views of the other bodies that a behaviour sees, in the order of their numbers.
 
     Absent bodies are left out, and so is an occupancy map, which has no outline.

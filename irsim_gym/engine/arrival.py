@@ -8,9 +8,9 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
-from irsim_gym.world.model import KEEP_GOAL, STATE, WANDER, WorldModel
+from irsim_gym.world.model import KEEP_GOAL, STATE, WANDER, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 SAME_PLACE = 1e-6
 """Goals nearer than this [m] are the same."""
@@ -25,7 +25,7 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
 
 
 @kernel
-def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None:
+def measure_distance(worlds: Ints, goal_bodies: Ints, state: State) -> None:
     """Write ``goal_distance`` only, as at the start, where no body arrives yet.
 
     Reads: state (goal, pose).
@@ -37,7 +37,7 @@ def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None
 
 
 @kernel
-def check_arrival(worlds: Ints, goal_bodies: Ints, model: WorldModel, state: WorldState) -> None:
+def check_arrival(worlds: Ints, goal_bodies: Ints, model: Model, state: State) -> None:
     """Write ``goal_distance`` and ``arrived``; replace a goal that is not the last one by the next.
 
     A body arrives when it is strictly nearer than the threshold.
@@ -63,7 +63,7 @@ def check_arrival(worlds: Ints, goal_bodies: Ints, model: WorldModel, state: Wor
 
 
 @kernel
-def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState) -> None:
+def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Model, state: State) -> None:
     """Draw a wandering body's next goal; send a looping one through its goals again.
 
     On the way between one goal and the start headings do not matter, unless they do on arrival.
@@ -86,7 +86,7 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
 
 
 @kernel
-def lags(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
+def lags(w: int, b: int, model: Model, state: State) -> bool:
     """Return whether the first of those that walk together has another goal than body b, which goes beside it.
 
     Reads: model (abreast, leader), state (goal).
@@ -97,7 +97,7 @@ def lags(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
 
 
 @kernel
-def gives_up(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
+def gives_up(w: int, b: int, model: Model, state: State) -> bool:
     """Return whether a body wants another goal before it has reached its own; one with an interval draws for it.
 
     Reads: model (present, wandering), state (random, step).
@@ -110,7 +110,7 @@ def gives_up(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
 
 
 @kernel(inlined=True)
-def begin_round(w: int, b: int, first: bool, model: WorldModel, state: WorldState) -> None:
+def begin_round(w: int, b: int, first: bool, model: Model, state: State) -> None:
     """Give a body the first of its goals; a wandering body draws it, unless it is the first of all and kept.
 
     A first goal that is kept stays in its row, as the level may begin again.
@@ -134,7 +134,7 @@ def begin_round(w: int, b: int, first: bool, model: WorldModel, state: WorldStat
 
 
 @kernel
-def share_goal(w: int, b: int, goal: Floats, model: WorldModel, state: WorldState) -> None:
+def share_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None:
     """Write the goal of a body that walks with others: beside that of the first, seen on the way there.
 
     Reads: model (abreast, leader), state (goal, pose).
@@ -149,7 +149,7 @@ def share_goal(w: int, b: int, goal: Floats, model: WorldModel, state: WorldStat
 
 
 @kernel
-def draw_goal(w: int, b: int, goal: Floats, model: WorldModel, state: WorldState) -> None:
+def draw_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None:
     """Write a goal of a wandering body: between its bounds, or on a circle around their middle; its heading between.
 
     Reads: model (wander_high, wander_low, wandering), state (random).

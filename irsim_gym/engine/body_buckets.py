@@ -8,8 +8,8 @@ from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.geometry.buckets import bucket_of, put
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 FEWEST_BODIES = 64
 """With fewer, looking at all of them is as fast."""
@@ -18,7 +18,7 @@ ROUNDING, TINY = 1.0 + 1e-9, 1e-9
 """By this much more than the greatest reach is searched, so that rounding leaves nobody out."""
 
 
-def lay_out(model: WorldModel, is_random: Flags) -> None:
+def lay_out(model: Model, is_random: Flags) -> None:
     """Choose the squares of a world with many bodies, and the bodies that are small enough for them."""
     n_bodies = len(model.role)
     if n_bodies < FEWEST_BODIES:
@@ -39,20 +39,20 @@ def n_buckets(n_bodies: int) -> int:
     return 1 if n_bodies < FEWEST_BODIES else n_bodies + 1
 
 
-def empty(model: WorldModel, state: WorldState, shard: Shard) -> None:
+def empty(model: Model, state: State, shard: Shard) -> None:
     """Take all bodies out of the buckets."""
     if model.bucket_frame[0].columns:
         empty_buckets(shard.worlds, state)
 
 
-def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def refresh(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
     """Put bodies into the buckets where they are now."""
     if model.bucket_frame[0].columns:
         sort_bodies(shard.worlds, bodies, model, state)
 
 
 @kernel
-def empty_buckets(worlds: Ints, state: WorldState) -> None:
+def empty_buckets(worlds: Ints, state: State) -> None:
     """Leave no body in any bucket.
 
     Writes: state (bucket, bucket_first, bucket_next).
@@ -62,7 +62,7 @@ def empty_buckets(worlds: Ints, state: WorldState) -> None:
 
 
 @kernel
-def sort_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
+def sort_bodies(worlds: Ints, bodies: Ints, model: Model, state: State) -> None:
     """Move each body whose square has changed from its old list to the head of its new one.
 
     Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, pose).

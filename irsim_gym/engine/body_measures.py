@@ -7,21 +7,21 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.measures import CORNERS, centre_of_mass, corner_points, least_circle
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
 
 
-def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
+def measure(worlds: Ints, bodies: Ints, model: Model) -> None:
     """Write ``model.radius`` and ``model.centroid`` of bodies from their outlines."""
     measure_into(worlds, bodies, model, model.radius, model.centroid)
 
 
-def measure_into(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
+def measure_into(worlds: Ints, bodies: Ints, model: Model, radius: Floats, centroid: Floats) -> None:
     """Write radius and centroid of bodies from their outlines, in arrays shaped as the model's."""
     measure_bodies(worlds, bodies, model, radius, centroid)
 
 
-def measured(model: WorldModel, world: int, body: int) -> tuple[Floats, Floats]:
+def measured(model: Model, world: int, body: int) -> tuple[Floats, Floats]:
     """Return arrays as ``model.radius`` and ``model.centroid`` that are up to date for one body, whoever else asks."""
     radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
     row = world % len(radius)
@@ -30,7 +30,7 @@ def measured(model: WorldModel, world: int, body: int) -> tuple[Floats, Floats]:
 
 
 @kernel(allocates=True)
-def measure_bodies(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
+def measure_bodies(worlds: Ints, bodies: Ints, model: Model, radius: Floats, centroid: Floats) -> None:
     """Write the radius of the least circle around each footprint, and the centre of its area.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).

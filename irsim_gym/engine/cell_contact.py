@@ -8,14 +8,14 @@ from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
-def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: WorldModel, state: WorldState) -> None:
+def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: Model, state: State) -> None:
     """Note which bodies touch an occupied cell, for them and for the map's own body.
 
     Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid, unobstructed), state
@@ -36,7 +36,7 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: World
 
 @kernel
 def measure_cell_clearance(
-    worlds: Ints, bodies: Ints, cells: CellMaps, model: WorldModel, state: WorldState, distance: Floats
+    worlds: Ints, bodies: Ints, cells: CellMaps, model: Model, state: State, distance: Floats
 ) -> None:
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell.
 

@@ -22,7 +22,7 @@ from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.level_checks import n_goals_drawn
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.world.group import Group, WorldContext
-from irsim_gym.world.model import LOOP, WorldModel
+from irsim_gym.world.model import LOOP, Model
 from irsim_gym.world.outline import Outline
 
 Member = tuple[int, Any]
@@ -31,11 +31,7 @@ _OTHER_BEAMS = "its group reads scans, so the first range sensor of each member 
 
 
 def collect_parts(
-    scenario: Scenario,
-    outlines: Sequence[Outline],
-    model: WorldModel,
-    agents: tuple[int, ...],
-    n_slots: int,
+    scenario: Scenario, outlines: Sequence[Outline], model: Model, agents: tuple[int, ...], n_slots: int
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
@@ -107,7 +103,7 @@ def group_members(members: Sequence[Member], key: Callable[[Any], Any] = type) -
     ]
 
 
-def _behaviors(members: Sequence[Member], model: WorldModel) -> list[Group]:
+def _behaviors(members: Sequence[Member], model: Model) -> list[Group]:
     """Return the groups of bodies that decide for themselves: those of one behaviour and one drive together."""
     drives = sorted({int(model.drive[b]) for b, _ in members})
     by_drive = [[member for member in members if model.drive[member[0]] == drive] for drive in drives]
@@ -115,7 +111,7 @@ def _behaviors(members: Sequence[Member], model: WorldModel) -> list[Group]:
 
 
 def _group_behaviors(
-    scenario: Scenario, sensors: Sequence[Group], model: WorldModel, agents: tuple[int, ...], n_slots: int
+    scenario: Scenario, sensors: Sequence[Group], model: Model, agents: tuple[int, ...], n_slots: int
 ) -> list[Group]:
     """Return the groups that decide together, by group number; the first member says how.
 
@@ -146,7 +142,7 @@ def _group_behaviors(
     return groups
 
 
-def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel, deciding: Sequence[Group]) -> Ints:
+def _measure(scenario: Scenario, outlines: Sequence[Outline], model: Model, deciding: Sequence[Group]) -> Ints:
     """Write radius and centroid of all bodies if anything asks for them; return those that are drawn anew."""
     if not any(group.kind.reads_neighbors for group in deciding):
         return np.zeros(0, np.int64)
@@ -158,13 +154,13 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
     return everyone[varied_outlines(scenario)]
 
 
-def _footprints(scenario: Scenario, model: WorldModel) -> list[Group]:
+def _footprints(scenario: Scenario, model: Model) -> list[Group]:
     """Return the groups of bodies whose outline each level draws; a map has none."""
     shapes = [(b, body.shape) for b, body in enumerate(scenario.bodies) if b != model.map_frame[0].body]
     return group_members([(b, shape) for b, shape in shapes if shape.is_random])
 
 
-def _maps(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
+def _maps(scenario: Scenario, model: Model, n_slots: int) -> list[Group]:
     """Return the group of the occupancy map if each level draws one."""
     b = int(model.map_frame[0].body)
     if b < 0 or not scenario.bodies[b].shape.is_random:
@@ -174,14 +170,14 @@ def _maps(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
     return groups
 
 
-def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: WorldModel, n_slots: int) -> list[Group]:
+def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: Model, n_slots: int) -> list[Group]:
     groups = group_members(members, key=lambda options: (type(options), options.group_key()))
     for group in groups:
         group.kind.prepare(group, [outlines[b] for b in group.members], model, n_slots)
     return groups
 
 
-def _placements(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
+def _placements(scenario: Scenario, model: Model, n_slots: int) -> list[Group]:
     """Return the entries in the order of placement: what has the least choice comes first.
 
     What is given, what is shifted about given places, random obstacles, random robots.

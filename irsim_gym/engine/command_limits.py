@@ -6,13 +6,13 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
-def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldState) -> None:
+def limit_velocity(worlds: Ints, movers: Ints, model: Model, state: State) -> None:
     """Write ``state.velocity``: the command clipped to [max(v_min, v - a dt), min(v_max, v + a dt)] in each component.
 
     With ``speed_bound`` the speed is held to the first of v_max as well.

@@ -35,10 +35,10 @@ from irsim_gym.world.model import (
     UNOBSTRUCTED,
     UNOBSTRUCTED_OBSTACLES,
     WANDER,
-    WorldModel,
+    Model,
 )
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 COLLISION_MODES = {
     "stop": STOP,
@@ -95,8 +95,8 @@ def compile(
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
     per_world = drawn_traits(scenario) | _rows_by_world(scenario, varied)
-    model = WorldModel.allocate(sizes, per_world=per_world)
-    state = WorldState.allocate(sizes)
+    model = Model.allocate(sizes, per_world=per_world)
+    state = State.allocate(sizes)
     _write_world(scenario, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
@@ -131,7 +131,7 @@ def _count_boxes(scenario: Scenario, varied: Flags) -> int:
     return int(find_boxes(scenario.occupied, np.zeros((0, 4), np.int32)))
 
 
-def _write_world(scenario: Scenario, model: WorldModel) -> None:
+def _write_world(scenario: Scenario, model: Model) -> None:
     world = scenario.world
     x, y = world.offset
     model.bounds[:] = [x, y, x + world.width, y + world.height]
@@ -151,13 +151,13 @@ def _write_world(scenario: Scenario, model: WorldModel) -> None:
             getattr(model, field)[1:] = getattr(model, field)[0]
 
 
-def _hide_map(model: WorldModel) -> None:
+def _hide_map(model: Model) -> None:
     """Keep the map's body out of what looks at outlines: it has none, and its cells are asked for apart."""
     if model.cells is not None:
         model.unobstructed[-1] = True
 
 
-def _write_outlines(outlines: Sequence[Outline], model: WorldModel) -> None:
+def _write_outlines(outlines: Sequence[Outline], model: Model) -> None:
     segment, disc = 0, 0
     for b, outline in enumerate(outlines):
         n_segments, n_discs = len(outline.segments), len(outline.discs)
@@ -176,7 +176,7 @@ def _reach(outline: Outline) -> float:
     return float(max(corners.max(initial=0.0), discs.max(initial=0.0)))
 
 
-def _write_motion(b: int, body: BodySpec, model: WorldModel, *, is_agent: bool) -> None:
+def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> None:
     model.driven[b] = body.behavior is not None or body.group_behavior is not None or is_agent
     model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
     model.drive[b] = getattr(body.kinematics, "drive", NO_DRIVE)
@@ -248,7 +248,7 @@ def _wander_goals(body: BodySpec) -> WanderGoals:
     return getattr(body.renewal, "wander_goals", defaults(WanderGoals))
 
 
-def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, model: WorldModel) -> None:
+def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, model: Model) -> None:
     """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
     if plan.renewal == WANDER:
         goals = _wander_goals(body)

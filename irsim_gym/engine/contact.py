@@ -11,10 +11,10 @@ from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 NOBODY = -1
 
@@ -22,14 +22,14 @@ SURE = 1e-6
 """A disc's ``room`` counts as this much less [m]; rounding is far smaller."""
 
 
-def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def find(movers: Ints, model: Model, state: State, shard: Shard) -> None:
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
     begin_contacts(shard.worlds, model, state)
     _find_pairs(movers, False, model, state, shard)
     stop_bodies(shard.worlds, model, state)
 
 
-def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def find_static(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
     """Write ``model.static_partner``: contacts between bodies that never move, once per level.
 
     Contacts of the level before are reused if the bodies stand where they stood then.
@@ -41,7 +41,7 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     note_partners(worlds, model, state)
 
 
-def _find_pairs(bodies: Ints, is_static: bool, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def _find_pairs(bodies: Ints, is_static: bool, model: Model, state: State, shard: Shard) -> None:
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
     if model.bucket_frame[0].columns:
         find_near_contacts(shard.worlds, bodies, model, state)
@@ -52,7 +52,7 @@ def _find_pairs(bodies: Ints, is_static: bool, model: WorldModel, state: WorldSt
 
 
 @kernel
-def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldModel, state: WorldState) -> None:
+def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: Model, state: State) -> None:
     """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody.
 
     Reads: model (present, static_known, static_partner, static_pose), state (collided, hit, pose).
@@ -72,7 +72,7 @@ def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldMo
 
 
 @kernel
-def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
+def note_partners(worlds: Ints, model: Model, state: State) -> None:
     """Keep the contacts that last through the level, and forget how much room there was in the one before.
 
     Reads: state (hit).
@@ -86,7 +86,7 @@ def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 @kernel
-def begin_contacts(worlds: Ints, model: WorldModel, state: WorldState) -> None:
+def begin_contacts(worlds: Ints, model: Model, state: State) -> None:
     """Begin with the contacts that last through the level.
 
     Reads: model (static_partner), state (hit).
@@ -99,7 +99,7 @@ def begin_contacts(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 @kernel
-def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel, state: WorldState) -> None:
+def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: Model, state: State) -> None:
     """Test each of ``bodies`` against every other body.
 
     Sets are closed: touching counts. Unobstructed bodies touch nobody. Skips discs whose ``room`` rules out contact.
@@ -156,7 +156,7 @@ def room_left(disc: Floats, room: Record) -> float:
 
 
 @kernel
-def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
+def stop_bodies(worlds: Ints, model: Model, state: State) -> None:
     """Write ``state.stopped``: who is held in place; it may never move, as in IR-SIM.
 
     Reads: model (collision_mode, role), state (collided).
@@ -170,13 +170,7 @@ def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 def clearance(
-    bodies: Ints,
-    limit: Floats,
-    model: WorldModel,
-    state: WorldState,
-    shard: Shard,
-    distance: Floats,
-    only_mover: int = NOBODY,
+    bodies: Ints, limit: Floats, model: Model, state: State, shard: Shard, distance: Floats, only_mover: int = NOBODY
 ) -> None:
     """Write the surface distance of ``bodies`` to the nearest other body.
 
@@ -208,7 +202,7 @@ def fill(worlds: Ints, value: float, distance: Floats) -> None:
 
 @kernel
 def measure_clearance(
-    worlds: Ints, bodies: Ints, only_mover: int, limit: Floats, model: WorldModel, state: WorldState, distance: Floats
+    worlds: Ints, bodies: Ints, only_mover: int, limit: Floats, model: Model, state: State, distance: Floats
 ) -> None:
     """Write exact surface distances, skipping bodies that cannot be the nearest.
 

@@ -7,16 +7,16 @@ from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.buckets import gather_nearby, square_of
 from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 ROUNDING = 1.0 + 1e-9
 
 
 @kernel
-def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
+def find_near_contacts(worlds: Ints, bodies: Ints, model: Model, state: State) -> None:
     """Write the same flags as ``contact.find_contacts``, in time that grows with the bodies and not with their pairs.
 
     Bodies in the buckets reach no farther than ``model.bucket_frame[0].reach``.
@@ -52,7 +52,7 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: Wor
 
 @kernel
 def measure_near_clearance(
-    worlds: Ints, bodies: Ints, limit: Floats, model: WorldModel, state: WorldState, distance: Floats
+    worlds: Ints, bodies: Ints, limit: Floats, model: Model, state: State, distance: Floats
 ) -> None:
     """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left.
 

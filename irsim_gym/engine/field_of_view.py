@@ -7,14 +7,12 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine.body_measures import measure_into
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
-def detect(
-    worlds: Ints, body: int, fov: float, depth: float, model: WorldModel, state: WorldState, detected: Flags
-) -> None:
+def detect(worlds: Ints, body: int, fov: float, depth: float, model: Model, state: State, detected: Flags) -> None:
     """Write who is in a body's field of view.
 
     Bodies count as the discs around their origins that have the size of the least circle around their footprint.
@@ -38,14 +36,7 @@ def detect(
 
 @kernel
 def find_in_sector(
-    worlds: Ints,
-    body: int,
-    fov: float,
-    depth: float,
-    model: WorldModel,
-    state: WorldState,
-    radius: Floats,
-    detected: Flags,
+    worlds: Ints, body: int, fov: float, depth: float, model: Model, state: State, radius: Floats, detected: Flags
 ) -> None:
     """Write which discs reach into a sector.
 

@@ -12,8 +12,8 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ROBOT, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ROBOT, Model
+from irsim_gym.world.state import State
 
 CELL = 0.1
 """Side of a cell [m] where neither the file nor a map says it."""
@@ -90,7 +90,7 @@ class FogMap:
     watchers: Watchers
 
 
-def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> FogMap | None:
+def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: Model) -> FogMap | None:
     """Return the fog over a scenario's worlds, None where the file asks for none."""
     world = scenario.world
     if not world.fog_map:
@@ -112,7 +112,7 @@ def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> 
     )
 
 
-def _scans(group: Group, model: WorldModel) -> Scans:
+def _scans(group: Group, model: Model) -> Scans:
     chosen = np.flatnonzero(model.role[group.members] == ROBOT)
     offset = np.array([options.offset for options in group.options], np.float64)
     return Scans(group.members, chosen, offset, group.arrays["cast_angles"], group.arrays["ranges"])
@@ -133,7 +133,7 @@ def cover_cells(worlds: Ints, cells: FogCells) -> None:
         cells.explored[w, :, :] = False
 
 
-def reveal(fog: FogMap, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def reveal(fog: FogMap, model: Model, state: State, shard: Shard) -> None:
     """Note what the robots' sensors see now."""
     for scans in fog.scans:
         reveal_beams(shard.worlds, scans, fog.cells, model, state)
@@ -142,7 +142,7 @@ def reveal(fog: FogMap, model: WorldModel, state: WorldState, shard: Shard) -> N
 
 
 @kernel
-def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: WorldModel, state: WorldState) -> None:
+def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: Model, state: State) -> None:
     """Mark the cells under points of each beam, half a cell apart and just behind its end.
 
     IR-SIM does the same, except that its last point is the end itself, where rounding decides whether a wall is seen.
@@ -169,7 +169,7 @@ def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: WorldModel,
 
 
 @kernel
-def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: WorldModel, state: WorldState) -> None:
+def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: Model, state: State) -> None:
     """Mark the cells whose centres lie in the fields of view, whatever stands between.
 
     Reads: watchers (bodies, depth, width), cells (height, width, x, y), model (present), state (pose).

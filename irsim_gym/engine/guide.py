@@ -14,8 +14,8 @@ import numpy as np
 from irsim_gym import families
 from irsim_gym.arraytypes import Ints
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import OMNI_WORLD, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import OMNI_WORLD, Model
+from irsim_gym.world.state import State
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Guide:
         drives: Its members whose drives turn velocities into commands, by drive.
     """
 
-    shown: WorldModel
+    shown: Model
     drives: tuple[Group, ...]
 
     def among(self, members: Ints) -> Guide:
@@ -36,7 +36,7 @@ class Guide:
         return Guide(self.shown, tuple(drive.select(those) for drive, those in chosen if len(those)))
 
 
-def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], model: WorldModel) -> None:
+def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], model: Model) -> None:
     """Give a group that decides a guide if it needs one.
 
     Args:
@@ -50,7 +50,7 @@ def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], m
         group.guide = Guide(_shown(model, np.array(guided)), tuple(kinematics)).among(np.array(guided))
 
 
-def _shown(model: WorldModel, guided: Ints) -> WorldModel:
+def _shown(model: Model, guided: Ints) -> Model:
     """Return constants in which some bodies are omnidirectional; all other arrays are those of the model."""
     drive = model.drive.copy()
     drive[guided] = OMNI_WORLD
@@ -63,7 +63,7 @@ def _shown(model: WorldModel, guided: Ints) -> WorldModel:
     return replace(model, drive=drive, velocity_max=fastest, velocity_min=slowest, acceleration_limit=sharpest)
 
 
-def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
     """Let a group decide: write the commands of its members."""
     if group.guide is None:
         group.kind.decide(group, model, state, shard)

@@ -13,9 +13,9 @@ from irsim_gym.rng import level_stream, stream_base
 from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @dataclass(repr=False)
@@ -129,7 +129,7 @@ def roomy_outlines(scenario: Scenario) -> list[Outline]:
 
 
 @kernel
-def copy_maps(worlds: Ints, slot: int, levels: LevelTable, cells: CellMaps, model: WorldModel) -> None:
+def copy_maps(worlds: Ints, slot: int, levels: LevelTable, cells: CellMaps, model: Model) -> None:
     """Write the map of each world's level.
 
     Reads: levels (cells, line), model (level_stream).
@@ -140,7 +140,7 @@ def copy_maps(worlds: Ints, slot: int, levels: LevelTable, cells: CellMaps, mode
 
 
 @kernel
-def copy_levels(worlds: Ints, levels: LevelTable, model: WorldModel, state: WorldState) -> None:
+def copy_levels(worlds: Ints, levels: LevelTable, model: Model, state: State) -> None:
     """Write what the file says of each world's level, whose row is in ``model.level_stream``.
 
     Reads: levels (bodies, disc_rows, discs, goal, present, random, segment_rows, segments, shaped, start), model
@@ -165,7 +165,7 @@ def copy_levels(worlds: Ints, levels: LevelTable, model: WorldModel, state: Worl
 
 
 @kernel
-def copy_outline(w: int, b: int, segment_rows: Ints, disc_rows: Ints, levels: LevelTable, model: WorldModel) -> None:
+def copy_outline(w: int, b: int, segment_rows: Ints, disc_rows: Ints, levels: LevelTable, model: Model) -> None:
     """Write the outline of body b of world w, and its reach.
 
     Reads: levels (discs, segments), model (disc_start, local_discs, local_segments, segment_start).

@@ -5,18 +5,18 @@ from __future__ import annotations
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
-def place(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def place(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
     """Write ``state.segments`` and ``state.discs`` of the given bodies from their poses."""
     place_bodies(shard.worlds, bodies, model, state)
 
 
 @kernel
-def place_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
+def place_bodies(worlds: Ints, bodies: Ints, model: Model, state: State) -> None:
     """Turn and shift the bodies' outlines into the world frame.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid), state

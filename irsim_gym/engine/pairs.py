@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from irsim_gym.jit import kernel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel(inlined=True)
-def note_contact(w: int, b: int, q: int, state: WorldState) -> None:
+def note_contact(w: int, b: int, q: int, state: State) -> None:
     """Note that bodies b and q touch; ``state.hit`` holds the lowest number that a body touches.
 
     Reads: state (hit).

@@ -14,9 +14,9 @@ from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 CELL_PER_REACH = 0.5
 
@@ -36,9 +36,7 @@ class ReachabilityCheck(Struct):
     tables: WayTables
 
 
-def reachability_check(
-    scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int
-) -> ReachabilityCheck:
+def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...], n_slots: int) -> ReachabilityCheck:
     """Return the check: for round agents, where levels differ and the placement does not ensure a way itself."""
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
@@ -63,7 +61,7 @@ def reachability_check(
     )
 
 
-def check(ways: ReachabilityCheck, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+def check(ways: ReachabilityCheck, model: Model, state: State, shard: Shard, failed: Ints) -> None:
     """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
     if not len(ways.agents):
         return
@@ -78,8 +76,8 @@ def check_ways(
     ways: ReachabilityCheck,
     tables: WayTables,
     cells: CellMaps | None,
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     failed: Ints,
 ) -> None:
     """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next.

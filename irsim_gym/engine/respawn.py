@@ -17,8 +17,8 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.queries import has_free_path, standing_bodies
 from irsim_gym.rng import uniform
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import KEEP_GOAL, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import KEEP_GOAL, Model
+from irsim_gym.world.state import State
 
 TRIES = 10
 """Draws by a body's own distribution, before any free place will do."""
@@ -29,7 +29,7 @@ WAYS_SOUGHT = 50
 """Free places from which a way to the goal is sought, before one without will do."""
 
 
-def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def vanish(bodies: Ints, gone: Flags, model: Model, state: State, shard: Shard) -> None:
     """Take bodies away until their world begins another level or they respawn.
 
     Args:
@@ -44,7 +44,7 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
 
 
 @kernel
-def remove(worlds: Ints, bodies: Ints, gone: Flags, model: WorldModel) -> None:
+def remove(worlds: Ints, bodies: Ints, gone: Flags, model: Model) -> None:
     """Mark bodies as absent, and worlds in which any is.
 
     Writes: model (altered, present).
@@ -55,7 +55,7 @@ def remove(worlds: Ints, bodies: Ints, gone: Flags, model: WorldModel) -> None:
                 model.present[w, bodies[k]], model.altered[w] = False, True
 
 
-def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+def respawn(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints, chosen: Flags) -> None:
     """Draw new starts and goals for bodies in running worlds, clear of what is there, and let them begin at rest.
 
     Each is placed by the distribution of its entry, as at the beginning of a level; one whose place is taken every
@@ -87,7 +87,7 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
     sense(parts, model, state, shard)
 
 
-def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+def _find_places(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints, chosen: Flags) -> None:
     """Write poses, outlines and goals of the chosen bodies."""
     failed = np.zeros(len(state.random), np.int64)
     model.altered[shard.worlds] |= chosen[shard.worlds].any(axis=1)
@@ -115,9 +115,7 @@ def _concerned(group: Group, shard: Shard, bodies: Ints, chosen: Flags) -> Shard
     return Shard(shard.worlds[members.any(axis=1)], shard.slot)
 
 
-def _check(
-    parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags, failed: Ints
-) -> None:
+def _check(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints, chosen: Flags, failed: Ints) -> None:
     """Set ``failed`` in worlds where a chosen body overlaps something, or lacks a way to its goal that it needs."""
     gap = np.full((len(failed), len(bodies)), 1e-9)
     contact.clearance(bodies, gap, model, state, shard, gap)
@@ -128,7 +126,7 @@ def _check(
         path_checks.check(replace(parts.ways, agents=guarded), model, state, Shard(np.array([w]), shard.slot), failed)
 
 
-def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints) -> None:
+def _scatter(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints) -> None:
     """Put the bodies of one world anywhere in its rectangle where they touch nothing, if possible with a way."""
     w = int(shard.worlds[0])
     x0, y0, x1, y1 = model.bounds.tolist()
@@ -149,7 +147,7 @@ def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, b
         state.placed[w, b] = True
 
 
-def _is_free(model: WorldModel, state: WorldState, shard: Shard, b: int, pose: list[float]) -> bool:
+def _is_free(model: Model, state: State, shard: Shard, b: int, pose: list[float]) -> bool:
     """Let a body of one world stand at a pose, and return whether it touches nothing there."""
     w, own = int(shard.worlds[0]), np.array([b])
     state.pose[w, b] = pose
@@ -167,7 +165,7 @@ def _needs_way(parts: Parts, b: int) -> bool:
     return b in parts.ways.agents or any(b in group.members for group in promised)
 
 
-def _has_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
+def _has_way(model: Model, state: State, w: int, b: int) -> bool:
     """Return whether a disc around a body has a way from where it stands through all of its goals."""
     if not model.has_goal[b] or model.goal_renewal[b] != KEEP_GOAL:
         return True
@@ -179,7 +177,7 @@ def _has_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 
 
 @kernel
-def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState, failed: Ints) -> None:
+def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: Model, state: State, failed: Ints) -> None:
     """Mark the chosen bodies as present and as still to be placed.
 
     Writes: model (present), state (placed), failed.
@@ -192,7 +190,7 @@ def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state:
 
 
 @kernel
-def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState) -> None:
+def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: Model, state: State) -> None:
     """Give the chosen bodies their first goals, and the velocities and flags of a beginning.
 
     Reads: model (abreast, goal_renewal, has_goal, initial_steering, initial_velocity, leader, present, wander_high,

@@ -17,15 +17,15 @@ from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import STATE, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import STATE, Model
+from irsim_gym.world.state import State
 
 LEVEL_TRIES = 100
 
 Phase = Callable[[Shard], None]
 
 
-def begin(state: WorldState, shard: Shard, draw: Fused, start: Phase) -> None:
+def begin(state: State, shard: Shard, draw: Fused, start: Phase) -> None:
     """Draw a level for each of the shard's worlds, again where it fails, and begin it.
 
     Args:
@@ -42,7 +42,7 @@ def begin(state: WorldState, shard: Shard, draw: Fused, start: Phase) -> None:
     start(shard)
 
 
-def check_drawn(parts: Parts, state: WorldState, worlds: Ints) -> None:
+def check_drawn(parts: Parts, state: State, worlds: Ints) -> None:
     """Raise a PlacementError if a level of the worlds could not be drawn."""
     failed = state.failed[worlds]
     if (failed > 0).any():
@@ -57,7 +57,7 @@ def refuse_failed(worlds: Ints, failed: Ints) -> None:
             raise RuntimeError("a level could not be drawn")
 
 
-def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def start_drawn(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Begin the episode of levels that were just drawn, and note how their random streams go on."""
     if len(parts.traits):
         traits.draw_traits(shard.worlds, parts.traits, model, state)
@@ -67,7 +67,7 @@ def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard
     start(parts, model, state, shard)
 
 
-def begin_again(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def begin_again(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Begin the level that each of the shard's worlds has, from ``model.start``, with the same random numbers."""
     state.random[shard.worlds] = model.level_random[shard.worlds]
     state.pose[shard.worlds] = model.start[shard.worlds]
@@ -75,7 +75,7 @@ def begin_again(parts: Parts, model: WorldModel, state: WorldState, shard: Shard
     start(parts, model, state, shard)
 
 
-def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Begin the episode where the bodies stand: clocks, flags, goals and first readings."""
     if parts.fog is not None:
         fog.cover(parts.fog, shard)
@@ -117,7 +117,7 @@ def _failure(place: str) -> str:
 
 
 @kernel
-def note_streams(worlds: Ints, streams: Words, random: Words, model: WorldModel) -> None:
+def note_streams(worlds: Ints, streams: Words, random: Words, model: Model) -> None:
     """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``.
 
     Writes: random, model (altered, level_stream).
@@ -127,7 +127,7 @@ def note_streams(worlds: Ints, streams: Words, random: Words, model: WorldModel)
 
 
 @kernel
-def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
+def copy_words(worlds: Ints, model: Model, state: State) -> None:
     """Copy the numbers of some worlds, shape ``(n_worlds,)``.
 
     Reads: state (random).
@@ -137,7 +137,7 @@ def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
         model.level_random[w] = state.random[w]
 
 
-def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def draw_level(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Draw presence, maps, outlines and placements, and write ``state.failed``; copy what a file of levels gives."""
     if parts.levels is not None:
         take_level(parts, parts.levels, model, state, shard)
@@ -152,7 +152,7 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard)
     path_checks.check(parts.ways, model, state, shard, failed)
 
 
-def take_level(parts: Parts, levels: LevelTable, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def take_level(parts: Parts, levels: LevelTable, model: Model, state: State, shard: Shard) -> None:
     """Copy a level from its file; bodies that the file does not place stand where the scenario says."""
     draw_presence(shard.worlds, levels.no_ranges, model, state, state.failed)
     copy_levels(shard.worlds, levels, model, state)
@@ -164,7 +164,7 @@ def take_level(parts: Parts, levels: LevelTable, model: WorldModel, state: World
 
 
 @kernel
-def draw_presence(worlds: Ints, number_ranges: Ints, model: WorldModel, state: WorldState, failed: Ints) -> None:
+def draw_presence(worlds: Ints, number_ranges: Ints, model: Model, state: State, failed: Ints) -> None:
     """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements.
 
     Reads: state (random).
@@ -182,14 +182,14 @@ def draw_presence(worlds: Ints, number_ranges: Ints, model: WorldModel, state: W
                 model.present[w, b] = False
 
 
-def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def begin_moment(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Set clocks, flags, velocities and first goals."""
     write_first_goals(shard.worlds, parts.goal_bodies, parts.loop_returns, model, state)
     clear_moment(shard.worlds, model, state)
 
 
 @kernel
-def clear_moment(worlds: Ints, model: WorldModel, state: WorldState) -> None:
+def clear_moment(worlds: Ints, model: Model, state: State) -> None:
     """Reset what an episode accumulates.
 
     Reads: model (initial_steering, initial_velocity).
@@ -207,9 +207,7 @@ def clear_moment(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 @kernel
-def write_first_goals(
-    worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState
-) -> None:
+def write_first_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Model, state: State) -> None:
     """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back.
 
     Reads: model (abreast, arrive_mode, goal_renewal, leader, present, start, wander_high, wander_low, wandering,

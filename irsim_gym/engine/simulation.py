@@ -20,8 +20,8 @@ from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Group, Shard, WorldContext, find_sensor
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -39,8 +39,8 @@ class Simulation:
     """
 
     scenario: Scenario
-    model: WorldModel
-    state: WorldState
+    model: Model
+    state: State
     parts: Parts
     agents: Ints
     shards: Shards

@@ -12,11 +12,11 @@ from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import ROBOT, UNOBSTRUCTED, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ROBOT, UNOBSTRUCTED, Model
+from irsim_gym.world.state import State
 
 
-def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, state: WorldState) -> None:
+def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> None:
     """Refuse a file that puts a robot into an obstacle that never moves, where that would hold it for ever.
 
     Raises:
@@ -29,7 +29,7 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
         raise ScenarioError(scenario.file or scenario.name, problems)
 
 
-def find_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, state: WorldState) -> tuple[Problem, ...]:
+def find_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> tuple[Problem, ...]:
     """Return where each robot stands that the file puts into an obstacle that never moves.
 
     Nobody is where nobody is held by a collision. The first world is used for it, before its first level.

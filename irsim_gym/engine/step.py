@@ -13,8 +13,8 @@ from irsim_gym.engine.guide import decide
 from irsim_gym.engine.parts import Parts
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass(frozen=True)
@@ -34,17 +34,17 @@ class Orders:
         free = [np.flatnonzero(~np.isin(group.members, self.bodies)) for group in groups]
         return [group.select(chosen) for group, chosen in zip(groups, free, strict=True) if len(chosen)]
 
-    def give(self, state: WorldState, shard: Shard) -> None:
+    def give(self, state: State, shard: Shard) -> None:
         """Write them over the decisions."""
         state.command[shard.worlds[:, None], self.bodies] = self.commands[shard.worlds]
 
-    def show(self, state: WorldState, shard: Shard) -> None:
+    def show(self, state: State, shard: Shard) -> None:
         """Let who asks for the bodies' plans see how they moved: nobody followed what was planned."""
         rows = shard.worlds[:, None]
         state.plan[rows, self.bodies] = state.twist[rows, self.bodies, :2]
 
 
-def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, orders: Orders | None = None) -> None:
+def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
     for group in parts.group_behaviors:
         decide(group, model, state, shard)
@@ -73,7 +73,7 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
     tick(shard.worlds, model, state)
 
 
-def let_appear(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
+def let_appear(parts: Parts, model: Model, state: State, shard: Shard, ahead: int) -> None:
     """Let bodies come and go that do so by themselves, ``ahead`` steps after ``state.step``."""
     for group in parts.visitors:
         group.kind.appear(group, model, state, shard, ahead)
@@ -81,7 +81,7 @@ def let_appear(parts: Parts, model: WorldModel, state: WorldState, shard: Shard,
         body_buckets.refresh(group.members, model, state, shard)
 
 
-def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def refresh(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Look at the worlds again without moving anything, after poses were written from outside."""
     outlines.place(parts.everyone, model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
@@ -91,14 +91,14 @@ def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) ->
     sense(parts, model, state, shard)
 
 
-def sense(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Take the readings of all sensors."""
     for group in parts.sensors:
         group.kind.sense(group, model, state, shard)
 
 
 @kernel
-def tick(worlds: Ints, model: WorldModel, state: WorldState) -> None:
+def tick(worlds: Ints, model: Model, state: State) -> None:
     """Count the step; the time is a multiple of the step time, so it gathers no rounding.
 
     Reads: model (step_time), state (step).

@@ -10,8 +10,8 @@ from irsim_gym.rng import mix, uniform
 from irsim_gym.scenario.body_checks import speed_count
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import record_type
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 TRAITS = record_type("low high unyielding", body=np.int64, n_axes=np.int64, least=np.dtype((np.float64, 2)))
 """Bounds of a body's greatest speed [m/s] (low is NaN where nothing is drawn), the probability that it ignores what
@@ -32,7 +32,7 @@ def drawn_traits(scenario: Scenario) -> frozenset[str]:
     return (DRAWN_SPEEDS if speeds else frozenset()) | (DRAWN_HEED if heed else frozenset())
 
 
-def collect_traits(scenario: Scenario, model: WorldModel) -> Records:
+def collect_traits(scenario: Scenario, model: Model) -> Records:
     """Return one record of type ``TRAITS`` for each body of which something is drawn."""
     varied = [b for b, body in enumerate(scenario.bodies) if body.speed_range is not None or body.unyielding > 0.0]
     traits = np.zeros(len(varied), TRAITS)
@@ -46,7 +46,7 @@ def collect_traits(scenario: Scenario, model: WorldModel) -> Records:
 
 
 @kernel
-def draw_traits(worlds: Ints, traits: Records, model: WorldModel, state: WorldState) -> None:
+def draw_traits(worlds: Ints, traits: Records, model: Model, state: State) -> None:
     """Draw speeds, and who ignores what moves.
 
     The world's stream goes on as if nothing had been drawn: its state, which a file of levels holds, gives the numbers.
@@ -75,13 +75,13 @@ def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:
     return list(dict.fromkeys([None, *(body.seen_by for body in scenario.bodies)]))
 
 
-def write_people(scenario: Scenario, model: WorldModel) -> None:
+def write_people(scenario: Scenario, model: Model) -> None:
     """Write who sees whom, and who walks with whom."""
     _write_watchers(scenario, model)
     _write_parties(scenario, model)
 
 
-def _write_watchers(scenario: Scenario, model: WorldModel) -> None:
+def _write_watchers(scenario: Scenario, model: Model) -> None:
     """Write whose behaviours see whom. A word that is a body's name is not that of a group, whose name may be equal."""
     rows, names = watching_bodies(scenario), {body.name for body in scenario.bodies}
     for row, words in enumerate(rows):
@@ -93,7 +93,7 @@ def _write_watchers(scenario: Scenario, model: WorldModel) -> None:
         model.seen_row[b] = rows.index(body.seen_by)
 
 
-def _write_parties(scenario: Scenario, model: WorldModel) -> None:
+def _write_parties(scenario: Scenario, model: Model) -> None:
     """Write who walks with whom: side by side, as small groups do (Moussaid et al. 2010), the first in the middle."""
     model.leader[:] = np.arange(len(scenario.bodies))
     for spec in scenario.placements:

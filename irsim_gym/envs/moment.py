@@ -18,8 +18,8 @@ from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.world.arrays import A, frozen
 from irsim_gym.world.body_readings import BodyReadings
 from irsim_gym.world.group import WorldContext
-from irsim_gym.world.model import ROBOT, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ROBOT, Model
+from irsim_gym.world.state import State
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import BodySpec
@@ -49,11 +49,11 @@ class BodyMoment(BodyReadings):
         return hash((id(self._simulation), self._b, self._w))
 
     @property
-    def _model(self) -> WorldModel:
+    def _model(self) -> Model:
         return self._simulation.model
 
     @property
-    def _state(self) -> WorldState:
+    def _state(self) -> State:
         return self._simulation.state
 
     @property

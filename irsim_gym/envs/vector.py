@@ -108,10 +108,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         return f"<{type(self).__name__} {self.worlds.summary}>"
 
     def reset(
-        self,
-        *,
-        seed: int | Sequence[int | None] | None = None,
-        options: dict[str, Any] | None = None,
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin episodes in all worlds, or in those of ``options["reset_mask"]``.
 

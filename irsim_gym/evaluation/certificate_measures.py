@@ -12,8 +12,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.paths.queries import FINE, free_path_length, has_free_path, standing_bodies
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE, Model
+from irsim_gym.world.state import State
 
 PRECISION = 1e-3
 """Precision to which the clearance of the widest path is bisected [m]."""
@@ -47,7 +47,7 @@ class LevelMeasures:
 
 
 def measure_level(
-    model: WorldModel, state: WorldState, world: int, body: int, *, radius: float | None = None, cell: float = FINE
+    model: Model, state: State, world: int, body: int, *, radius: float | None = None, cell: float = FINE
 ) -> LevelMeasures:
     """Measure the level of a world for a disc around the origin of one body.
 
@@ -85,23 +85,21 @@ def measure_level(
     )
 
 
-def is_disc(model: WorldModel, body: int) -> bool:
+def is_disc(model: Model, body: int) -> bool:
     """Return whether a body is a disc about its origin, in all worlds."""
     if model.segment_count[:, body].any() or (model.disc_count[:, body] != 1).any():
         return False
     return not model.local_discs[:, model.disc_start[body], :2].any()
 
 
-def _goals(model: WorldModel, state: WorldState, world: int, body: int) -> Floats:
+def _goals(model: Model, state: State, world: int, body: int) -> Floats:
     """Return the goals that are not reached yet, in order, shape ``(n, 2)`` [m]."""
     if not model.has_goal[body]:
         return np.zeros((0, 2))
     return model.waypoints[world, body, int(state.waypoint[world, body]) : int(state.waypoint_end[world, body]), :2]
 
 
-def _widest(
-    model: WorldModel, state: WorldState, world: int, radius: float, stops: Floats, blocks: Flags, cell: float
-) -> float:
+def _widest(model: Model, state: State, world: int, radius: float, stops: Floats, blocks: Flags, cell: float) -> float:
     """Return by how much a disc can grow until one of the paths is blocked [m]: the clearance of the widest paths."""
 
     def are_open(ways: Iterable[tuple[Floats, Floats]], more: float) -> bool:
@@ -126,7 +124,7 @@ def _bisect(holds: Callable[[float], bool], high: float) -> float:
     return low
 
 
-def least_steps(model: WorldModel, state: WorldState, world: int, body: int, legs: Sequence[float]) -> float:
+def least_steps(model: Model, state: State, world: int, body: int, legs: Sequence[float]) -> float:
     """Return the least number of steps in which a body can drive paths from goal to goal; infinite if it cannot.
 
     The body accelerates from its present velocity as fast as possible and never brakes, and it reaches and leaves each

@@ -85,11 +85,7 @@ def check_count(simulation: Simulation, split: str, count: int) -> None:
 
 
 def drive(
-    policy: Driver,
-    episodes: Episodes,
-    levels: int | Sequence[int],
-    split: str,
-    watcher: Watcher | None = None,
+    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str, watcher: Watcher | None = None
 ) -> Iterator[tuple[list[int], list[int], list[int]]]:
     """Drive each level once, and yield worlds as soon as the episodes of all their agents have ended.
 

@@ -12,9 +12,9 @@ from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 LEAST_SIZE = 1e-3
 
@@ -49,13 +49,13 @@ class Circle:
         return Outline(discs=np.array([[self.center[0] + ahead, self.center[1], radius]]))
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the members' radii."""
         draw_discs(shard.worlds, group.members, group.params, model, state)
 
 
 @kernel
-def draw_discs(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def draw_discs(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write a radius between the bounds of ``radius_range`` and the reach that follows from it.
 
     Reads: model (disc_start, local_discs), state (random).

@@ -8,9 +8,9 @@ from typing import ClassVar
 from irsim_gym.footprints.random_outline import VertexShape, draw_outlines, outline_problems
 from irsim_gym.scenario.options import kind
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -31,6 +31,6 @@ class Linestring(VertexShape):
         return Outline(segments=self.largest() if points is None else chain(points, closed=False), solid=False)
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the members' chains: random outlines without their last side."""
         draw_outlines(shard.worlds, group.members, group.params, False, model, state)

@@ -11,9 +11,9 @@ from irsim_gym.footprints.random_outline import VertexShape, draw_outlines, outl
 from irsim_gym.geometry.polygons import signed_area
 from irsim_gym.scenario.options import kind
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -36,7 +36,7 @@ class Polygon(VertexShape):
         return Outline(segments=chain(corners if signed_area(corners) > 0.0 else corners[::-1], closed=True))
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the members' outlines."""
         draw_outlines(shard.worlds, group.members, group.params, True, model, state)
 

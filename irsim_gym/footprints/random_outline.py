@@ -11,9 +11,9 @@ from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import chain
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 STEP_TRIES = 32
 LEAST_DISTANCE = 0.01
@@ -89,7 +89,7 @@ def outline_problems(options: VertexShape) -> Iterator[tuple[str, str]]:
 
 
 @kernel
-def draw_outlines(worlds: Ints, members: Ints, params: Any, closed: bool, model: WorldModel, state: WorldState) -> None:
+def draw_outlines(worlds: Ints, members: Ints, params: Any, closed: bool, model: Model, state: State) -> None:
     """Write a random outline for each member: its segments, their count and its reach.
 
     The generator is IR-SIM's: a centre, a mean radius R, irregularity, spikeyness and a number of vertices are

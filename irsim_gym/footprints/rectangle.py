@@ -12,9 +12,9 @@ from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 LEAST_SIZE = 1e-3
 
@@ -51,13 +51,13 @@ class Rectangle:
         return Outline(segments=chain(corners + np.array([ahead, 0.0]), closed=True))
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the members' lengths and widths."""
         draw_rectangles(shard.worlds, group.members, group.params, model, state)
 
 
 @kernel
-def draw_rectangles(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def draw_rectangles(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write the sides of rectangles with random length and width, and the reach that follows.
 
     Reads: model (segment_start), state (random).

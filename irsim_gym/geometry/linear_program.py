@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Record, Records
+from irsim_gym.arraytypes import Record, Records, Vector
 from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
 
@@ -28,7 +28,7 @@ def set_plane(plane: Record, nx: float, ny: float, least: float) -> None:
 @kernel
 def choose(
     planes: Records, n_hard: int, count: int, limit: float, wanted_x: float, wanted_y: float, spare: Records
-) -> tuple[float, float]:
+) -> Vector:
     """Return the vector nearest to a wanted one that all half-planes permit, no longer than ``limit``.
 
     Where there is none, the hard half-planes hold and the worst violation of the others is as small as can be.
@@ -104,7 +104,7 @@ def best_on_border(
 @kernel
 def least_violation(
     planes: Records, n_hard: int, count: int, first: int, limit: float, x: float, y: float, spare: Records
-) -> tuple[float, float]:
+) -> Vector:
     """Return the vector whose worst violation of the soft half-planes is least, within the hard ones.
 
     A half-plane that is violated more than any before it carries the new optimum: there it is violated as much as at

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Point
 from irsim_gym.jit import kernel
 
 CORNERS = 64
@@ -54,7 +54,7 @@ def through(a: Floats, b: Floats, c: Floats, x: float, y: float, radius2: float)
 
 
 @kernel
-def centre_of_mass(segments: Floats, discs: Floats, solid: bool) -> tuple[float, float]:
+def centre_of_mass(segments: Floats, discs: Floats, solid: bool) -> Point:
     """Return the centre of an outline's area [m], or of its length when it bounds none.
 
     Parts that overlap count twice.

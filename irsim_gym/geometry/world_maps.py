@@ -10,7 +10,7 @@ A level's map consists of four arrays, whose first axis is the world, or of leng
   [m], or from the disc in it.
 
 ``CellMap`` in ``arraytypes`` says what is in them. ``lay_cells`` writes all four from which cells are occupied, for one
-world, and nothing else does. In a ``WorldModel`` they are ``map_squares``, ``map_boxes``, ``map_n_boxes`` and
+world, and nothing else does. In a ``Model`` they are ``map_squares``, ``map_boxes``, ``map_n_boxes`` and
 ``map_room``; ``model.cells`` holds them together, with the radius of the discs that stand for occupied cells.
 """
 

@@ -14,8 +14,8 @@ from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ACKERMANN, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ACKERMANN, Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -62,17 +62,17 @@ class Ackermann:
         yield from motion_noise.negative_variances(self.alpha)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make the tables of the motion noise."""
         motion_noise.prepare(group, model)
 
     @staticmethod
-    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
         twist_ackermann(shard.worlds, group.members, group.params, model, state)
 
     @staticmethod
-    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
         executed = motion_noise.executed(group, model, state, shard)
         move_ackermann(shard.worlds, group.members, group.params, model, state, executed)
@@ -80,7 +80,7 @@ class Ackermann:
 
 
 @kernel
-def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, state: State) -> None:
     """Write velocities in the world frame; the yaw rate is that of the present steering angle.
 
     Reads: model (wheelbase), state (pose, steering, velocity).
@@ -98,9 +98,7 @@ def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel,
 
 
 @kernel
-def move_ackermann(
-    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats
-) -> None:
+def move_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, state: State, executed: Floats) -> None:
     """Write poses and steering angles of the members that are free to move, from what they execute.
 
     Reads: model (heading_low, step_time, wheelbase, wraps_heading), state (pose, steering, stopped).

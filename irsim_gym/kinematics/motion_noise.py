@@ -12,8 +12,8 @@ from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 Variances = tuple[tuple[float, float, float], ...]
 
@@ -53,7 +53,7 @@ def negative_variances(alpha: Sequence[float]) -> Iterator[tuple[str, str]]:
         yield "alpha", f"variances must not be negative, got [{shown}]"
 
 
-def prepare(group: Group, model: WorldModel) -> None:
+def prepare(group: Group, model: Model) -> None:
     """Make the tables of a group in which a member has noise; without one there are none, and nothing is drawn."""
     if not any(options.noise for options in group.options):
         return
@@ -65,7 +65,7 @@ def prepare(group: Group, model: WorldModel) -> None:
             group.tables.variance[b, : len(rows)] = rows
 
 
-def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> Floats:
+def executed(group: Group, model: Model, state: State, shard: Shard) -> Floats:
     """Return the velocities that the members execute in this step, shape ``(n_worlds, n_bodies, 3)``.
 
     Without noise they are ``state.velocity`` itself, which stays as commanded in any case.
@@ -78,7 +78,7 @@ def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -
 
 
 @kernel
-def add_noise(worlds: Ints, members: Ints, noise: MotionNoise, model: WorldModel, state: WorldState) -> None:
+def add_noise(worlds: Ints, members: Ints, noise: MotionNoise, model: Model, state: State) -> None:
     """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order.
 
     Reads: noise (executed, variance), model (present), state (random, stopped, velocity).

@@ -14,8 +14,8 @@ from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD, Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -65,24 +65,24 @@ class Omni:
             yield "alpha", "must be 2 numbers, or 4 of which the first and the last count, got 3"
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make the tables of the motion noise."""
         motion_noise.prepare(group, model)
 
     @staticmethod
-    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
         twist_omni(shard.worlds, group.members, group.params, state)
 
     @staticmethod
-    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance the members' positions by one step."""
         executed = motion_noise.executed(group, model, state, shard)
         move_omni(shard.worlds, group.members, group.params, model, state, executed)
 
 
 @kernel
-def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> None:
+def twist_omni(worlds: Ints, members: Ints, params: Any, state: State) -> None:
     """Write velocities in the world frame.
 
     Reads: state (pose, velocity).
@@ -99,7 +99,7 @@ def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> N
 
 
 @kernel
-def move_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats) -> None:
+def move_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: State, executed: Floats) -> None:
     """Write the positions of the members that are free to move, from what they execute, and all twists.
 
     Reads: model (heading_low, step_time, wraps_heading), state (pose, stopped, velocity).

@@ -14,8 +14,8 @@ from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import OMNI_ANGULAR, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import OMNI_ANGULAR, Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -49,24 +49,24 @@ class OmniAngular:
         yield from motion_noise.negative_variances(self.alpha)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make the tables of the motion noise."""
         motion_noise.prepare(group, model)
 
     @staticmethod
-    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
         twist_omni_angular(shard.worlds, group.members, state)
 
     @staticmethod
-    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
         executed = motion_noise.executed(group, model, state, shard)
         move_omni_angular(shard.worlds, group.members, model, state, executed)
 
 
 @kernel
-def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
+def twist_omni_angular(worlds: Ints, members: Ints, state: State) -> None:
     """Write velocities in the world frame.
 
     Reads: state (pose, velocity).
@@ -81,7 +81,7 @@ def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
 
 
 @kernel
-def move_omni_angular(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, executed: Floats) -> None:
+def move_omni_angular(worlds: Ints, members: Ints, model: Model, state: State, executed: Floats) -> None:
     """Write the poses of the members that are free to move, from what they execute, and all twists.
 
     Reads: model (heading_low, step_time, wraps_heading), state (pose, stopped, velocity).

@@ -8,15 +8,15 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats
 from irsim_gym.paths.queries import standing_bodies
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_rows
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 CORNERS = 32
 """Number of segments that approximate a quarter circle."""
 
 
-def covered_share(model: WorldModel, state: WorldState, world: int) -> float:
+def covered_share(model: Model, state: State, world: int) -> float:
     """Return the share of the world's rectangle that standing bodies and the map cover."""
     import shapely
 

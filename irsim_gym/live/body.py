@@ -22,8 +22,8 @@ from irsim_gym.world.arrays import A, frozen
 from irsim_gym.world.body_readings import BodyReadings
 from irsim_gym.world.group import WorldContext
 from irsim_gym.world.irsim_readings import IrSimReadings
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 STATE = ("x", "y", "heading", "steering")
 LOW, HIGH = (0.0, 0.0, -np.pi), (10.0, 10.0, np.pi)
@@ -72,11 +72,11 @@ class Body(IrSimReadings):
         return self._session.simulation
 
     @property
-    def _model(self) -> WorldModel:
+    def _model(self) -> Model:
         return self._session.simulation.model
 
     @property
-    def _state(self) -> WorldState:
+    def _state(self) -> State:
         return self._session.simulation.state
 
     @property

@@ -12,8 +12,8 @@ from irsim_gym.errors import PlacementError
 from irsim_gym.live.goal_writer import make_room
 from irsim_gym.scenario import Scenario
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
 NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid", "watchers", "seen_row", "leader", "abreast"})
@@ -54,8 +54,8 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
 
 def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
     """Copy the state of the bodies that stay, and of the world, from the old simulation."""
-    for name, declared in (*WorldModel.columns().items(), *WorldState.columns().items()):
-        sources, targets = (old.model, new.model) if name in WorldModel.columns() else (old.state, new.state)
+    for name, declared in (*Model.columns().items(), *State.columns().items()):
+        sources, targets = (old.model, new.model) if name in Model.columns() else (old.state, new.state)
         source, target = getattr(sources, name), getattr(targets, name)
         if declared.axes == ("world",):
             target[:] = source

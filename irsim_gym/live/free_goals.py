@@ -14,12 +14,7 @@ from irsim_gym.world.outline import outline_rows
 
 
 def draw(
-    simulation: Simulation,
-    low: Sequence[float],
-    high: Sequence[float],
-    bodies: Iterable[int],
-    room: float,
-    tries: int,
+    simulation: Simulation, low: Sequence[float], high: Sequence[float], bodies: Iterable[int], room: float, tries: int
 ) -> tuple[Floats, bool]:
     """Draw a goal x, y, heading [m, m, rad] from the world's random stream.
 

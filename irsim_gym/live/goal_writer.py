@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.world.model import LOOP, STATE, WorldModel
+from irsim_gym.world.model import LOOP, STATE, Model
 
 
 def read_goals(goal: ArrayLike | None) -> Floats:
@@ -103,7 +103,7 @@ def _put(simulation: Simulation, body: int, given: BodyGoals) -> None:
     simulation.rewire()
 
 
-def make_room(model: WorldModel, n_goals: int) -> None:
+def make_room(model: Model, n_goals: int) -> None:
     """Make room for so many goals of each body."""
     missing = n_goals - model.waypoints.shape[2]
     if missing > 0:

@@ -15,8 +15,8 @@ from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, sh
 from irsim_gym.rng import integer
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -39,14 +39,14 @@ class RandomCells(LevelMap):
         return bordered(self, width, height)
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the cells of each world."""
         cells: Any = model.cells
         draw_cells(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
-def draw_cells(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: WorldState) -> None:
+def draw_cells(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: State) -> None:
     """Occupy as many inner cells as are drawn, each choice of them as likely as any other.
 
     Reads: tables (line, occupied, order), state (random).

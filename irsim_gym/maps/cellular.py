@@ -13,8 +13,8 @@ from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, sh
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 MOST_ROUNDS = 100
 
@@ -52,14 +52,14 @@ class CellularMap(LevelMap):
         return bordered(self, width, height)
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw and smooth the cells of each world."""
         cells: Any = model.cells
         draw_cellular(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
-def draw_cellular(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: WorldState) -> None:
+def draw_cellular(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: State) -> None:
     """Occupy cells at random, and smooth them.
 
     Reads: tables (before, line, occupied, order), state (random).

@@ -14,7 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
 
 MOST_CELLS = 4_000_000
@@ -40,7 +40,7 @@ class MapTables(Struct):
     order: Ints
 
 
-def map_tables(model: WorldModel, n_slots: int) -> MapTables:
+def map_tables(model: Model, n_slots: int) -> MapTables:
     """Return memory for maps of the model's size."""
     columns, rows = model.map_room.shape[1:]
     return MapTables(
@@ -77,7 +77,7 @@ class LevelMap:
         return Outline(solid=False)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for drawing."""
         group.tables = map_tables(model, n_slots)
 

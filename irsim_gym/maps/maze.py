@@ -16,8 +16,8 @@ from irsim_gym.maps.level import LevelMap, MapTables, bordered, span
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -46,14 +46,14 @@ class MazeMap(LevelMap):
         return occupied
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the maze of each world."""
         cells: Any = model.cells
         draw_maze(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
-def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: WorldState) -> None:
+def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: State) -> None:
     """Walk from crossing to crossing that are new, back where there are none, and open the walls on the way.
 
     Then open each other wall between neighbouring crossings with the given probability.

@@ -12,8 +12,8 @@ from irsim_gym.geometry.world_maps import lay_cells
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 _Q = np.sqrt(0.5)
 GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
@@ -40,7 +40,7 @@ class NoiseTables(Struct):
     gradients: Ints
 
 
-def noise_tables(model: WorldModel, n_slots: int) -> NoiseTables:
+def noise_tables(model: Model, n_slots: int) -> NoiseTables:
     """Return memory for maps of the model's size."""
     columns, rows = model.map_room.shape[1:]
     return NoiseTables(
@@ -53,9 +53,7 @@ def noise_tables(model: WorldModel, n_slots: int) -> NoiseTables:
 
 
 @kernel
-def draw_noise_maps(
-    worlds: Ints, slot: int, options: Any, tables: NoiseTables, cells: CellMaps, state: WorldState
-) -> None:
+def draw_noise_maps(worlds: Ints, slot: int, options: Any, tables: NoiseTables, cells: CellMaps, state: State) -> None:
     """Occupy the cells with the highest noise, as many as ``fill`` says.
 
     Reads: tables (gradients, line, noise, occupied, ranked), state (random).

@@ -14,9 +14,9 @@ from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_
 from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -62,12 +62,12 @@ class PerlinMap:
         return np.asarray(noise > np.sort(noise, axis=None)[place])
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for drawing."""
         group.tables = noise_tables(model, n_slots)
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the map of each world."""
         cells: Any = model.cells
         draw_noise_maps(shard.worlds, shard.slot, group.params, group.tables, cells, state)

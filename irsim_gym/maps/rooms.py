@@ -16,8 +16,8 @@ from irsim_gym.maps.level import LEAST_ORDER, LevelMap, MapTables, bordered, cle
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
 """Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
@@ -63,14 +63,14 @@ class RoomsMap(LevelMap):
         return occupied
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the rooms of each world."""
         cells: Any = model.cells
         draw_rooms(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
-def draw_rooms(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: WorldState) -> None:
+def draw_rooms(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: State) -> None:
     """Divide each world into rooms: a room is the likelier to be divided, the larger it is.
 
     Reads: tables (line, occupied, order), state (random).
@@ -103,7 +103,7 @@ def draw_rooms(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
 
 
 @kernel
-def choose_room(rooms: Ints, n: int, w: int, state: WorldState) -> int:
+def choose_room(rooms: Ints, n: int, w: int, state: State) -> int:
     """Draw one of the rooms that may be divided, by their areas; return -1 if there is none.
 
     Reads: state (random).
@@ -132,7 +132,7 @@ def share_across(room: Ints) -> float:
 
 
 @kernel
-def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, w: int, state: WorldState) -> bool:
+def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, w: int, state: State) -> bool:
     """Put a wall with a door through room k, whose other half becomes room n; return whether there is a place for it.
 
     No wall ends at a door.
@@ -176,7 +176,7 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
 
 
 @kernel
-def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int, state: WorldState) -> tuple[int, int]:
+def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int, state: State) -> tuple[int, int]:
     """Open a door in a wall, and return its width and where it begins.
 
     Reads: state (random).

@@ -16,8 +16,8 @@ from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, sh
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -55,14 +55,14 @@ class ShelvesMap(LevelMap):
         return occupied
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Draw the shelves of each world."""
         cells: Any = model.cells
         draw_shelves(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
-def draw_shelves(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: WorldState) -> None:
+def draw_shelves(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: CellMaps, state: State) -> None:
     """Put as many shelves as fit into the middle of each world, and leave out some.
 
     Reads: tables (line, occupied), state (random).

@@ -13,10 +13,10 @@ from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_s
 from irsim_gym.geometry.world_maps import capsule_meets_map, map_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.points import PointMap, capsule_meets_points, points_distance
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 class Obstacles(NamedTuple):
@@ -31,8 +31,8 @@ class Obstacles(NamedTuple):
         points: Further points that are obstacles, or None.
     """
 
-    model: WorldModel
-    state: WorldState
+    model: Model
+    state: State
     w: int
     blocks: Flags
     cells: CellMaps | None
@@ -40,7 +40,7 @@ class Obstacles(NamedTuple):
 
 
 @kernel
-def mark_standing(model: WorldModel, w: int, own: int, blocks: Flags) -> None:
+def mark_standing(model: Model, w: int, own: int, blocks: Flags) -> None:
     """Write which other bodies stand in the way of a body and never move.
 
     Reads: model (present, stands, unobstructed).

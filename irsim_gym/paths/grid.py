@@ -17,7 +17,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Floats, Ints, Point
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
@@ -96,7 +96,7 @@ class Search(NamedTuple):
 
 
 @kernel
-def centre(grid: Grid, row: int, column: int) -> tuple[float, float]:
+def centre(grid: Grid, row: int, column: int) -> Point:
     """Return the centre of a cell [m]."""
     return grid.origin_x + (column + 0.5) * grid.cell, grid.origin_y + (row + 0.5) * grid.cell
 

@@ -13,7 +13,7 @@ from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.geometry.world_maps import outline_map_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of, own_outline
 from irsim_gym.world.rows import row_of
 
@@ -82,7 +82,7 @@ def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: floa
 
 
 @kernel
-def largest_disc(model: WorldModel, w: int, b: int) -> float:
+def largest_disc(model: Model, w: int, b: int) -> float:
     """Return the radius of the largest disc about the origin of body b of world w within it [m].
 
     It is 0 if the origin is not within; of an outline of several parts, the disc is the largest within one of them.

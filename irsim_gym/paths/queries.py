@@ -14,27 +14,27 @@ from irsim_gym.paths.occupancy import mark_touched
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.reachability import is_reachable
 from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 FINE, COARSE = 0.05, 0.1
 
 Point = Sequence[float] | Floats
 
 
-def standing_bodies(model: WorldModel, world: int) -> Flags:
+def standing_bodies(model: Model, world: int) -> Flags:
     """Return flags of standing obstacles: present, standing and not unobstructed bodies, shape ``(body,)``."""
     return np.asarray(model.present[world] & model.stands & ~model.unobstructed)
 
 
-def fixed_bodies(model: WorldModel, world: int) -> Flags:
+def fixed_bodies(model: Model, world: int) -> Flags:
     """Return flags of bodies that are present, cannot move and are not unobstructed, shape ``(body,)``."""
     return np.asarray(model.present[world] & ~model.movable & ~model.unobstructed)
 
 
 def free_path(
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     world: int,
     radius: float,
     start: Point,
@@ -62,8 +62,8 @@ def free_path(
 
 
 def free_path_length(
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     world: int,
     radius: float,
     start: Point,
@@ -78,8 +78,8 @@ def free_path_length(
 
 
 def has_free_path(
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     world: int,
     radius: float,
     start: Point,
@@ -95,7 +95,7 @@ def has_free_path(
 
 
 def blocking_bodies(
-    model: WorldModel, state: WorldState, world: int, radius: float, place: Point, blocks: Flags
+    model: Model, state: State, world: int, radius: float, place: Point, blocks: Flags
 ) -> list[int | None]:
     """Return the bodies that a disc touches, None for the obstacle map; the arguments are those of ``free_path``."""
     touched: list[int | None] = []
@@ -111,7 +111,7 @@ def blocking_bodies(
 
 
 def touched_cells(
-    model: WorldModel, state: WorldState, world: int, n_cells: tuple[int, int], *, blocks: Flags | None = None
+    model: Model, state: State, world: int, n_cells: tuple[int, int], *, blocks: Flags | None = None
 ) -> Flags:
     """Return flags of the cells that a body or an occupied cell of the map touches, shape ``(columns, rows)``.
 
@@ -161,6 +161,6 @@ def _point(values: Point) -> tuple[float, float]:
     return float(values[0]), float(values[1])
 
 
-def _obstacles(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Obstacles:
+def _obstacles(model: Model, state: State, world: int, blocks: Flags | None) -> Obstacles:
     chosen = standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_)
     return Obstacles(model, state, int(world), chosen, model.cells, None)

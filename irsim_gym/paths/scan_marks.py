@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
@@ -70,7 +70,7 @@ def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> GridEye:
 
 
 @kernel(inlined=True)
-def beam_end(scan: OwnScan, eye: GridEye, s: int, i: int, length: float) -> tuple[float, float]:
+def beam_end(scan: OwnScan, eye: GridEye, s: int, i: int, length: float) -> Point:
     """Return the point [cells] so far [m] along beam i of sensor s.
 
     Reads: scan (beams_x, beams_y).

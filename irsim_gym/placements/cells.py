@@ -27,9 +27,9 @@ from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 COARSE, FINE = 1.0, 0.5
 """Cell sizes of the searches for paths around standing bodies, relative to a member's reach."""
@@ -82,7 +82,7 @@ class CellPlacement:
         yield from length_problems(self.min_way_length, self.max_way_length)
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+    def prepare(group: Group, model: Model, n_slots: int) -> str | None:
         """Allocate memory for searches, and return what does not fit the world."""
         frame, reaches = model.map_frame[0], model.reach[:, group.members]
         if frame.body < 0:
@@ -113,7 +113,7 @@ class CellPlacement:
         return None
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 if a member finds no place."""
         tables, grids = group.tables
         cells: Any = model.cells
@@ -126,8 +126,8 @@ def draw_in_cells(
     slot: int,
     tables: CellTables,
     grids: WayGrids,
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     cells: CellMaps,
     failed: Ints,
 ) -> None:
@@ -161,14 +161,7 @@ def draw_in_cells(
 
 @kernel
 def draw_goals(
-    w: int,
-    slot: int,
-    b: int,
-    tables: CellTables,
-    grids: WayGrids,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMaps,
+    w: int, slot: int, b: int, tables: CellTables, grids: WayGrids, model: Model, state: State, cells: CellMaps
 ) -> bool:
     """Draw the goals of body b, each from the cells that can be reached from the one before; return if there are any.
 
@@ -212,7 +205,7 @@ def list_free(cells: CellMap, free: Ints) -> int:
 
 
 @kernel
-def take(numbers: Ints, last: int, w: int, state: WorldState) -> int:
+def take(numbers: Ints, last: int, w: int, state: State) -> int:
     """Draw one of the first ``last + 1`` numbers, and put the last of them into its place.
 
     Reads: state (random).
@@ -225,7 +218,7 @@ def take(numbers: Ints, last: int, w: int, state: WorldState) -> int:
 
 
 @kernel
-def put_in_cell(cells: CellMap, cell: int, w: int, state: WorldState, pose: Floats) -> None:
+def put_in_cell(cells: CellMap, cell: int, w: int, state: State, pose: Floats) -> None:
     """Write the middle of a cell [m], and draw a heading [rad].
 
     Reads: state (random).

@@ -15,10 +15,10 @@ from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import place_outline
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 MARGIN = 0.5
 TRIES = 100
@@ -94,7 +94,7 @@ class CirclePlacement:
         return self.turn or self.scatter or self.jitter > 0.0
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+    def prepare(group: Group, model: Model, n_slots: int) -> str | None:
         """Write the members' starts and goals, and return what does not fit the world."""
         options = group.options[0]
         low, high = world_box(model, MARGIN)
@@ -119,7 +119,7 @@ class CirclePlacement:
         return _beyond_the_edge(center, radius + options.jitter, model) if options.is_random else None
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
         """Put the members on their starts; ``failed[w]`` becomes body + 1 if a shifted member finds no place."""
         if not group.options[0].is_random:
             put_on_start(shard.worlds, group.members, model, state)
@@ -127,7 +127,7 @@ class CirclePlacement:
         draw_shifted(shard.worlds, group.members, group.tables, model, state, model.cells, failed)
 
 
-def _beyond_the_edge(center: Floats, extent: float, model: WorldModel) -> str | None:
+def _beyond_the_edge(center: Floats, extent: float, model: Model) -> str | None:
     low, high = world_box(model, 0.0)
     if np.all(center - extent >= low[:2]) and np.all(center + extent <= high[:2]):
         return None
@@ -137,13 +137,7 @@ def _beyond_the_edge(center: Floats, extent: float, model: WorldModel) -> str | 
 
 @kernel
 def draw_shifted(
-    worlds: Ints,
-    members: Ints,
-    circle: CircleTables,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMaps | None,
-    failed: Ints,
+    worlds: Ints, members: Ints, circle: CircleTables, model: Model, state: State, cells: CellMaps | None, failed: Ints
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free.
 
@@ -170,7 +164,7 @@ def draw_shifted(
 
 @kernel
 def shift_start(
-    w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMaps | None
+    w: int, b: int, angle: float, circle: CircleTables, model: Model, state: State, cells: CellMaps | None
 ) -> float:
     """Draw a pose near body b's place on the circle, facing the centre; return the place's angle, NaN if none is free.
 
@@ -199,7 +193,7 @@ def shift_start(
 
 
 @kernel
-def faces_nobody(w: int, b: int, circle: CircleTables, model: WorldModel, state: WorldState) -> bool:
+def faces_nobody(w: int, b: int, circle: CircleTables, model: Model, state: State) -> bool:
     """Return whether the mirror image of body b's start keeps the clearance from the bodies that are placed.
 
     Reads: circle (clearance, everyone, x, y), model (present, reach, stands), state (placed, pose).
@@ -222,8 +216,8 @@ def shift_goal(
     members: Ints,
     angle: float,
     circle: CircleTables,
-    model: WorldModel,
-    state: WorldState,
+    model: Model,
+    state: State,
     cells: CellMaps | None,
 ) -> bool:
     """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
@@ -249,7 +243,7 @@ def shift_goal(
 
 
 @kernel
-def shifted(w: int, place: Point, jitter: float, state: WorldState) -> Point:
+def shifted(w: int, place: Point, jitter: float, state: State) -> Point:
     """Draw a point evenly from a disc of radius ``jitter`` [m] around another one.
 
     Reads: state (random).
@@ -261,7 +255,7 @@ def shifted(w: int, place: Point, jitter: float, state: WorldState) -> Point:
 
 
 @kernel
-def are_goals_apart(w: int, b: int, members: Ints, clearance: float, model: WorldModel, state: WorldState) -> bool:
+def are_goals_apart(w: int, b: int, members: Ints, clearance: float, model: Model, state: State) -> bool:
     """Return whether body b has room at its goal beside the other members that are placed, at theirs.
 
     Reads: model (present, reach, waypoints), state (placed).

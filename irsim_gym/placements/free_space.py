@@ -17,10 +17,10 @@ from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.options import option
-from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
+from irsim_gym.world.model import KEEP_GOAL, WANDER, Model
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 class WayGrids(NamedTuple):
@@ -117,7 +117,7 @@ def is_spaced(
 
 @kernel
 def is_start_free(
-    w: int, b: int, others: Ints, clearance: float, model: WorldModel, state: WorldState, cells: CellMaps | None
+    w: int, b: int, others: Ints, clearance: float, model: Model, state: State, cells: CellMaps | None
 ) -> bool:
     """Return whether body b, where its outline stands, is clear of the map and of those of ``others`` that are placed.
 
@@ -144,7 +144,7 @@ def is_start_free(
 
 
 @kernel
-def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state: WorldState) -> bool:
+def is_clear_of_goals(w: int, b: int, clearance: float, model: Model, state: State) -> bool:
     """Return whether body b, where its outline stands, is clear of the goals of all placed bodies.
 
     Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
@@ -164,7 +164,7 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state
 
 
 @kernel
-def kept_goals(w: int, b: int, model: WorldModel) -> int:
+def kept_goals(w: int, b: int, model: Model) -> int:
     """Return how many goals of body b others keep clear of: all; of a loop those that are drawn, or the first.
 
     Reads: model (drawn_goals, goal_renewal, waypoint_count).
@@ -181,9 +181,7 @@ def is_closer(clearance: float, one: BodyOutline, other: BodyOutline) -> bool:
 
 
 @kernel
-def is_goal_free(
-    w: int, b: int, k: int, clearance: float, model: WorldModel, state: WorldState, cells: CellMaps | None
-) -> bool:
+def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: State, cells: CellMaps | None) -> bool:
     """Return whether a disc around body b at its goal k is clear of the map, placed static bodies and others' goals.
 
     Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
@@ -214,7 +212,7 @@ def is_goal_free(
 
 
 @kernel
-def leg_start(w: int, b: int, k: int, model: WorldModel, state: WorldState) -> Point:
+def leg_start(w: int, b: int, k: int, model: Model, state: State) -> Point:
     """Return where body b comes from on the way to its goal k [m]: the goal before it, at first the start.
 
     Reads: model (waypoints), state (pose).
@@ -226,14 +224,7 @@ def leg_start(w: int, b: int, k: int, model: WorldModel, state: WorldState) -> P
 
 @kernel
 def has_way_of_length(
-    w: int,
-    b: int,
-    k: int,
-    limits: Floats,
-    grids: WayGrids,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMaps | None,
+    w: int, b: int, k: int, limits: Floats, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
 ) -> bool:
     """Return whether a disc around body b has a free way to its goal k, whose length is within ``limits`` [m].
 
@@ -267,14 +258,7 @@ def way_length(search: WaySearch | None, obstacles: Obstacles, radius: float, st
 
 @kernel
 def has_way(
-    w: int,
-    b: int,
-    start: Point,
-    goal: Point,
-    grids: WayGrids,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMaps | None,
+    w: int, b: int, start: Point, goal: Point, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
 ) -> bool:
     """Return whether a disc around body b has a free way between two points [m] past the placed static bodies.
 

@@ -10,8 +10,8 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -25,18 +25,18 @@ class ManualPlacement:
     gives_goal: ClassVar[bool] = False
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+    def prepare(group: Group, model: Model, n_slots: int) -> str | None:
         """Keep the starts that ``compile`` took from the file."""
         return None
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
         """Put the members on their given starts."""
         put_on_start(shard.worlds, group.members, model, state)
 
 
 @kernel
-def put_on_start(worlds: Ints, members: Ints, model: WorldModel, state: WorldState) -> None:
+def put_on_start(worlds: Ints, members: Ints, model: Model, state: State) -> None:
     """Copy starts to the poses of members that have no place yet.
 
     Reads: model (start), state (placed).
@@ -51,7 +51,7 @@ def put_on_start(worlds: Ints, members: Ints, model: WorldModel, state: WorldSta
             state.placed[w, b] = True
 
 
-def world_box(model: WorldModel, margin: float) -> tuple[Floats, Floats]:
+def world_box(model: Model, margin: float) -> tuple[Floats, Floats]:
     """Return lower and upper bounds (x, y, heading) of the world, reduced by a margin [m]."""
     x0, y0, x1, y1 = model.bounds
     low = np.array([x0 + margin, y0 + margin, -np.pi])

@@ -15,8 +15,8 @@ from irsim_gym.placements.random_draws import DrawTables, draw_members
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 MARGIN = 0.5
 WISHED_DISTANCE = 1.0
@@ -98,7 +98,7 @@ class RandomPlacement:
         return self.reachable or self.min_way_length > 0.0 or self.max_way_length is not None
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+    def prepare(group: Group, model: Model, n_slots: int) -> str | None:
         """Compute the bounds, allocate the grid for searching paths, and return what does not fit."""
         options = group.options[0]
         low, high, goal_low, goal_high = bounds = _bounds(options, model)
@@ -130,7 +130,7 @@ class RandomPlacement:
         return None
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 if a member finds no place."""
         tables, grids = group.tables
         grids = grids.of_slot(shard.slot)
@@ -143,7 +143,7 @@ def _has_room(count: int, low: Floats, high: Floats) -> bool:
     return bool(count * np.pi * (WISHED_DISTANCE / 2.0) ** 2 <= FULLEST * width * height)
 
 
-def _bounds(options: RandomPlacement, model: WorldModel) -> tuple[Floats, Floats, Floats, Floats]:
+def _bounds(options: RandomPlacement, model: Model) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the lower and upper bounds of the starts and of the goals."""
     low, high = world_box(model, MARGIN)
     low = low if options.range_low is None else np.array(options.range_low, np.float64)

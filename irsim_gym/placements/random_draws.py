@@ -18,10 +18,10 @@ from irsim_gym.placements.free_space import (
 )
 from irsim_gym.rng import uniform
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import place_outline
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 START_TRIES = 1000
 GOAL_TRIES = 100
@@ -63,13 +63,7 @@ class DrawTables(Struct):
 
 @kernel
 def draw_members(
-    worlds: Ints,
-    tables: DrawTables,
-    grids: WayGrids,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMaps | None,
-    failed: Ints,
+    worlds: Ints, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None, failed: Ints
 ) -> None:
     """Place one member after the other in each world, those that have no place yet, until one finds none.
 
@@ -105,7 +99,7 @@ def draw_members(
 
 
 @kernel
-def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
+def sort_placed(w: int, model: Model, state: State) -> None:
     """Fill the buckets of world w with the placed bodies only.
 
     Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, placed, pose).
@@ -118,7 +112,7 @@ def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
 
 
 @kernel
-def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
+def put_placed(w: int, b: int, model: Model, state: State) -> None:
     """Put body b of world w into its bucket.
 
     Reads: model (bucket_frame, bucketed), state (bucket, bucket_first, bucket_next, pose).
@@ -129,9 +123,7 @@ def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
 
 
 @kernel
-def draw_start(
-    w: int, b: int, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMaps | None
-) -> bool:
+def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
     """Draw a pose for body b that is clear of everything placed so far; return whether there is one.
 
     Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
@@ -166,14 +158,7 @@ def draw_start(
 
 @kernel
 def draw_next_goal(
-    w: int,
-    b: int,
-    k: int,
-    tables: DrawTables,
-    grids: WayGrids,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMaps | None,
+    w: int, b: int, k: int, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
 ) -> bool:
     """Draw goal k of body b, with a way from the goal before it if one is needed; return whether there is one.
 
@@ -191,9 +176,7 @@ def draw_next_goal(
 
 
 @kernel
-def draw_goal(
-    w: int, b: int, k: int, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMaps | None
-) -> bool:
+def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
     """Draw goal k of body b, which its footprint can stand on; return whether there is one.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance), model (disc_count,
@@ -217,7 +200,7 @@ def draw_goal(
 
 
 @kernel
-def is_goal_spaced(w: int, b: int, k: int, tables: DrawTables, model: WorldModel, state: WorldState) -> bool:
+def is_goal_spaced(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State) -> bool:
     """Return whether goal k of body b keeps its distance from all goals of the other members that are placed.
 
     Reads: tables (members, min_distance), model (drawn_goals, goal_renewal, present, waypoint_count, waypoints), state

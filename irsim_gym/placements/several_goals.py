@@ -6,7 +6,7 @@ from typing import Any
 
 from irsim_gym.scenario.options import option
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import WANDER, WorldModel
+from irsim_gym.world.model import WANDER, Model
 
 MOST_GOALS = 1000
 
@@ -23,7 +23,7 @@ def goals_option() -> Any:
     )
 
 
-def misfit_of_goals(group: Group, model: WorldModel) -> str | None:
+def misfit_of_goals(group: Group, model: Model) -> str | None:
     """Return why members cannot have several goals; None if they can, or have only one."""
     goals = group.options[0].goals
     if goals == 1:

@@ -18,9 +18,9 @@ from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.plugins.functions import answer, members, numbers, registering
 from irsim_gym.scenario.options import function_parameters, kind
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -40,13 +40,13 @@ class FunctionSensor:
         return ()
 
     @staticmethod
-    def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int) -> None:
         """Make room for readings ``(n_worlds, n_members, size)`` and memories."""
         group.arrays[group.kind.reading] = np.zeros((len(model.present), len(group.members), group.kind.size))
         reserve_memory(group, model)
 
     @staticmethod
-    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def sense(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write what the function returns."""
         size, readings = group.kind.size, group.arrays[group.kind.reading]
         for w, k, ego, options in members(group, model, state, shard):
@@ -61,18 +61,18 @@ class FunctionDrive:
     state_size: ClassVar[int] = 3
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make room for memories."""
         reserve_memory(group, model)
 
     @staticmethod
-    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists from their headings and initial velocities."""
         for w, k, ego, options in members(group, model, state, shard):
             state.twist[w, ego.id] = _turned(_twist(group, k, ego, options), state.pose[w, ego.id, 2])
 
     @staticmethod
-    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance the poses of the members that are free to move, and write all twists, after the move."""
         for w, k, ego, options in members(group, model, state, shard):
             pose, twist = state.pose[w, ego.id], _twist(group, k, ego, options)
@@ -88,7 +88,7 @@ class FunctionSteeredDrive(FunctionDrive):
     """A drive with a second function, from a velocity to a command."""
 
     @staticmethod
-    def steer(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def steer(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Turn velocities in ``state.command`` into commands."""
         size, known = len(group.kind.command_names), group.kind.steer_options
         for w, _, ego, options in members(group, model, state, shard):
@@ -121,13 +121,13 @@ class FunctionPlacement:
     gives_goal: ClassVar[bool] = False
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+    def prepare(group: Group, model: Model, n_slots: int) -> str | None:
         """Make room for views of bodies; a placement remembers nothing."""
         reserve_memory(group, model)
         return None
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
         """Ask for the start of each member that has none until it is free."""
         for w, _, ego, options in members(group, model, state, shard):
             if failed[w] == 0 and not state.placed[w, ego.id]:
@@ -135,7 +135,7 @@ class FunctionPlacement:
                 failed[w] = 0 if state.placed[w, ego.id] else ego.id + 1
 
 
-def _place(group: Group, model: WorldModel, state: WorldState, ego: Any, options: dict[str, Any]) -> bool:
+def _place(group: Group, model: Model, state: State, ego: Any, options: dict[str, Any]) -> bool:
     """Write a start, and a goal where the placement gives one; return whether both are free."""
     w, b, made = ego._w, ego.id, group.kind
     everyone, own = np.arange(len(model.role)), np.array([b])

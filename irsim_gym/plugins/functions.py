@@ -15,8 +15,8 @@ from irsim_gym.errors import KindError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import kind_of_function
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -71,7 +71,7 @@ def numbers(kind: Any, whose: str, size: int, given: Any) -> Floats:
 
 
 def members(
-    group: Group, model: WorldModel, state: WorldState, shard: Shard
+    group: Group, model: Model, state: State, shard: Shard
 ) -> Iterator[tuple[int, int, EgoView, dict[str, Any]]]:
     """Yield world, number, view and options of each member that is there, world by world."""
     own = [group.kind.own_options(options) for options in group.options]

@@ -17,8 +17,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -36,9 +36,7 @@ class AgentView(EgoView):
 
     __slots__ = ("_agent", "_episode", "_term")
 
-    def __init__(
-        self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, place: tuple[int, int]
-    ) -> None:
+    def __init__(self, term: Term, model: Model, state: State, episode: EpisodeState, place: tuple[int, int]) -> None:
         world, agent = place
         body, memories = int(term.agents[agent]), term.arrays["memory"]
         assert term.bodies is not None, "whoever makes a term by hand has to give it bodies"
@@ -90,14 +88,14 @@ class FunctionTerm:
         return {"memory": np.full((simulation.n_worlds, len(agents)), None, dtype=object)}
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Empty the memories of agents whose episodes begin."""
         for w in shard.worlds.tolist():
             term.arrays["memory"][w, episode.began[w]] = None
 
 
 def asked(
-    term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard, sizes: Sequence[int], *given: Any
+    term: Term, moment: tuple[Model, State, EpisodeState], shard: Shard, sizes: Sequence[int], *given: Any
 ) -> Iterator[tuple[int, int, Floats]]:
     """Yield world, agent and the function's answer, world by world.
 
@@ -123,7 +121,7 @@ class FunctionAction(FunctionTerm):
     n_choices: ClassVar[int] = 0
 
     @staticmethod
-    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def act(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Keep the latest action and write the function's, cut to [-1, 1]."""
         episode.previous_action[shard.worlds] = episode.action[shard.worlds]
         sizes, moment = term.action_sizes.tolist(), (model, state, episode)
@@ -142,13 +140,13 @@ class FunctionObservation(FunctionTerm):
     low: ClassVar[Any] = -1.0
     high: ClassVar[Any] = 1.0
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds that the decorator was given."""
         low, high = (np.array(np.broadcast_to(bound, self.size), np.float32) for bound in (self.low, self.high))
         return low, high
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the function's numbers."""
         size, moment = term.options.size, (model, state, episode)
         for w, a, found in asked(term, moment, shard, [size] * len(term.agents)):
@@ -167,7 +165,7 @@ class FunctionReward(FunctionTerm):
     weight: float = option(1.0, ge=0.0, meaning="Factor of what the function returns.")
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Pay what the function returns, times the weight."""
         for w, a, found in asked(term, (model, state, episode), shard, [1] * len(term.agents)):
             episode.reward_term[w, a, term.column] = term.options.weight * found[0]
@@ -181,7 +179,7 @@ class FunctionEnding(FunctionTerm):
     needs_goal: ClassVar[bool] = False
 
     @staticmethod
-    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """End where the function says so."""
         for w, a, found in asked(term, (model, state, episode), shard, [1] * len(term.agents)):
             episode.ending[w, a, term.column] = found[0] != 0.0

@@ -52,15 +52,15 @@ from irsim_gym.raster.records import (
     SHADOW,
     SHAPE,
     WHOLE,
+    DrawnModel,
+    DrawnState,
     Look,
-    Model,
     Past,
     Prints,
     RasterCanvas,
     RasterOutline,
     RasterSource,
     Scratch,
-    State,
 )
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
@@ -121,7 +121,7 @@ def draw_items(
 
 
 @kernel
-def _find_struck(w: int, model: Model, state: State, scratch: Scratch) -> None:
+def _find_struck(w: int, model: DrawnModel, state: DrawnState, scratch: Scratch) -> None:
     """Mark the bodies that take part in a robot's collision."""
     n_bodies = scratch.struck.shape[0]
     for b in range(n_bodies):

@@ -125,8 +125,8 @@ class RasterOutline(NamedTuple):
     disc_rows: tuple[int, int]
 
 
-class Model(NamedTuple):
-    """Arrays of ``WorldModel``."""
+class DrawnModel(NamedTuple):
+    """Arrays of ``Model``."""
 
     role: Ints
     solid: Flags
@@ -145,8 +145,8 @@ class Model(NamedTuple):
     waypoint_count: Ints
 
 
-class State(NamedTuple):
-    """Arrays of ``WorldState``."""
+class DrawnState(NamedTuple):
+    """Arrays of ``State``."""
 
     pose: Floats
     twist: Floats
@@ -221,8 +221,8 @@ class RasterSource(NamedTuple):
     """
 
     scans: Any
-    model: Model
-    state: State
+    model: DrawnModel
+    state: DrawnState
     readings: Readings
     past: Past
     prints: Prints

@@ -15,8 +15,8 @@ from irsim_gym.render.scene import DrawnBody, Form, GoalView, ImageView, LabelVi
 from irsim_gym.render.shapes import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.styles import BodyStyle, is_omni
 from irsim_gym.scenario.image_files import image_file
-from irsim_gym.world.model import ACKERMANN, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ACKERMANN, Model
+from irsim_gym.world.state import State
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
@@ -32,7 +32,7 @@ class BodyReader:
         styles: Styles of the bodies.
     """
 
-    def __init__(self, scenario: Scenario, model: WorldModel, state: WorldState, styles: Sequence[BodyStyle]) -> None:
+    def __init__(self, scenario: Scenario, model: Model, state: State, styles: Sequence[BodyStyle]) -> None:
         self._model, self._state, self._styles = model, state, styles
         self._names = [body.name for body in scenario.bodies]
         self._turning = [is_omni(body) for body in scenario.bodies]

@@ -88,12 +88,7 @@ class Layout:
 
 
 def lay_out(
-    bounds: Floats,
-    size: tuple[int, int] | None = None,
-    *,
-    axis: bool = True,
-    title: bool = True,
-    tight: bool = True,
+    bounds: Floats, size: tuple[int, int] | None = None, *, axis: bool = True, title: bool = True, tight: bool = True
 ) -> Layout:
     """Place a world rectangle on a frame.
 

@@ -25,8 +25,8 @@ from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.reduced_images import Images
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.marks import Overlay
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 from irsim_gym.world.trails import LONGEST
 
 if TYPE_CHECKING:
@@ -66,8 +66,8 @@ class FramePainter:
     def __init__(
         self,
         scenario: Scenario,
-        model: WorldModel,
-        state: WorldState,
+        model: Model,
+        state: State,
         sensors: Sequence[Group],
         learners: Collection[int],
         reader: SceneReader,
@@ -228,8 +228,8 @@ class FramePainter:
             first += row.shape[1]
         return records.RasterSource(
             self.plan.scans,
-            records.Model(*(getattr(model, name) for name in records.Model._fields)),
-            records.State(*(getattr(state, name) for name in records.State._fields)),
+            records.DrawnModel(*(getattr(model, name) for name in records.DrawnModel._fields)),
+            records.DrawnState(*(getattr(state, name) for name in records.DrawnState._fields)),
             records.Readings(self.plan.angles, ranges, speeds, self._explored),
             records.Past(*self._reader.trails.tables()),
             records.Prints(

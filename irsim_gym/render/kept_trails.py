@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.raster import records
 from irsim_gym.raster.play import note_past
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.trails import Trails
 
 MOST_NUMBERS = 4096
@@ -31,7 +31,7 @@ class KeptTrails:
         others: The other items.
     """
 
-    def __init__(self, live: Any, model: WorldModel, trails: Trails, room: int, end: int) -> None:
+    def __init__(self, live: Any, model: Model, trails: Trails, room: int, end: int) -> None:
         is_kept = (live["kind"] == records.GHOSTS) & (live["every"] > 1)
         count = min(int(np.argmin(np.append(is_kept, False))), end)
         self.items, self.others = live[:count], live[count:]

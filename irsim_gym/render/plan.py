@@ -18,7 +18,7 @@ from irsim_gym.render.primitives import Figure, Ink
 from irsim_gym.render.scene import DrawnBody, Form, GoalView
 from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, body_style, field_of_view, is_omni, scan_style
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import ACKERMANN, WorldModel
+from irsim_gym.world.model import ACKERMANN, Model
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
@@ -54,7 +54,7 @@ class Plan:
     def __init__(
         self,
         scenario: Scenario,
-        model: WorldModel,
+        model: Model,
         sensors: Sequence[Group],
         learners: Collection[int],
         followed: Sequence[int],

@@ -25,8 +25,8 @@ from irsim_gym.render.track_reader import TrackReader
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
 from irsim_gym.world.marks import NOTHING, Overlay
-from irsim_gym.world.model import ROBOT, STATE, WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import ROBOT, STATE, Model
+from irsim_gym.world.state import State
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
@@ -53,8 +53,8 @@ class SceneReader:
     def __init__(
         self,
         scenario: Scenario,
-        model: WorldModel,
-        state: WorldState,
+        model: Model,
+        state: State,
         sensors: Sequence[Group],
         learners: Collection[int] = (),
         trails: Trails | None = None,

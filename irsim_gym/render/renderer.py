@@ -16,8 +16,8 @@ from irsim_gym.render.scene import Scene
 from irsim_gym.render.styles import TOP
 from irsim_gym.world.group import Group
 from irsim_gym.world.marks import Overlay
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
@@ -45,8 +45,8 @@ class Renderer:
     def __init__(
         self,
         scenario: Scenario,
-        model: WorldModel,
-        state: WorldState,
+        model: Model,
+        state: State,
         sensors: Sequence[Group] = (),
         *,
         learners: Collection[int] = (),

@@ -22,14 +22,7 @@ LARGEST = 1e7
 T = TypeVar("T")
 
 
-def option(
-    default: Any = REQUIRED,
-    *,
-    meaning: str,
-    unit: str = "",
-    consequence: str = "",
-    **bounds: Any,
-) -> Any:
+def option(default: Any = REQUIRED, *, meaning: str, unit: str = "", consequence: str = "", **bounds: Any) -> Any:
     """Declare one option.
 
     Args:

@@ -113,14 +113,7 @@ def read_numbers(value: object) -> Any:
     return value
 
 
-def build(
-    cls: type[T],
-    data: object,
-    place: Place,
-    report: Report,
-    *,
-    skip: Iterable[str] = (),
-) -> T | None:
+def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Iterable[str] = ()) -> T | None:
     """Make an instance of a kind or spec; return None after reporting all problems.
 
     Args:

@@ -25,9 +25,9 @@ from irsim_gym.geometry.ray_chunks import (
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
@@ -58,7 +58,7 @@ def cast_discs(discs: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inverse: R
 
 
 @kernel
-def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
+def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: State) -> None:
     """Write the ranges of all members in all given worlds.
 
     Reads: tables (beams_x, beams_y, cast_min, density, discs, ends, first, inverse, limits, members, offset, range_max,

@@ -9,14 +9,12 @@ from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount_pose
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kernel
-def scan_cells(
-    worlds: Ints, slot: int, tables: ScanTables, cells: CellMaps, model: WorldModel, state: WorldState
-) -> None:
+def scan_cells(worlds: Ints, slot: int, tables: ScanTables, cells: CellMaps, model: Model, state: State) -> None:
     """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below ``cast_min``.
 
     Reads: tables (beams_x, beams_y, cast_min, members, offset, ranges, walk_floats, walk_integers), model (present),

@@ -11,9 +11,9 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.sensors import hits, reports, scanning
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -89,13 +89,13 @@ class FmcwLidar2D:
         return scanning.beam_angles(self)
 
     @staticmethod
-    def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int) -> None:
         """Allocate the arrays of ``scanning.prepare``, and ``radial_velocity`` [m/s], shaped as ``ranges``."""
         scanning.prepare(group, outlines, model, n_slots, finds_hits=True)
         group.arrays["radial_velocity"] = np.zeros(group.arrays["ranges"].shape)
 
     @staticmethod
-    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def sense(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' ranges and radial velocities."""
         scanning.scan(group, model, state, shard)
         velocity = group.arrays["radial_velocity"]

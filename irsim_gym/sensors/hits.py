@@ -10,9 +10,9 @@ from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.casting import cast_discs, cast_segments
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount_pose
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 SAME = 1e-4
 """Tolerance [m, and as a share] by which a range must be shorter than that to the nearest body to end at the map."""
@@ -33,7 +33,7 @@ def raise_ranges(worlds: Ints, tables: ScanTables) -> None:
 
 
 @kernel
-def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
+def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: State) -> None:
     """Cast against one body after the other and note for each beam which is nearest.
 
     Ranges have no noise yet, and may be below range_min.
@@ -86,7 +86,7 @@ def name_hits(far: np.float32, map_body: int, ranges: Rays, nearest: Rays, hit: 
 
 
 @kernel
-def write_velocity(worlds: Ints, tables: ScanTables, state: WorldState, velocity: Floats) -> None:
+def write_velocity(worlds: Ints, tables: ScanTables, state: State, velocity: Floats) -> None:
     """Write the world-frame velocity [m/s] of what each beam hits, 0 for free beams.
 
     Reads: tables (hit), state (twist).
@@ -106,7 +106,7 @@ def write_velocity(worlds: Ints, tables: ScanTables, state: WorldState, velocity
 
 @kernel
 def write_radial_velocity(
-    worlds: Ints, params: Records, tables: ScanTables, state: WorldState, radial_velocity: Floats
+    worlds: Ints, params: Records, tables: ScanTables, state: State, radial_velocity: Floats
 ) -> None:
     """Write how fast the range of each valid beam grows [m/s], 0 for the others.
 

@@ -11,9 +11,9 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.sensors import hits, reports, scanning
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -85,7 +85,7 @@ class Lidar2D:
         return scanning.beam_angles(self)
 
     @staticmethod
-    def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int) -> None:
         """Allocate the arrays of ``scanning.prepare`` and, with ``has_velocity``, the velocities of hit bodies.
 
         These are ``velocity`` [m/s] in the world frame, shape ``(n_worlds, n_members, 2, n_beams)``.
@@ -97,7 +97,7 @@ class Lidar2D:
             group.arrays["velocity"] = np.zeros((n_worlds, n_members, 2, n_beams))
 
     @staticmethod
-    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def sense(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' ranges, and velocities if ``has_velocity``."""
         scanning.scan(group, model, state, shard)
         if group.options[0].has_velocity:

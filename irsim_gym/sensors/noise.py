@@ -12,11 +12,11 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
-def draw_directions(worlds: Ints, tables: ScanTables, state: WorldState) -> None:
+def draw_directions(worlds: Ints, tables: ScanTables, state: State) -> None:
     """Write each beam's nominal direction plus noise, and its unit vector, for all members.
 
     Reads: tables (angle_std, angles), state (random).
@@ -34,7 +34,7 @@ def draw_directions(worlds: Ints, tables: ScanTables, state: WorldState) -> None
 
 
 @kernel
-def add_range_noise(worlds: Ints, tables: ScanTables, state: WorldState) -> None:
+def add_range_noise(worlds: Ints, tables: ScanTables, state: State) -> None:
     """Blur the ranges below range_max, then clip them to [range_min, range_max].
 
     Reads: tables (range_max, range_min, range_std, ranges), state (random).

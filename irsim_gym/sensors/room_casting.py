@@ -16,19 +16,19 @@ from irsim_gym.geometry.ray_chunks import CHUNK, clear_depths, lay_beams
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.casting import cast_chunk, write_ranges
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
-def is_small(model: WorldModel) -> bool:
+def is_small(model: Model) -> bool:
     """Return whether all outlines of a world fit into a chunk, and so do its bodies."""
     sizes = model.local_segments.shape[1], model.local_discs.shape[1], len(model.role)
     return bool(max(sizes) <= CHUNK)
 
 
 @kernel
-def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
+def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: State) -> None:
     """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world.
 
     Reads: tables (areas, beams_x, beams_y, cast_min, density, discs, first, inverse, limits, members, offset, owners,
@@ -84,7 +84,7 @@ def count_present(present: Flags) -> int:
 
 
 @kernel
-def note_rows(w: int, slot: int, tables: ScanTables, model: WorldModel) -> tuple[int, int]:
+def note_rows(w: int, slot: int, tables: ScanTables, model: Model) -> tuple[int, int]:
     """Write from which sides segments are seen, and list discs and areas; return the numbers of both.
 
     Reads: model (disc_count, disc_start, present, segment_count, segment_start, solid, unobstructed).

@@ -18,9 +18,9 @@ from irsim_gym.sensors.room_casting import cast_room, is_small
 from irsim_gym.sensors.scan_tables import ScanTables
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 FULL_TURN = 2.0 * np.pi
 
@@ -42,9 +42,7 @@ def beam_angles(options: Any) -> Floats:
     return np.linspace(-half, half, options.number) if options.number > 1 else np.zeros(1)
 
 
-def prepare(
-    group: Group, outlines: list[Outline], model: WorldModel, n_slots: int, *, finds_hits: bool = False
-) -> None:
+def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *, finds_hits: bool = False) -> None:
     """Allocate the tables of a group of range sensors, and its readings by name.
 
     These are ``ranges`` [m], shape ``(n_worlds, n_members, n_beams)``, ``angles`` [rad], shape ``(n_beams,)``,
@@ -128,7 +126,7 @@ def inside(outline: Outline, x: float, y: float) -> bool:
     return outline.solid and bool(contains_point(outline.segments, 0, len(outline.segments), (x, y)))
 
 
-def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def scan(group: Group, model: Model, state: State, shard: Shard) -> None:
     """Write the members' ranges, and which body each beam hits where ``prepare`` was asked for it."""
     worlds, slot, tables = shard.worlds, shard.slot, group.tables
     is_noisy, finds_hits = group.options[0].noise, "hit" in group.arrays

@@ -8,12 +8,12 @@ from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import RUNNING, SUCCESS, TIMEOUT
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kernel
-def begin_episodes(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState) -> None:
+def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeState) -> None:
     """Begin an episode for the agents that ``began`` flags.
 
     Reads: state (goal_distance, pose), episode (began, clearance).
@@ -77,7 +77,7 @@ def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
 
 
 @kernel
-def record_step(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState, kinds: Ints) -> None:
+def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState, kinds: Ints) -> None:
     """Record a step for agents whose episode is running.
 
     Reads: state (goal_distance, hit, pose), episode (clearance, hit, min_clearance, outcome, over, path_length,
@@ -106,13 +106,7 @@ def record_step(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeS
 
 @kernel
 def measure_standstill(
-    worlds: Ints,
-    agents: Ints,
-    model: WorldModel,
-    state: WorldState,
-    episode: EpisodeState,
-    slow: float,
-    patience: float,
+    worlds: Ints, agents: Ints, model: Model, state: State, episode: EpisodeState, slow: float, patience: float
 ) -> None:
     """Measure the time for which agents have stood still away from their goals.
 

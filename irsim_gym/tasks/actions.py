@@ -20,9 +20,9 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 
@@ -46,7 +46,7 @@ class VelocityAction:
         return np.stack([ends] * len(term.agents))
 
     @staticmethod
-    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def act(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Copy the learner's numbers, clipped to [-1, 1]."""
         take_given(shard.worlds, term.action_sizes, episode)
 
@@ -96,7 +96,7 @@ class DiscreteAction:
         return grid
 
     @staticmethod
-    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def act(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Look up the actions of the learner's choices."""
         take_choice(shard.worlds, term.arrays["grid"], episode)
 
@@ -185,7 +185,7 @@ def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
 
 
 @kernel
-def write_commands(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
+def write_commands(worlds: Ints, agents: Ints, model: Model, state: State, episode: EpisodeState) -> None:
     """Map actions in [-1, 1] affinely to the agents' velocity limits; the command is 0 if the episode has ended.
 
     Reads: model (velocity_max, velocity_min), episode (action, outcome).
@@ -209,7 +209,7 @@ def write_commands(worlds: Ints, agents: Ints, model: WorldModel, state: WorldSt
 
 
 @kernel
-def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
+def turn_commands(worlds: Ints, agents: Ints, state: State) -> None:
     """Rotate the commands of omnidirectional agents from the body frame to the world frame.
 
     Reads: state (command, pose).
@@ -228,7 +228,7 @@ def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
 
 
 @kernel
-def rest(worlds: Ints, agents: Ints, model: WorldModel, episode: EpisodeState) -> None:
+def rest(worlds: Ints, agents: Ints, model: Model, episode: EpisodeState) -> None:
     """Write the action for standing still, or for the nearest possible command, where episodes begin.
 
     Reads: model (velocity_max, velocity_min), episode (action, began).

@@ -13,7 +13,7 @@ from irsim_gym.world.arrays import Arrays, column
 
 @dataclass(repr=False)
 class EpisodeState(Arrays):
-    """The present state of all episodes, beside the ``WorldState``; agents are numbered within a world."""
+    """The present state of all episodes, beside the ``State``; agents are numbered within a world."""
 
     together: ClassVar[tuple[tuple[str, ...], ...]] = (
         ("path_length", "min_clearance", "goal_distance", "stalled"),

@@ -9,9 +9,9 @@ from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 WIDTH = 10
 """Number of values per agent."""
@@ -26,9 +26,7 @@ def team_states(simulation: Simulation, agents: Ints, outcome: Ints, worlds: Int
 
 
 @kernel
-def write_team_state(
-    worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, outcome: Ints, out: Rays
-) -> None:
+def write_team_state(worlds: Ints, agents: Ints, model: Model, state: State, outcome: Ints, out: Rays) -> None:
     """Write ten numbers for each agent: x, y, cos and sin of the heading, velocity x, y, goal x, y, live, present.
 
     Positions are scaled so that the world's rectangle is [-1, 1], and clipped to it; velocities (in the world frame)

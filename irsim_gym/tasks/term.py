@@ -1,6 +1,6 @@
 """The interface of the kinds of a task: how they are bound to a simulation and called.
 
-Each kind is called with the same five arguments: its ``Term``, the ``WorldModel``, the ``WorldState``, the
+Each kind is called with the same five arguments: its ``Term``, the ``Model``, the ``State``, the
 ``EpisodeState`` that it writes into, and the ``Shard`` with the worlds to treat.
 """
 
@@ -21,8 +21,8 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.world.group import Group, records
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -109,7 +109,7 @@ class Remembers(Protocol):
     """A kind that needs the start of episodes."""
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Prepare ``term.arrays`` for episodes that begin in the shard's worlds, for agents in ``episode.began``."""
 
 
@@ -151,7 +151,7 @@ class ActionKind(Protocol):
         """Number of choices of a discrete action; 0 for a continuous one in [-1, 1]."""
 
     @staticmethod
-    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def act(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Convert ``episode.given`` or ``episode.choice`` to ``episode.action``, in [-1, 1].
 
         Before that, copy ``episode.action`` to ``episode.previous_action``.
@@ -162,7 +162,7 @@ class ActionKind(Protocol):
 class HasBounds(Protocol):
     """A numeric observation."""
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the lower and upper bounds of each element, within [-1, 1], shape ``(width,)`` each."""
 
 
@@ -173,7 +173,7 @@ class ObservationKind(Protocol):
     needs_scan: ClassVar[Annotated[bool, "True if it needs a range sensor, else False"]]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the columns of ``episode.observation`` from ``term.column`` on, or ``term.image``."""
 
 
@@ -195,7 +195,7 @@ class RewardKind(Protocol):
     weight: Weight
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write column ``term.column`` of ``episode.reward_term``."""
 
 
@@ -206,7 +206,7 @@ class EndingKind(Protocol):
     needs_goal: ClassVar[NeedsGoal]
 
     @staticmethod
-    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write column ``term.column`` of ``episode.ending``."""
 
 

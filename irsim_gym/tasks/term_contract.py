@@ -25,7 +25,7 @@ from irsim_gym.tasks.term import (
     Term,
 )
 from irsim_gym.tasks.words import TellsActions, TellsColumns, TellsWhen
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 
 
 def _observation(kind: type[Any]) -> Iterator[str]:
@@ -85,7 +85,7 @@ def _image_shape(given: object) -> Iterator[str]:
         yield f"image_shape must be (height, width, channels), whole numbers > 0, got {given!r}"
 
 
-def checked_bounds(term: Term, model: WorldModel) -> tuple[Any, Any]:
+def checked_bounds(term: Term, model: Model) -> tuple[Any, Any]:
     """Return the bounds of a plugin's observation as float32 arrays.
 
     Raises:

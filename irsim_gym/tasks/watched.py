@@ -16,8 +16,8 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 Numbers = NDArray[Any]
 """An array of floats, bytes or flags, by family."""
@@ -66,9 +66,7 @@ class Watched(ABC):
             raise AttributeError(name)
         return getattr(self._options, name)
 
-    def _check_call(
-        self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard
-    ) -> None:
+    def _check_call(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Call the term, and check what it did.
 
         Raises:
@@ -81,7 +79,7 @@ class Watched(ABC):
             self._check_worlds(term, (model, state, episode), Shard(worlds, shard.slot))
         self._calls += 1
 
-    def _check_worlds(self, term: Term, moment: tuple[WorldModel, WorldState, EpisodeState], shard: Shard) -> None:
+    def _check_worlds(self, term: Term, moment: tuple[Model, State, EpisodeState], shard: Shard) -> None:
         model, state, episode = moment
         worlds = shard.worlds
         target = self._target(term, episode)
@@ -160,7 +158,7 @@ class Watched(ABC):
         if self._is_alone and not _same(target[elsewhere], before[elsewhere]).all():
             yield f"writes into worlds that are not in shard.worlds ({worlds[:5].tolist()}): index by shard.worlds"
 
-    def _others(self, state: WorldState, episode: EpisodeState) -> dict[str, tuple[Numbers, Numbers]]:
+    def _others(self, state: State, episode: EpisodeState) -> dict[str, tuple[Numbers, Numbers]]:
         """Return the arrays that the term must not write, with copies of them."""
         target = TARGETS[self._family]
         found = {f"state.{one.name}": getattr(state, one.name) for one in fields(state) if one.name not in FREE}
@@ -188,7 +186,7 @@ class WatchedReward(Watched):
         super().__init__(term, simulation, bounds)
         self._paid = np.zeros((simulation.n_worlds, len(term.agents)))
 
-    def pay(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Call the reward, and check it."""
         self._check_call(term, model, state, episode, shard)
 
@@ -244,7 +242,7 @@ class WatchedObservation(Watched):
 
     _family, _method = "observation", "write"
 
-    def write(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Call the observation, and check it."""
         self._check_call(term, model, state, episode, shard)
 
@@ -290,7 +288,7 @@ class WatchedEnding(Watched):
 
     _family, _method = "ending", "ends"
 
-    def ends(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def ends(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Call the ending, and check it."""
         self._check_call(term, model, state, episode, shard)
 
@@ -323,7 +321,7 @@ class WatchedAction(Watched):
         self._latest: tuple[Floats, Floats] | None = None
         self._answers = False
 
-    def act(self, term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def act(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Call the action, and check it."""
         self._check_call(term, model, state, episode, shard)
 

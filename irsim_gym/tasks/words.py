@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 
 Sectors = tuple[tuple[float, float], ...]
 
@@ -43,7 +43,7 @@ class Columns:
 class TellsColumns(Protocol):
     """An observation that describes its columns, or the channels of its image."""
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns for an agent, in order; their counts add up to the observation's width.
 
         Args:

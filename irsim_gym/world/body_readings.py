@@ -14,9 +14,9 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import corner_points, extent, outline_rows, placed
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 T = TypeVar("T")
 
@@ -49,12 +49,12 @@ class BodyReadings(ABC):
 
     @property
     @abstractmethod
-    def _model(self) -> WorldModel:
+    def _model(self) -> Model:
         """Constants of the episode."""
 
     @property
     @abstractmethod
-    def _state(self) -> WorldState:
+    def _state(self) -> State:
         """State of all worlds."""
 
     @property

@@ -14,9 +14,9 @@ from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.contract import Contract
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 class DriveKind(Protocol):
@@ -26,7 +26,7 @@ class DriveKind(Protocol):
     state_size: ClassVar[Annotated[int, "3, or 4 for a drive with a steering angle"]]
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make room in ``group.arrays``.
 
         Args:
@@ -34,11 +34,11 @@ class DriveKind(Protocol):
         """
 
     @staticmethod
-    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' ``state.twist`` from ``state.pose`` and ``state.velocity``."""
 
     @staticmethod
-    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance ``state.pose`` of the members that are not stopped, by ``state.velocity``; write ``state.twist``."""
 
 
@@ -47,7 +47,7 @@ class Steers(Protocol):
     """A drive that any behaviour for ``omni`` can command, such as dash, rvo, orca and sfm."""
 
     @staticmethod
-    def steer(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def steer(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Turn the members' velocities in the world frame [m/s], in ``state.command``, into commands of the drive."""
 
 
@@ -60,7 +60,7 @@ class BehaviorKind(Protocol):
     reads_neighbors: ClassVar[Annotated[bool, "True if bodies decide and move one after another, else False"]]
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make room in ``group.arrays``.
 
         Args:
@@ -68,7 +68,7 @@ class BehaviorKind(Protocol):
         """
 
     @staticmethod
-    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' ``state.command``; of a group, those that ``group.arrays["decides"]`` marks."""
 
 
@@ -96,7 +96,7 @@ class Appears(Protocol):
     """A behaviour whose bodies come and go."""
 
     @staticmethod
-    def appear(group: Group, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
+    def appear(group: Group, model: Model, state: State, shard: Shard, ahead: int) -> None:
         """Write ``model.present`` of the members, and ``state.pose`` of who comes, at the time ``state.step + ahead``.
 
         It is called at the start of an episode with 0, and at the end of each step with 1, before contacts are found.
@@ -117,7 +117,7 @@ class Draws(Protocol):
     """A footprint that is drawn anew for each level."""
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' rows of ``model.local_segments`` or ``local_discs``, and ``model.reach``."""
 
 
@@ -132,7 +132,7 @@ class PlacementKind(Protocol):
     ]
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+    def prepare(group: Group, model: Model, n_slots: int) -> str | None:
         """Make room in ``group.arrays``; return what does not fit the world, or None.
 
         Args:
@@ -140,7 +140,7 @@ class PlacementKind(Protocol):
         """
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
         """Write ``state.pose`` and ``state.placed`` of the members that are present and not placed yet.
 
         Args:
@@ -174,7 +174,7 @@ class DrawsMaps(Protocol):
     """A map that each level draws anew."""
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make room in ``group.arrays`` or ``group.tables``.
 
         Args:
@@ -182,7 +182,7 @@ class DrawsMaps(Protocol):
         """
 
     @staticmethod
-    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Make the maps of the shard's worlds, in ``model.cells``, with ``geometry.world_maps.lay_cells``."""
 
 
@@ -195,7 +195,7 @@ class SensorKind(Protocol):
         """Return what members of one group have in common, such as the number of beams."""
 
     @staticmethod
-    def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int) -> None:
         """Make room in ``group.arrays``, for the reading at least.
 
         Args:
@@ -204,7 +204,7 @@ class SensorKind(Protocol):
         """
 
     @staticmethod
-    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    def sense(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' readings."""
 
 

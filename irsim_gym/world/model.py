@@ -47,7 +47,7 @@ how many steps it gives up its goal with the probability ``chance`` (0: never).
 
 
 @dataclass(repr=False)
-class WorldModel(Arrays):
+class Model(Arrays):
     """Constants of the episode, first axis the world (length 1: shared by all worlds).
 
     Bodies are numbered as IR-SIM numbers its objects: robots first, then obstacles. The outline of

@@ -9,9 +9,9 @@ import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Floats
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 CIRCLE_CORNERS = 64
 """Points that stand for the outline of a circle, where IR-SIM has them."""
@@ -41,9 +41,7 @@ def chain(vertices: Floats, *, closed: bool) -> Floats:
     return np.hstack([starts, ends])
 
 
-def outline_rows(
-    model: WorldModel, state: WorldState, world: int, body: int, *, local: bool = False
-) -> tuple[Floats, Floats]:
+def outline_rows(model: Model, state: State, world: int, body: int, *, local: bool = False) -> tuple[Floats, Floats]:
     """Return a body's segments (x0, y0, x1, y1) and discs (x, y, radius) [m] in the world frame, or in its own."""
     segments, discs = (model.local_segments, model.local_discs) if local else (state.segments, state.discs)
     start, count = int(model.segment_start[body]), model.segment_count
@@ -91,7 +89,7 @@ def extent(segments: Floats, discs: Floats) -> tuple[float, float]:
 
 
 @kernel
-def outline_of(model: WorldModel, state: WorldState, w: int, b: int) -> BodyOutline:
+def outline_of(model: Model, state: State, w: int, b: int) -> BodyOutline:
     """Return the outline of body b of world w in the world frame.
 
     Reads: model (disc_count, disc_start, segment_count, segment_start, solid), state (discs, segments).
@@ -103,7 +101,7 @@ def outline_of(model: WorldModel, state: WorldState, w: int, b: int) -> BodyOutl
 
 
 @kernel
-def own_outline(model: WorldModel, w: int, b: int) -> BodyOutline:
+def own_outline(model: Model, w: int, b: int) -> BodyOutline:
     """Return the outline of body b of world w in its own frame.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
@@ -117,7 +115,7 @@ def own_outline(model: WorldModel, w: int, b: int) -> BodyOutline:
 
 
 @kernel(inlined=True)
-def place_outline(model: WorldModel, state: WorldState, w: int, b: int) -> None:
+def place_outline(model: Model, state: State, w: int, b: int) -> None:
     """Write the outline of body b of world w at its pose.
 
     A vertex that two segments share in the body frame is shared bit for bit in the world frame.

@@ -14,7 +14,7 @@ ROOM = np.dtype((np.record, [("x", np.float64), ("y", np.float64), ("gap", np.fl
 
 
 @dataclass(repr=False)
-class WorldState(Arrays):
+class State(Arrays):
     """The moment in every world; one phase of the step writes each field."""
 
     time: Floats = column("world", np.float64, "s", "elapsed time")

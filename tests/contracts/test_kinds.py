@@ -16,8 +16,8 @@ from irsim_gym import families
 from irsim_gym.engine import Shard
 from irsim_gym.engine.fused import only_kernels
 from irsim_gym.scenario.options import option_fields
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 families.load()
 ROBOT: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
@@ -135,7 +135,7 @@ CASES = [
 
 
 def snapshot(sim: ig.Simulation, w: int) -> dict[str, np.ndarray]:
-    fields = {name: getattr(sim.state, name)[w].copy() for name in WorldState.columns()}
+    fields = {name: getattr(sim.state, name)[w].copy() for name in State.columns()}
     for index, group in enumerate(sim.sensors):
         fields[f"reading {index}"] = group.arrays[group.kind.reading][w].copy()
     if sim.explored is not None:
@@ -170,7 +170,7 @@ def test_a_kind_writes_only_what_it_owns(family: str, name: str) -> None:
         "sensor": sim.sensors,
     }[family]
     work = {"kinematics": "move", "sensor": "sense"}.get(family, "decide")
-    constants = {field: getattr(sim.model, field).copy() for field in WorldModel.columns()}
+    constants = {field: getattr(sim.model, field).copy() for field in Model.columns()}
     before = [snapshot(sim, w) for w in range(2)]
     for group in groups:
         getattr(group.kind, work)(group, sim.model, sim.state, Shard(np.array([1])))

@@ -161,7 +161,7 @@ def unsaid_errors(one: Documented) -> Iterator[str]:
     yield from (f"{one.name}: {error}" for error in sorted(one.raised) if error not in said)
 
 
-PUBLIC_CLASSES = {"Term", "WorldModel", "WorldState", "EpisodeState", "Shard", "Group", "Simulation"}
+PUBLIC_CLASSES = {"Term", "Model", "State", "EpisodeState", "Shard", "Group", "Simulation"}
 """Types of parameters that say all: what kinds of plugins are called with."""
 
 

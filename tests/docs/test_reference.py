@@ -10,7 +10,7 @@ from builder import reference
 from reference_rules import Documented, documented, unnamed, unsaid_errors, without_shape, without_unit
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 
 NAMES = [one for one in documented() if not one.is_of_others]
 
@@ -22,9 +22,9 @@ def test_docstrings_say_what_goes_in_and_out(rule: Callable[[Documented], Iterat
 
 
 def test_arrays_that_declare_themselves_are_a_table_with_shapes_and_units() -> None:
-    page = reference.pages()["reference/plugins.rst"].split("autoclass:: irsim_gym.plugins.WorldModel")[1]
+    page = reference.pages()["reference/plugins.rst"].split("autoclass:: irsim_gym.plugins.Model")[1]
     table = page.split(".. auto")[0]
-    assert table.count("      * - ") == len(WorldModel.columns()) + 1
+    assert table.count("      * - ") == len(Model.columns()) + 1
     row = ["* - goal\\_threshold", "- (world\\*, body)", "- float64", "- m", "- distance under which a goal is reached"]
     assert "\n".join(line.strip() for line in table.splitlines()).count("\n".join(row)) == 1
 

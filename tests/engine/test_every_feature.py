@@ -12,7 +12,7 @@ import yaml
 
 import irsim_gym as ig
 from irsim_gym.scenario import Scenario
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 STEPS = 25
 
@@ -101,7 +101,7 @@ def rollout(n_worlds: int, seed: int, num_threads: int = 1) -> ig.Simulation:
 
 def moment(sim: ig.Simulation, w: int) -> dict[str, Any]:
     """Return all that world w holds."""
-    found = {name: getattr(sim.state, name)[w] for name in WorldState.columns()}
+    found = {name: getattr(sim.state, name)[w] for name in State.columns()}
     for index, group in enumerate(sim.sensors):
         for name in ("ranges", "velocity", "radial_velocity"):
             if name in group.arrays:

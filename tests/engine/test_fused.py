@@ -24,7 +24,7 @@ from irsim_gym.jit.packed import PackedEntries
 from irsim_gym.kinematics.differential import Differential
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 pytestmark = pytest.mark.skipif(not replay.is_possible(), reason="nothing is recorded where nothing is compiled")
 
@@ -87,7 +87,7 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
         for worlds in both
     ]
     scratch = {name for name, values in found[0].items() if values.shape != found[1][name].shape}
-    assert not scratch & {*EpisodeState.columns(), *WorldState.columns()}, "a row for each thread"
+    assert not scratch & {*EpisodeState.columns(), *State.columns()}, "a row for each thread"
     assert set(differing(*found)) <= scratch
     for one in (episodes._begin, episodes._play, episodes.simulation._draw):
         assert one.programs[0] is not None

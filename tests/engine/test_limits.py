@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.engine.command_limits import limit_velocity
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 def limited(worlds: list[int], fastest: list[list[float]], sharpest: list[list[float]], asked: float) -> np.ndarray:
@@ -14,7 +14,7 @@ def limited(worlds: list[int], fastest: list[list[float]], sharpest: list[list[f
     sizes = dict.fromkeys(("segment", "disc", "map_column", "map_row", "map_box", "bucket", "waypoint", "watching"), 0)
     sizes |= {"world": 3, "body": 1}
     limits = frozenset({"velocity_min", "velocity_max", "acceleration_limit"}) if len(fastest) > 1 else frozenset()
-    model, state = WorldModel.allocate(sizes, per_world=limits), WorldState.allocate(sizes)
+    model, state = Model.allocate(sizes, per_world=limits), State.allocate(sizes)
     model.velocity_min[:, 0], model.velocity_max[:, 0] = -np.array(fastest), fastest
     model.acceleration_limit[:, 0], model.step_time[0] = sharpest, 0.1
     model.present[:], model.driven[:], state.command[:] = True, True, asked

@@ -15,7 +15,7 @@ from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.maps import perlin
 from irsim_gym.maps.noise_levels import noise_at, nth_smallest
 from irsim_gym.paths.queries import free_path_length
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 from tests.geometry.cell_maps import area, cell_map
 
 LIDAR = {"name": "lidar2d", "number": 40, "angle_range": "2 * pi", "range_max": 6}
@@ -49,7 +49,7 @@ def occupied_cells(sim: Any, w: int = 0) -> Any:
 
 def everything(sim: Any) -> dict[str, Any]:
     """Return all that differs between worlds: the moment, the maps and the scans."""
-    found = {name: getattr(sim.state, name) for name in WorldState.columns() if name not in ("nearby", "bucket_first")}
+    found = {name: getattr(sim.state, name) for name in State.columns() if name not in ("nearby", "bucket_first")}
     found |= {name: getattr(sim.model.cells, name) for name in MAPS}
     return {**found, "ranges": sim.scan(0)[0].arrays["ranges"], "waypoints": sim.model.waypoints}
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from irsim_gym.paths.queries import free_path, free_path_length, has_free_path, standing_bodies
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 RADIUS, START, GOAL = 0.2, (1.0, 3.0), (5.0, 3.0)
 
 
-def worlds(*, per_world: frozenset[str]) -> tuple[WorldModel, WorldState]:
+def worlds(*, per_world: frozenset[str]) -> tuple[Model, State]:
     """Return two worlds of 6 x 6 m: a robot, a wall with a way around it and a disc, absent from world 1."""
     sizes = {
         "world": 2,
@@ -22,7 +22,7 @@ def worlds(*, per_world: frozenset[str]) -> tuple[WorldModel, WorldState]:
         "map_box": 1,
         "watching": 1,
     }
-    model, state = WorldModel.allocate(sizes, per_world=per_world), WorldState.allocate(sizes)
+    model, state = Model.allocate(sizes, per_world=per_world), State.allocate(sizes)
     model.bounds[:] = [0.0, 0.0, 6.0, 6.0]
     model.movable[0] = True
     model.stands[:] = ~model.movable

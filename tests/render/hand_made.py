@@ -12,9 +12,9 @@ import numpy as np
 from irsim_gym.render import Renderer
 from irsim_gym.scenario.plot_spec import MOVING_OBSTACLE_COLOR, OBSTACLE_COLOR, ObjectPlot, WorldPlot
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
+from irsim_gym.world.model import OBSTACLE, ROBOT, Model
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 N_BEAMS = 24
 
@@ -39,8 +39,8 @@ class World:
     """The arrays of a batch of equal worlds and what a renderer needs to know of them."""
 
     scenario: Any
-    model: WorldModel
-    state: WorldState
+    model: Model
+    state: State
     sensors: list[Group]
 
     def renderer(self, **options: Any) -> Renderer:
@@ -96,7 +96,7 @@ def make_world(
         disc=sum(len(body.outline.discs) for body in bodies),
         waypoint=1,
     )
-    model, state = WorldModel.allocate(sizes), WorldState.allocate(sizes)
+    model, state = Model.allocate(sizes), State.allocate(sizes)
     model.bounds[:], model.step_time[:] = bounds, 0.1
     model.goal_threshold[:] = 0.3
     segment = disc_row = 0

@@ -12,8 +12,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.world import arrays
 from irsim_gym.world.group import records
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 SIZES = {
     "world": 3,
@@ -29,8 +29,8 @@ SIZES = {
 }
 
 
-@pytest.mark.parametrize("declared", [WorldModel, WorldState])
-def test_every_array_is_declared_with_a_meaning(declared: type[WorldModel] | type[WorldState]) -> None:
+@pytest.mark.parametrize("declared", [Model, State])
+def test_every_array_is_declared_with_a_meaning(declared: type[Model] | type[State]) -> None:
     made = declared.allocate(SIZES)
     for name, column in declared.columns().items():
         array = getattr(made, name)
@@ -41,7 +41,7 @@ def test_every_array_is_declared_with_a_meaning(declared: type[WorldModel] | typ
 
 
 def test_shared_axes_have_one_row_unless_asked_for() -> None:
-    shared, own = WorldModel.allocate(SIZES), WorldModel.allocate(SIZES, per_world=frozenset({"local_segments"}))
+    shared, own = Model.allocate(SIZES), Model.allocate(SIZES, per_world=frozenset({"local_segments"}))
     assert shared.local_segments.shape == (1, 5, 4)
     assert own.local_segments.shape == (3, 5, 4)
     assert own.present.shape == (3, 2)
@@ -91,8 +91,8 @@ def test_records_hold_numbers_choices_and_pairs() -> None:
 def test_more_worlds_than_there_is_memory_for_are_refused_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
     """One world of these takes some kilobytes; the system would grant far more than there is, and kill later."""
     monkeypatch.setattr(arrays, "_memory", lambda: 10**8)
-    WorldState.allocate({**SIZES, "world": 100})
+    State.allocate({**SIZES, "world": 100})
     with pytest.raises(MemoryError, match=r"10,000,000 worlds .* need at least [\d.,]+ GB .* has 0\.1 GB"):
-        WorldState.allocate({**SIZES, "world": 10_000_000})
+        State.allocate({**SIZES, "world": 10_000_000})
     monkeypatch.setattr(arrays, "_memory", lambda: None)
-    WorldState.allocate(SIZES)
+    State.allocate(SIZES)

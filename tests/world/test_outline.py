@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.outline import outline_of, place_outline
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 from tests.geometry.shapes import Floats, closed, star
 
 AXES = ("world", "body", "waypoint", "bucket", "map_column", "map_row", "map_box", "watching")
 
 
-def body(segments: Floats, discs: Floats) -> tuple[WorldModel, WorldState]:
+def body(segments: Floats, discs: Floats) -> tuple[Model, State]:
     """Return a world with one body, which has all rows of the tables."""
     sizes = dict.fromkeys(AXES, 1) | {"segment": len(segments), "disc": len(discs)}
-    model, state = WorldModel.allocate(sizes), WorldState.allocate(sizes)
+    model, state = Model.allocate(sizes), State.allocate(sizes)
     model.local_segments[0], model.local_discs[0] = segments, discs
     model.segment_count[:], model.disc_count[:] = len(segments), len(discs)
     return model, state
@@ -48,7 +48,7 @@ def test_shared_vertices_stay_shared() -> None:
 def test_an_outline_is_that_of_its_world() -> None:
     """Bodies of all worlds share their first rows; worlds may share the numbers of rows, as here."""
     sizes = dict.fromkeys(AXES, 2) | {"segment": 5, "disc": 1}
-    model, state = WorldModel.allocate(sizes), WorldState.allocate(sizes)
+    model, state = Model.allocate(sizes), State.allocate(sizes)
     model.segment_start[:], model.segment_count[0], model.solid[:] = (0, 2), (2, 3), (True, False)
     state.segments[1], state.segments[0] = 1.0, -1.0
     found = outline_of.py_func(model, state, 1, 1)  # type: ignore[attr-defined]

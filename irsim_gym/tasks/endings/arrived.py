@@ -10,8 +10,8 @@ from irsim_gym.tasks.endings.body_flag import copy_flag
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -27,6 +27,6 @@ class Arrived:
         return "it is within its goal_threshold of its last goal"
 
     @staticmethod
-    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
         copy_flag(shard.worlds, term.agents, term.column, state, episode)

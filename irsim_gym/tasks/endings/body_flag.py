@@ -5,11 +5,11 @@ from __future__ import annotations
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kernel
-def copy_flag(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
+def copy_flag(worlds: Ints, agents: Ints, column: int, state: State, episode: EpisodeState) -> None:
     """Copy the flag ``arrived`` of the agents' bodies into a column of ``ending``.
 
     Reads: state (arrived).

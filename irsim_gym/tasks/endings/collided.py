@@ -13,8 +13,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import HitKind, Outcome
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 Touched = Literal["obstacle", "moving_obstacle", "robot", "map"]
 
@@ -50,13 +50,13 @@ class Collided:
         return f"it touches {', '.join(names.get(name, 'the map') for name in self.bodies)}"
 
     @staticmethod
-    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
         find_hits(shard.worlds, term.agents, term.column, term.arrays["counts"], state, episode)
 
 
 @kernel
-def find_hits(worlds: Ints, agents: Ints, column: int, counts: Flags, state: WorldState, episode: EpisodeState) -> None:
+def find_hits(worlds: Ints, agents: Ints, column: int, counts: Flags, state: State, episode: EpisodeState) -> None:
     """Write a column of ``ending``: whether the agent touches a body of a kind that counts.
 
     Reads: state (collided), episode (hit_kind).

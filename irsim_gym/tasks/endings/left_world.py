@@ -11,9 +11,9 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -29,15 +29,13 @@ class LeftWorld:
         return "it is outside the world's rectangle by more than its own reach"
 
     @staticmethod
-    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
         find_outside(shard.worlds, term.agents, term.column, model, state, episode)
 
 
 @kernel
-def find_outside(
-    worlds: Ints, agents: Ints, column: int, model: WorldModel, state: WorldState, episode: EpisodeState
-) -> None:
+def find_outside(worlds: Ints, agents: Ints, column: int, model: Model, state: State, episode: EpisodeState) -> None:
     """Write a column of ``ending``: whether the body's origin is outside ``bounds`` by more than its reach [m].
 
     Reads: model (bounds, reach), state (pose).

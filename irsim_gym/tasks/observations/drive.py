@@ -16,8 +16,8 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -39,12 +39,12 @@ class Drive:
         own = np.array([[name == other for other in known] for name in names], np.float32)
         return {"own": own, "drives": np.array(numbers, np.int64)}
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, one element for each drive."""
         width = term.arrays["own"].shape[1]
         return np.zeros(width, np.float32), np.ones(width, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         return [
             Columns(f"1 where the robot's drive is {name}, else 0")
@@ -52,7 +52,7 @@ class Drive:
         ]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the numbers."""
         write_drive(shard.worlds, term.column, term.arrays["own"], episode.observation)
 

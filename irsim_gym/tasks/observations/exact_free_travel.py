@@ -21,9 +21,9 @@ from irsim_gym.tasks.observations.nearest_bodies import span
 from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encode, range_code
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 NEAR_ENOUGH = 0.01
 """Gap [m] below which a disc counts as touching a map's occupied cells."""
@@ -84,19 +84,19 @@ class ExactFreeTravel:
         """Return the directions in the body frame and the radii of the discs around the agents."""
         return Directions(*directions(self.directions), simulation.model.reach[:, agents].max(axis=0) + self.margin)
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the longest distance and of contact."""
         low, high = np.full(self.directions, self.horizon, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
             encode(values, RangeCode.of(self, self.horizon))
         return low, high
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, self.horizon)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the directions' codes."""
         write_ways(shard.worlds, term.bound, term.arrays, model, model.cells, state, episode)
 
@@ -106,9 +106,9 @@ def write_ways(
     worlds: Ints,
     term: Bound,
     ways: Directions,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
     episode: EpisodeState,
 ) -> None:
     """Write the encoded free distance in each direction.

@@ -25,8 +25,8 @@ from irsim_gym.tasks.observations.ranges import (
 )
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -103,7 +103,7 @@ class FreeTravel:
             sight=np.array([mount.range_max for mount in mounts], np.float32),
         )
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the longest distance and of contact."""
         far = float(term.arrays.far.max())
         low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
@@ -111,12 +111,12 @@ class FreeTravel:
             encode(values, RangeCode.of(self, far))
         return low, high
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, float(term.arrays.far[agent]))
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the directions' codes."""
         measure(shard.worlds, term.bound, term.arrays, episode)
 

@@ -15,8 +15,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -35,11 +35,11 @@ class Goal:
     )
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance over which the near term falls to 1/e.")
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the four elements."""
         return np.array([0.0, -1.0, -1.0, 0.0], np.float32), np.ones(4, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
         full = self.scale or float(np.hypot(width, height))
@@ -52,13 +52,13 @@ class Goal:
         ]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the four elements."""
         write_goal(shard.worlds, term.bound, model, state, episode)
 
 
 @kernel
-def write_goal(worlds: Ints, term: Bound, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
+def write_goal(worlds: Ints, term: Bound, model: Model, state: State, episode: EpisodeState) -> None:
     """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term.
 
     Reads: term (agents, column, options), model (bounds), state (direction, goal, pose).

@@ -14,8 +14,8 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -26,11 +26,11 @@ class GoalHeading:
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
         return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         turn = "turn = goal's heading - own heading; both elements 0 if any heading is allowed"
         return [
@@ -39,13 +39,13 @@ class GoalHeading:
         ]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
         write_goal_heading(shard.worlds, term.agents, term.column, state, episode)
 
 
 @kernel
-def write_goal_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
+def write_goal_heading(worlds: Ints, agents: Ints, column: int, state: State, episode: EpisodeState) -> None:
     """Write cosine and sine of goal heading minus heading.
 
     Reads: state (goal, pose).

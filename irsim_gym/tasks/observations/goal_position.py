@@ -14,8 +14,8 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.position import place_scale, write_place
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -26,15 +26,15 @@ class GoalPosition:
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return infinite bounds."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         return [Columns(f"{axis} of the next goal", place_scale(axis, model)) for axis in ("x", "y")]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
         write_place(shard.worlds, term.agents, term.column, model, episode, state.goal)

@@ -16,8 +16,8 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -56,16 +56,16 @@ class GoalRecord:
         shape = (simulation.n_worlds, len(agents))
         return Records(np.zeros(shape), np.zeros(shape), np.zeros((*shape, 2)))
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
         return np.zeros(2, np.float32), np.ones(2, np.float32)
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear the record."""
         forget(term.arrays.nearest, np.inf, episode, shard)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         return [
             Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),
@@ -73,13 +73,13 @@ class GoalRecord:
         ]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Update the record and write the two elements."""
         write_record(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
-def write_record(worlds: Ints, term: Bound, records: Records, state: WorldState, episode: EpisodeState) -> None:
+def write_record(worlds: Ints, term: Bound, records: Records, state: State, episode: EpisodeState) -> None:
     """Write the excess of the goal distance over the record and the time since; a new goal begins a new record.
 
     Reads: term (agents, column, options), records (nearest, since, target), state (goal, goal_distance, time).

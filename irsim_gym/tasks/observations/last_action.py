@@ -14,8 +14,8 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -26,7 +26,7 @@ class LastAction:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, one element for each component of the command."""
         size = term.action_size
         return np.full(size, -1.0, np.float32), np.ones(size, np.float32)
@@ -35,14 +35,14 @@ class LastAction:
         """Return flags of the components that each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns; components that an agent lacks are 0."""
         words = term.components[agent]
         named = [Columns(f"{name}, as requested", "-1 to 1, like actions") for name, _ in words]
         return [*named, *[Columns("unused")] * (term.action_size - len(words))]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the action."""
         write_action(shard.worlds, term.column, episode)
 

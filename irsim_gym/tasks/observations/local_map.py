@@ -20,8 +20,8 @@ from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import records
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -63,18 +63,18 @@ class LocalMap:
         image = aligned((simulation.n_worlds, len(agents), self.cells, self.cells, 1), np.uint8)
         return CellPicture(Bound(agents, 0, records([painted])), paints, image)
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the shares."""
         return np.zeros(self.cells**2, np.float32), np.ones(self.cells**2, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         side = self.metres / self.cells
         first = "from the row farthest ahead on, each from left to right" if self.rotated else "from the upper row on"
         return [Columns(f"occupied share of a cell of {side:.3g} m, {first}", "0 to 1", self.cells**2)]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Paint the cells, and write their occupied shares."""
         drawn = term.arrays
         cells = model.cells

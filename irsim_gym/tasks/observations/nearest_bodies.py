@@ -20,9 +20,9 @@ from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, 
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 WIDTH = 5
 
@@ -79,14 +79,14 @@ class NearestBodies:
         far = _sight(self.range, simulation.model)
         return Nearest(far, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, np.int64))
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, five for each body."""
         far: Any = np.float32(_sight(self.range, model))
         least = encoded(far, RangeCode.of(self, far))
         low = np.array([-1.0, -1.0, least, -1.0, -1.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         gap = coded(self, "g", _sight(self.range, model))
         pace = f"v / {self.speed:g} m/s, relative to the robot"
@@ -107,12 +107,12 @@ class NearestBodies:
         return columns
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the bodies' numbers."""
         write_nearest(shard.worlds, shard.slot, term.bound, term.arrays, model, model.cells, state, episode)
 
 
-def _sight(given: float | None, model: WorldModel) -> float:
+def _sight(given: float | None, model: Model) -> float:
     """Return the range of view [m], by default the world's diagonal."""
     return float(np.hypot(*(model.bounds[2:] - model.bounds[:2]))) if given is None else given
 
@@ -123,9 +123,9 @@ def write_nearest(
     slot: int,
     term: Bound,
     nearest: Nearest,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
     episode: EpisodeState,
 ) -> None:
     """Write five numbers for each of the nearest bodies; the obstacle map counts as one, at its nearest point.
@@ -248,7 +248,7 @@ def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Neares
 
 @kernel
 def write_gaps(
-    w: int, own: int, slot: int, nearest: Nearest, term: Bound, model: WorldModel, state: WorldState, row: Rays
+    w: int, own: int, slot: int, nearest: Nearest, term: Bound, model: Model, state: State, row: Rays
 ) -> None:
     """Write the code of the gap between each found body and the agent's own outline.
 
@@ -270,7 +270,7 @@ def write_gaps(
 
 
 @kernel
-def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, state: WorldState, row: Rays) -> None:
+def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, state: State, row: Rays) -> None:
     """Write direction and relative velocity of each found body, in the agent's frame.
 
     Reads: nearest (body, way_x, way_y), state (pose, stopped, twist).
@@ -292,7 +292,7 @@ def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, s
 
 
 @kernel
-def moving(w: int, b: int, axis: int, state: WorldState) -> float:
+def moving(w: int, b: int, axis: int, state: State) -> float:
     """Return a component of a body's velocity; 0 if the body is stopped.
 
     Reads: state (stopped, twist).

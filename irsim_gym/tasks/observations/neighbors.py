@@ -18,9 +18,9 @@ from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 WIDTH = 6
 
@@ -63,12 +63,12 @@ class Neighbors:
         shape = (simulation.shards.n_slots, self.count)
         return Robots(np.array(simulation.scenario.robots, np.int64), np.zeros(shape), np.zeros(shape, np.int64))
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, six for each robot."""
         low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         far = self.range or float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         over, pace = f"x / {far:.3g} m", f"v / {self.speed:g} m/s, relative to the robot"
@@ -87,14 +87,14 @@ class Neighbors:
         return columns
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the robots' numbers."""
         write_neighbors(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
 
 
 @kernel
 def write_neighbors(
-    worlds: Ints, slot: int, term: Bound, robots: Robots, model: WorldModel, state: WorldState, episode: EpisodeState
+    worlds: Ints, slot: int, term: Bound, robots: Robots, model: Model, state: State, episode: EpisodeState
 ) -> None:
     """Write six numbers for each of the nearest robots.
 
@@ -132,9 +132,7 @@ def insert(squared: float, body: int, distance: Floats, found: Ints) -> None:
 
 
 @kernel
-def describe(
-    w: int, own: int, body: int, far: float, speed: float, reach: Floats, state: WorldState, out: Rays
-) -> None:
+def describe(w: int, own: int, body: int, far: float, speed: float, reach: Floats, state: State, out: Rays) -> None:
     """Write the six numbers of a body, clipped to [-1, 1]; zeros for none (-1).
 
     Reads: state (pose, stopped, twist).

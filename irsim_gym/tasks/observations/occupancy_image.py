@@ -32,9 +32,9 @@ from irsim_gym.tasks.observations.painting import (
 from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.model import ROBOT, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 LEAST_GOAL = 1.5
 """Minimum radius of the goal's disc [pixel]."""
@@ -94,7 +94,7 @@ class OccupancyImage:
         paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
         return Tools(paints, beams_of(simulation, agents, "occupancy_image") if self.from_scan else None)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the channels."""
         seen = "the scan: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
         channels = [Columns("obstacles around the robot", seen)]
@@ -110,7 +110,7 @@ class OccupancyImage:
         return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Paint the image."""
         options, tools, bound, image = term.options, term.arrays, term.bound, term.image
         worlds, slot, paints = shard.worlds, shard.slot, tools.paints
@@ -131,9 +131,9 @@ def paint_occupied(
     slot: int,
     term: Bound,
     paints: Paints,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
     image: Bytes,
 ) -> None:
     """Clear the images, and paint occupied space into their first channel.
@@ -181,7 +181,7 @@ def view_of(term: Bound, pose: Floats) -> View:
 
 @kernel
 def paint_robots(
-    worlds: Ints, slot: int, term: Bound, paints: Paints, model: WorldModel, state: WorldState, image: Bytes
+    worlds: Ints, slot: int, term: Bound, paints: Paints, model: Model, state: State, image: Bytes
 ) -> None:
     """Paint other robots into the second channel; see ``paint_occupied``.
 
@@ -202,9 +202,7 @@ def paint_robots(
 
 
 @kernel
-def paint_goal(
-    worlds: Ints, slot: int, term: Bound, paints: Paints, model: WorldModel, state: WorldState, image: Bytes
-) -> None:
+def paint_goal(worlds: Ints, slot: int, term: Bound, paints: Paints, model: Model, state: State, image: Bytes) -> None:
     """Paint the goal into the last channel; see ``paint_occupied``.
 
     The radius of its disc is the goal threshold, at least ``LEAST_GOAL``. A disc that would not lie completely in the

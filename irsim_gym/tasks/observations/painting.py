@@ -18,9 +18,9 @@ from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
 from irsim_gym.structs import Struct
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 CORNER = 1.42
 """Upper bound of the ratio of the distances of a square's corner and side from its centre."""
@@ -148,7 +148,7 @@ def is_near(canvas: Canvas, x: float, y: float, reach: float) -> bool:
 
 
 @kernel
-def add_body(canvas: Canvas, model: WorldModel, state: WorldState, w: int, b: int) -> None:
+def add_body(canvas: Canvas, model: Model, state: State, w: int, b: int) -> None:
     """Add a body of a world to a sheet.
 
     Reads: model (disc_count, disc_start, reach, segment_count, segment_start, solid), state (discs, pose, segments).

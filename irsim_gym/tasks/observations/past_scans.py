@@ -25,8 +25,8 @@ from irsim_gym.tasks.observations.ranges import (
 )
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded, evenly
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 LONGEST = 1000
 
@@ -106,7 +106,7 @@ class PastScans:
             poses=np.zeros((*shape, 3)),
         )
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the maximum depth and of contact."""
         width = self.sectors * len(self.ago)
         far = term.arrays.far.max()
@@ -115,7 +115,7 @@ class PastScans:
             encode(values, RangeCode.of(self, far))
         return low, high
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         far = float(term.arrays.far[agent])
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
@@ -126,14 +126,14 @@ class PastScans:
         ]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Store the present scan, and write the sectors of earlier ones."""
         note_scans(shard.worlds, term.agents, term.arrays, state, episode)
         write_past(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
-def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
+def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: State, episode: EpisodeState) -> None:
     """Replace each agent's oldest scan and pose by the present ones.
 
     Reads: memory (members, ranges), state (pose), episode (steps).
@@ -149,7 +149,7 @@ def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, ep
 
 
 @kernel
-def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
+def write_past(worlds: Ints, term: Bound, memory: Memory, state: State, episode: EpisodeState) -> None:
     """Write the encoded depths of earlier scans.
 
     Reads: term (agents, column, options), memory (ago, beams, far, mount, poses, reach, scans), state (pose), episode

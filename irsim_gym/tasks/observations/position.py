@@ -14,8 +14,8 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -29,21 +29,21 @@ class Position:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return infinite bounds."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         return [Columns(f"{axis} of the agent's place", place_scale(axis, model)) for axis in ("x", "y")]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
         write_place(shard.worlds, term.agents, term.column, model, episode, state.pose)
 
 
-def place_scale(axis: str, model: WorldModel) -> str:
+def place_scale(axis: str, model: Model) -> str:
     """Return the formula for a coordinate's number, as text."""
     x_min, y_min, x_max, y_max = model.bounds.tolist()
     middle = 0.5 * (x_min + x_max) if axis == "x" else 0.5 * (y_min + y_max)
@@ -51,9 +51,7 @@ def place_scale(axis: str, model: WorldModel) -> str:
 
 
 @kernel
-def write_place(
-    worlds: Ints, agents: Ints, column: int, model: WorldModel, episode: EpisodeState, places: Floats
-) -> None:
+def write_place(worlds: Ints, agents: Ints, column: int, model: Model, episode: EpisodeState, places: Floats) -> None:
     """Write x and y of the agents' rows of ``places``, ``(n_worlds, n_bodies, 3)`` [m], scaled by the world's size.
 
     Reads: model (bounds).

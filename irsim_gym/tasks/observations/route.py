@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints, Rays, Spans
+from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints, Point, Rays, Spans
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
@@ -22,9 +22,9 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 CELL = 0.1
 """Default cell size [m], if the world is small enough."""
@@ -94,11 +94,11 @@ class Route:
             blocks=np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
         )
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
         return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
@@ -109,12 +109,12 @@ class Route:
         ]
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear the goals, so that all paths are computed again."""
         forget(term.arrays.target, np.nan, episode, shard)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Compute the paths to new goals, and write the three elements."""
         find_ways(shard.worlds, shard.slot, term.agents, term.arrays, model, model.cells, state)
         write_route(shard.worlds, term.bound, term.arrays, model, state, episode)
@@ -122,7 +122,7 @@ class Route:
 
 @kernel
 def find_ways(
-    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: WorldModel, cells: CellMaps | None, state: WorldState
+    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: Model, cells: CellMaps | None, state: State
 ) -> None:
     """Compute the paths to new goals: the next cell and the length of the path for each free cell.
 
@@ -151,9 +151,7 @@ def find_ways(
 
 
 @kernel
-def write_route(
-    worlds: Ints, term: Bound, ways: RouteWays, model: WorldModel, state: WorldState, episode: EpisodeState
-) -> None:
+def write_route(worlds: Ints, term: Bound, ways: RouteWays, model: Model, state: State, episode: EpisodeState) -> None:
     """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
     Reads: term (agents, column, options), ways (grid, length, onward), model (bounds), state (direction, goal, pose).
@@ -198,9 +196,7 @@ def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
 
 
 @kernel
-def point_ahead(
-    onward: Spans, grid: Grid, first: int, ahead: float, goal_x: float, goal_y: float
-) -> tuple[float, float]:
+def point_ahead(onward: Spans, grid: Grid, first: int, ahead: float, goal_x: float, goal_y: float) -> Point:
     """Return the first cell centre on a path that is at least ``ahead`` [m] away; the goal if the path is shorter."""
     columns, here, driven = grid.columns, first, 0.0
     x, y = centre(grid, here // columns, here % columns)

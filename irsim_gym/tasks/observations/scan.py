@@ -26,8 +26,8 @@ from irsim_gym.tasks.observations.ranges import (
 )
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -95,7 +95,7 @@ class Scan:
             turns=np.array([group.options[k].offset[2] for k in members]),
         )
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the maximum depth of each sector, and of contact."""
         sectors: Sectors = term.arrays
         first, last, far = sectors.first, sectors.last, sectors.far
@@ -107,7 +107,7 @@ class Scan:
                 encode(values, RangeCode.of(self, far[a]))
         return low.min(axis=0), high.max(axis=0)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns; sectors extend half a beam beyond their outer beams."""
         table: Sectors = term.arrays
         edges = sector_edges(table.angles, len(table.first)) + table.turns[agent]
@@ -117,7 +117,7 @@ class Scan:
         return [Columns("least range of a sector of the scan", scale, len(sectors), sectors)]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the sectors' codes."""
         pool(shard.worlds, term.bound, term.arrays, episode)
 

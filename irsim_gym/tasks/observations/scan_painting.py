@@ -15,7 +15,7 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.painting import LINE, Canvas, Paints, add_side, clear, view_from
 from irsim_gym.tasks.observations.ranges import shared_sensors
 from irsim_gym.tasks.term import Bound
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 UNKNOWN = 127
 """Value of pixels that no beam has seen."""
@@ -74,7 +74,7 @@ def beams_of(simulation: Simulation, agents: Ints, name: str) -> ScanBeams:
 
 @kernel
 def paint_scan(
-    worlds: Ints, slot: int, term: Bound, beams: ScanBeams, paints: Paints, state: WorldState, image: Bytes
+    worlds: Ints, slot: int, term: Bound, beams: ScanBeams, paints: Paints, state: State, image: Bytes
 ) -> None:
     """Paint a scan into the first channel (free, occupied, ``UNKNOWN``), and clear the others.
 

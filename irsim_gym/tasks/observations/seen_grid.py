@@ -20,7 +20,7 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import shared_sensors
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.world.own_scan import OwnScan
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 FINEST = 64
 """Default number of cells along the longer side of the world."""
@@ -133,7 +133,7 @@ def forget_seen(worlds: Ints, seen: SeenGrid, episode: EpisodeState) -> None:
 
 
 @kernel
-def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: WorldState, episode: EpisodeState) -> None:
+def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: State, episode: EpisodeState) -> None:
     """Add the latest scans to the learners' maps, at the start and then every ``every`` steps, unless already added.
 
     Reads: term (agents), seen (cells, doubted, every, follows, grid, noted, scan), state (pose), episode (steps).

@@ -19,8 +19,8 @@ from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, evenly
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 APART = 2.0
 """Maximum distance between neighbouring samples [cells]."""
@@ -84,12 +84,12 @@ class SeenMap:
         """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the shares."""
         width = 2 * self.sectors * len(self.rings)
         return np.zeros(width, np.float32), np.ones(width, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         sectors = evenly(self.sectors)
         rings = [f"between {a:g} m and {b:g} m away" for a, b in zip((0.0, *self.rings), self.rings, strict=False)]
@@ -100,12 +100,12 @@ class SeenMap:
         ]
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear the maps."""
         forget_seen(shard.worlds, term.arrays.seen, episode)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Add the latest scans to the maps, and write the shares."""
         note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
         write_seen(shard.worlds, shard.slot, term.bound, term.arrays, state, episode)
@@ -125,7 +125,7 @@ def bin_samples(rings: Sequence[float], sectors: int, apart: float) -> list[Floa
 
 
 @kernel
-def write_seen(worlds: Ints, slot: int, term: Bound, bins: SeenBins, state: WorldState, episode: EpisodeState) -> None:
+def write_seen(worlds: Ints, slot: int, term: Bound, bins: SeenBins, state: State, episode: EpisodeState) -> None:
     """Write the occupied and the unknown share of each bin.
 
     Reads: term (agents, column, options), bins (ends, places, samples, seen), state (pose).

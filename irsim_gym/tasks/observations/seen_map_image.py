@@ -22,8 +22,8 @@ from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
 """Value of a pixel by the state of its cell."""
@@ -86,7 +86,7 @@ class SeenMapImage:
         """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the channels."""
         channels = [Columns("what its scans have shown so far", "0 free, 127 not seen, 255 hit")]
         if self.goal_channel:
@@ -99,12 +99,12 @@ class SeenMapImage:
         return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear the maps."""
         forget_seen(shard.worlds, term.arrays.seen, episode)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Add the latest scans to the maps, and paint the image."""
         worlds, slot, tools, image = shard.worlds, shard.slot, term.arrays, term.image
         note_all(worlds, slot, term.bound, tools.seen, state, episode)
@@ -114,7 +114,7 @@ class SeenMapImage:
 
 
 @kernel
-def paint_seen(worlds: Ints, slot: int, term: Bound, tools: SeenPicture, state: WorldState, image: Bytes) -> None:
+def paint_seen(worlds: Ints, slot: int, term: Bound, tools: SeenPicture, state: State, image: Bytes) -> None:
     """Write the state of the cell at each pixel's centre into the first channel, and clear the others.
 
     Reads: term (agents, options), tools (places, seen), state (pose).

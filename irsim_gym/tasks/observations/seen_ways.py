@@ -17,7 +17,7 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_grid import SeenGrid
 from irsim_gym.tasks.term import Bound
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
 
 
@@ -71,7 +71,7 @@ def clear_levels(worlds: Ints, ways: SeenWays, episode: EpisodeState) -> None:
 
 
 @kernel
-def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: WorldModel, episode: EpisodeState) -> None:
+def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: Model, episode: EpisodeState) -> None:
     """Update the cells in which agents fit after a scan was added to their maps.
 
     Reads: term (agents), ways (levels, seen), model (reach), episode (steps).

@@ -18,9 +18,9 @@ from irsim_gym.tasks.observations.free_travel import directions
 from irsim_gym.tasks.observations.nearest_bodies import moving, span
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 class MovingPoint(NamedTuple):
@@ -78,12 +78,12 @@ class TimeToCollision:
         ahead, aside = ((speeds[:, :, None] * unit).reshape(len(agents), -1) for unit in directions(self.directions))
         return Velocities(ahead, aside, model.reach[:, agents].max(axis=0) + self.margin)
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return 0 and 1."""
         count = self.directions * self.speeds
         return np.zeros(count, np.float32), np.ones(count, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns: the directions of each speed, slowest first."""
         table = term.arrays
         turn = 360.0 / self.directions
@@ -97,12 +97,12 @@ class TimeToCollision:
         ]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the nearness of the first collision for each velocity."""
         write_times(shard.worlds, term.bound, term.arrays, model, state, episode)
 
 
-def fastest(model: WorldModel, body: int) -> float:
+def fastest(model: Model, body: int) -> float:
     """Return a body's maximum speed along a linear axis of its drive [m/s]."""
     low, high = model.velocity_min[:, body], model.velocity_max[:, body]
     axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
@@ -111,7 +111,7 @@ def fastest(model: WorldModel, body: int) -> float:
 
 @kernel
 def write_times(
-    worlds: Ints, term: Bound, table: Velocities, model: WorldModel, state: WorldState, episode: EpisodeState
+    worlds: Ints, term: Bound, table: Velocities, model: Model, state: State, episode: EpisodeState
 ) -> None:
     """Write the nearness of the first collision for each velocity.
 
@@ -138,9 +138,7 @@ def write_times(
 
 
 @kernel
-def meet_body(
-    w: int, a: int, own: int, body: int, table: Velocities, model: WorldModel, state: WorldState, row: Rays
-) -> None:
+def meet_body(w: int, a: int, own: int, body: int, table: Velocities, model: Model, state: State, row: Rays) -> None:
     """Shorten the times of velocities with which the agent hits a body.
 
     Reads: table (ahead, aside, radius), model (disc_count, disc_start, segment_count, segment_start), state (discs,

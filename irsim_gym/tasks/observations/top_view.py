@@ -30,9 +30,9 @@ from irsim_gym.tasks.observations.painting import (
 )
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
+from irsim_gym.world.model import OBSTACLE, ROBOT, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 COLOURS = ("background", "outside", "obstacles", "goals", "robots", "itself", "headings")
 BACKGROUND, OUTSIDE, OBSTACLES, GOALS, ROBOTS, ITSELF, HEADINGS = range(len(COLOURS))
@@ -85,7 +85,7 @@ class TopView:
         colours = [[*bytes.fromhex(getattr(self, name)[1:]), 1.0] for name in COLOURS]
         return Paints.of(simulation, self.pixels, self.pixels, colours)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the channels."""
         return [Columns(f"{name} of the picture", "0 to 255") for name in ("red", "green", "blue")]
 
@@ -97,7 +97,7 @@ class TopView:
         return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Paint the image."""
         worlds, slot, cells = shard.worlds, shard.slot, model.cells
         paint_view(worlds, slot, term.bound, term.arrays, model, cells, state, term.image)
@@ -109,9 +109,9 @@ def paint_view(
     slot: int,
     term: Bound,
     paints: Paints,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
     image: Bytes,
 ) -> None:
     """Paint the images.
@@ -179,7 +179,7 @@ def fill(picture: Bytes, colour: Floats) -> None:
 
 
 @kernel
-def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, role: int, but: int) -> None:
+def add_bodies(canvas: Canvas, model: Model, state: State, w: int, role: int, but: int) -> None:
     """Add the present bodies of a role in a world to a sheet, except ``but``.
 
     Reads: model (disc_count, disc_start, present, reach, role, segment_count, segment_start, solid), state (discs,
@@ -191,7 +191,7 @@ def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, rol
 
 
 @kernel
-def add_headings(canvas: Canvas, model: WorldModel, state: WorldState, w: int) -> None:
+def add_headings(canvas: Canvas, model: Model, state: State, w: int) -> None:
     """Add a triangle that points ahead on each robot to a sheet.
 
     Reads: model (present, reach, role), state (pose).

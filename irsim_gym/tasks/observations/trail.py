@@ -16,8 +16,8 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns, evenly
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -56,29 +56,29 @@ class Trail:
         shape = (simulation.n_worlds, len(agents))
         return Marks(np.zeros((*shape, self.marks, 2)), np.zeros(shape, np.int64))
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the sectors."""
         return np.zeros(self.sectors, np.float32), np.ones(self.sectors, np.float32)
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear all marks."""
         forget(term.arrays.count, 0, episode, shard)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         scale = f"{self.near:g} m / (d + {self.near:g} m), d = distance of the mark; 0 without one"
         meaning = f"nearness of the nearest place where it has been; a mark each {self.spacing:g} m of its way"
         return [Columns(meaning, scale, self.sectors, evenly(self.sectors))]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Leave a mark if due, and write the sectors."""
         write_trail(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
-def write_trail(worlds: Ints, term: Bound, marks: Marks, state: WorldState, episode: EpisodeState) -> None:
+def write_trail(worlds: Ints, term: Bound, marks: Marks, state: State, episode: EpisodeState) -> None:
     """Write the nearness of the nearest mark in each sector.
 
     Reads: term (agents, column, options), marks (count, places), state (pose), episode (observation).

@@ -14,9 +14,9 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import OMNI_WORLD, WorldModel
+from irsim_gym.world.model import OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @kind
@@ -30,7 +30,7 @@ class Velocity:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the scaled velocity limits, extended to include 0."""
         low = np.zeros(term.action_size, np.float32)
         high = np.zeros(term.action_size, np.float32)
@@ -48,7 +48,7 @@ class Velocity:
         """Return flags of the components that each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns; components that an agent lacks are 0."""
         body = term.agents[agent]
         largest = np.maximum(np.abs(model.velocity_min), np.abs(model.velocity_max)).max(axis=0)[body]
@@ -61,14 +61,14 @@ class Velocity:
         return [*columns, *[Columns("unused")] * (term.action_size - len(columns))]
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the velocity."""
         write_velocity(shard.worlds, term.agents, term.column, term.action_size, model, state, episode)
 
 
 @kernel
 def write_velocity(
-    worlds: Ints, agents: Ints, column: int, size: int, model: WorldModel, state: WorldState, episode: EpisodeState
+    worlds: Ints, agents: Ints, column: int, size: int, model: Model, state: State, episode: EpisodeState
 ) -> None:
     """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 if stopped.
 

@@ -28,8 +28,8 @@ from irsim_gym.tasks.observations.seen_ways import (
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -65,11 +65,11 @@ class WayOnSeenMap:
         """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
-    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
         return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
 
-    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = "of the direction of the shortest way to the next goal on what its scans have shown"
@@ -80,14 +80,14 @@ class WayOnSeenMap:
         ]
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear the maps and paths."""
         ways = term.arrays
         forget_seen(shard.worlds, ways.seen, episode)
         clear_levels(shard.worlds, ways, episode)
 
     @staticmethod
-    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Add the latest scans to the maps, and write the three elements."""
         note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
         narrow_ways(shard.worlds, term.bound, term.arrays, model, episode)
@@ -96,7 +96,7 @@ class WayOnSeenMap:
 
 @kernel
 def write_ways_seen(
-    worlds: Ints, slot: int, term: Bound, ways: SeenWays, model: WorldModel, state: WorldState, episode: EpisodeState
+    worlds: Ints, slot: int, term: Bound, ways: SeenWays, model: Model, state: State, episode: EpisodeState
 ) -> None:
     """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 

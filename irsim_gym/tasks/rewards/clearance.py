@@ -11,8 +11,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -39,7 +39,7 @@ class Clearance:
         return f"nearer than {self.safe:g} m to another body: -{most:.3g} (1 - clearance / {self.safe:g} m)^2 a step"
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the present clearance."""
         amount = -term.options.weight / term.max_steps
         pay_closeness(shard.worlds, term.column, amount, term.options.safe, episode)

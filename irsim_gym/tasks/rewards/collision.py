@@ -15,8 +15,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import COLLISION, HitKind, Outcome
 from irsim_gym.tasks.term import Role, Term, forget
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -52,7 +52,7 @@ class Collision:
         return {"touching": touching, "amounts": -np.array(self._amounts())}
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Clear the flags: a contact in the first step counts as new."""
         forget(term.arrays["touching"], False, episode, shard)
 
@@ -65,7 +65,7 @@ class Collision:
         )
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the penalty."""
         pay_onset(
             shard.worlds, term.agents, term.column, term.arrays["amounts"], state, episode, term.arrays["touching"]
@@ -74,7 +74,7 @@ class Collision:
 
 @kernel
 def pay_onset(
-    worlds: Ints, agents: Ints, column: int, amounts: Floats, state: WorldState, episode: EpisodeState, touching: Flags
+    worlds: Ints, agents: Ints, column: int, amounts: Floats, state: State, episode: EpisodeState, touching: Flags
 ) -> None:
     """Write the amount if a collision begins or ends the episode, and store who collides.
 

@@ -10,8 +10,8 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import DEADLOCK, Outcome
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome
 from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -31,6 +31,6 @@ class Deadlock:
         return f"-{self.weight:g}, once, when the episode ends in a deadlock"
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the penalty."""
         pay_outcome(shard.worlds, term.column, DEADLOCK, -term.options.weight, episode)

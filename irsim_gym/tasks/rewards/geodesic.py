@@ -16,9 +16,9 @@ from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -60,7 +60,7 @@ class Fields(Struct):
         )
 
 
-def note_fields(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+def note_fields(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
     """Compute the fields of agents whose episode begins or whose goal has changed, and store goals and distances."""
     worlds, slot = shard.worlds, shard.slot
     draw_fields(worlds, slot, term.agents, term.arrays, model, model.cells, state, episode)
@@ -72,9 +72,9 @@ def draw_fields(
     slot: int,
     agents: Ints,
     fields: Fields,
-    model: WorldModel,
+    model: Model,
     cells: CellMaps | None,
-    state: WorldState,
+    state: State,
     episode: EpisodeState,
 ) -> None:
     """Write field, goal and distance [m] if the goal is new or the episode begins.
@@ -107,7 +107,7 @@ def draw_fields(
 
 @kernel
 def pay_field_gain(
-    worlds: Ints, term: Bound, fields: Fields, model: WorldModel, state: WorldState, episode: EpisodeState
+    worlds: Ints, term: Bound, fields: Fields, model: Model, state: State, episode: EpisodeState
 ) -> None:
     """Write the weighted decrease of distance over the diagonal of ``bounds``; 0 if the field has no path.
 

@@ -16,8 +16,8 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
 from irsim_gym.tasks.term import Bound, Role, Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @dataclass
@@ -61,7 +61,7 @@ class Progress:
         return Potentials(np.zeros((*shape, 2)), np.zeros(shape))
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Store goals and distances."""
         if term.options.potential == "geodesic":
             note_fields(term, model, state, episode, shard)
@@ -74,7 +74,7 @@ class Progress:
         return f"{self.weight:g} times the {way} gained towards the goal in the step, over the world's diagonal"
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the gain since the previous step, and store goals and distances."""
         if term.options.potential == "geodesic":
             pay_field_gain(shard.worlds, term.bound, term.arrays, model, state, episode)
@@ -91,7 +91,7 @@ def distance(pose: Floats, target: Floats) -> float:
 
 
 @kernel
-def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> None:
+def note(worlds: Ints, agents: Ints, memory: Potentials, state: State) -> None:
     """Store each agent's goal and its distance [m].
 
     Reads: memory (target), state (goal, pose).
@@ -105,9 +105,7 @@ def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> N
 
 
 @kernel
-def pay_gain(
-    worlds: Ints, term: Bound, memory: Potentials, model: WorldModel, state: WorldState, episode: EpisodeState
-) -> None:
+def pay_gain(worlds: Ints, term: Bound, memory: Potentials, model: Model, state: State, episode: EpisodeState) -> None:
     """Write the weighted decrease of distance to the stored goal, over the diagonal of ``bounds``; store the new goal.
 
     Reads: term (agents, column, options), memory (distance, target), model (bounds), state (goal, pose).

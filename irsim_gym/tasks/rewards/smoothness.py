@@ -11,8 +11,8 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import WorldModel
-from irsim_gym.world.state import WorldState
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
 
 
 @kind
@@ -33,7 +33,7 @@ class Smoothness:
         return f"the action changes: at most {most}, with the square of the change"
 
     @staticmethod
-    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the latest change."""
         pay_change(shard.worlds, term.column, -term.options.weight / term.max_steps, term.action_sizes, episode)
 
