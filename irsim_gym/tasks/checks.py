@@ -17,6 +17,8 @@ from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.audit import Terms, ending_for
 from irsim_gym.tasks.layers import Merged
 
+NOTHING = "nothing"
+"""``without_sensor``: the observation of a sensor that hits nothing."""
 OTHERWISE = "; task: {agents: NAME} lets another robot learn, and irsim_gym.load runs a file without learning"
 
 
@@ -149,7 +151,12 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
     wanted = [name for name in names if name]
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
     without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
-    unknown = [name for name in wanted if name not in OBSERVATIONS]
+    if wanted == [NOTHING] and without:
+        if len(without) < len(bodies):
+            rule = f"'{NOTHING}' needs learners that all have a range sensor, or none of which has one"
+            report.add((*place, "without_sensor"), f"{rule}: '{without[0]}' has none")
+        return [item]
+    unknown = [name for name in wanted if name not in OBSERVATIONS and wanted != [NOTHING]]
     for name in unknown:
         message = f"no observation named '{name}'{suggestion(name, OBSERVATIONS.names())}"
         report.add((*place, "without_sensor"), message)

@@ -14,6 +14,7 @@ from irsim_gym.tasks.observations.local_map import LocalMap
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.neighbors import Neighbors
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
+from irsim_gym.tasks.observations.own_body import OwnBody
 from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.position import Position
 from irsim_gym.tasks.observations.route import Route
@@ -38,6 +39,7 @@ OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)
 OBSERVATIONS.register("last_action", LastAction)
 OBSERVATIONS.register("drive", Drive)
+OBSERVATIONS.register("own_body", OwnBody)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)

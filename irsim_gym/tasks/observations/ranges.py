@@ -10,13 +10,16 @@ from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import option
+from irsim_gym.tasks.observations.blind_sensor import blind_sensors
 from irsim_gym.world.group import Group
 
 Code = Literal["inverse", "linear"]
 INVERSE, LINEAR = 0, 1
 
 WITHOUT_SENSOR = option(
-    "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
+    "",
+    meaning="If a learner has no sensor: an observation, or a list, to use instead, with their defaults; 'nothing' "
+    "keeps this one, as with a sensor that hits nothing.",
 )
 
 
@@ -62,12 +65,15 @@ def code_problems(options: Any) -> list[tuple[str, str]]:
 def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Group, Ints]:
     """Return the group of the agents' range sensors, and each agent's member of it.
 
-    If an agent has several range sensors, the first one in the file is used.
+    If an agent has several range sensors, the first one in the file is used. If no agent has one, the sensors hit
+    nothing: ``without_sensor: nothing``.
 
     Raises:
-        ValueError: If an agent has no range sensor, or the sensors differ in their beams or in having noise.
+        ValueError: If some agents have no range sensor, or the sensors differ in their beams or in having noise.
     """
     found = [simulation.scan(int(b)) for b in agents]
+    if not any(found):
+        return blind_sensors(simulation, agents)
     groups = [item[0] for item in found if item is not None]
     if len(groups) < len(found) or any(group is not groups[0] for group in groups):
         raise ValueError(f"observation '{name}': all learners need range sensors of one kind with the same beams")

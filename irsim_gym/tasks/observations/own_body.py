@@ -1,0 +1,92 @@
+"""Own body: how large, how fast and how agile the agent is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
+from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD, Model
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import State
+
+WIDTH = 8
+HALF_RADIUS, HALF_STEP = 0.5, 0.1
+"""Radius [m] and duration of a step [s] that read 0.5; limits of 1 do, in their units."""
+
+
+@kind
+class OwnBody:
+    """Size, limits and step of the agent, for a policy that drives several robots.
+
+    The numbers are the radius around the agent's origin, the greatest speeds ahead and back, the greatest value of the
+    command's second component, 1 if that is a speed to the left and 0 if it turns, the acceleration limits of both
+    components, and the duration of a step. A value x reads ``x / (x + half)``, with a ``half`` of 0.5 m, 0.1 s, and 1
+    for limits; without a limit it reads 1.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
+        """Return 0 and 1."""
+        return np.zeros(WIDTH, np.float32), np.ones(WIDTH, np.float32)
+
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+        """Return the meaning of the columns."""
+        (first, unit), (second, turning) = term.components[agent][:2]
+        return [
+            Columns("own radius", f"r / (r + {HALF_RADIUS:g} m)"),
+            Columns(f"greatest value of {first}", f"v / (v + 1 {unit})"),
+            Columns(f"greatest value of {first} backwards", f"v / (v + 1 {unit})"),
+            Columns(f"greatest value of {second}", f"v / (v + 1 {turning})"),
+            Columns(f"1 if {second} is a speed to the left", "0 if it turns the robot or its wheels"),
+            Columns(f"greatest change of {first}", f"a / (a + 1 {unit}2), 1 without a limit"),
+            Columns(f"greatest change of {second}", f"a / (a + 1 {turning}2), 1 without a limit"),
+            Columns("duration of a step", f"t / (t + {HALF_STEP:g} s)"),
+        ]
+
+    @staticmethod
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Write the numbers."""
+        write_own_body(shard.worlds, term.agents, term.column, model, episode)
+
+
+@kernel
+def write_own_body(worlds: Ints, agents: Ints, column: int, model: Model, episode: EpisodeState) -> None:
+    """Write the eight numbers of each agent.
+
+    Reads: model (acceleration_limit, drive, reach, step_time, velocity_max, velocity_min).
+    Writes: episode (observation).
+    """
+    for w in worlds:
+        low, high = model.velocity_min[row_of(model.velocity_min, w)], model.velocity_max[row_of(model.velocity_max, w)]
+        limit, reach = (
+            model.acceleration_limit[row_of(model.acceleration_limit, w)],
+            model.reach[row_of(model.reach, w)],
+        )
+        for a in range(agents.shape[0]):
+            b, row = agents[a], episode.observation[w, a, column : column + WIDTH]
+            row[0] = share_of(reach[b], HALF_RADIUS)
+            row[1] = share_of(max(high[b, 0], 0.0), 1.0)
+            row[2] = share_of(np.abs(min(low[b, 0], 0.0)), 1.0)
+            row[3] = share_of(max(high[b, 1], -low[b, 1]), 1.0)
+            row[4] = np.float32(model.drive[b] in (OMNI_WORLD, OMNI_BODY))
+            row[5] = share_of(limit[b, 0], 1.0)
+            row[6] = share_of(limit[b, 1], 1.0)
+            row[7] = share_of(model.step_time[0], HALF_STEP)
+
+
+@kernel(inlined=True)
+def share_of(value: float, half: float) -> np.float32:
+    """Return value / (value + half), 1 for infinity."""
+    return np.float32(value / (value + half) if value < np.inf else 1.0)
