@@ -203,6 +203,11 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
         assert messages(scenario({"sensors": None}), circular) == [
             "observations[0].without_sensor: 'free_travel' needs a range sensor itself"
         ]
+    half = {"name": "blank", "agents": "all", "observations": [{"name": "scan", "without_sensor": "nothing"}]}
+    assert messages(scenario([ROBOT, {**ROBOT, "sensors": None}]), half) == [
+        "observations[0].without_sensor: 'nothing' needs learners that all have a range sensor, or none of which has "
+        "one: 'robot_1' has none"
+    ]
 
 
 def test_learners_need_the_same_beams() -> None:

@@ -16,12 +16,13 @@ RANGE = 6.0
 def blind_sensors(simulation: Simulation, agents: Ints) -> tuple[Group, Ints]:
     """Return a group of sensors whose beams always read their maximum range, and each agent's member of it.
 
-    They are no part of the simulation: nothing writes their readings.
+    They are no part of the simulation: nothing writes their readings. Outlines count as discs of the agents' reach.
     """
+    reach = simulation.model.reach[:, agents].max(axis=0)
     lidar = SENSORS.entry("lidar2d").kind(number=N_BEAMS, angle_range=2.0 * np.pi, range_max=RANGE)
     arrays = {
         "angles": lidar.angles(),
         "ranges": np.full((simulation.n_worlds, len(agents), N_BEAMS), RANGE, np.float32),
-        "footprint": np.zeros((len(agents), N_BEAMS), np.float32),
+        "footprint": np.repeat(reach.astype(np.float32)[:, None], N_BEAMS, axis=1),
     }
     return Group(type(lidar), [lidar] * len(agents), agents, arrays=arrays), np.arange(len(agents))
