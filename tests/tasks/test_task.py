@@ -210,6 +210,22 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
     ]
 
 
+def test_nothing_is_shown_to_learners_of_which_none_has_a_sensor() -> None:
+    given = [{"name": name, "without_sensor": "nothing"} for name in ("scan", "free_travel")]
+    assert names(load_task(scenario({"sensors": None}), {"name": "blank", "observations": given}).observations) == [
+        "Scan",
+        "FreeTravel",
+    ]
+    mixed = scenario([ROBOT, {**ROBOT, "state": [2, 2, 0], "sensors": None}], task={
+        "name": "blank", "agents": "all", "observations": [{"name": "scan", "without_sensor": "nothing"}]})  # fmt: skip
+    assert messages(mixed) == [
+        "task.observations[0].without_sensor: 'nothing' needs learners that all have a range sensor, or none of which "
+        "has one: 'robot_1' has none"
+    ]
+    listed = {"name": "blank", "observations": [{"name": "scan", "without_sensor": ["nothing", "goal"]}]}
+    assert any("no observation named 'nothing'" in text for text in messages(scenario({"sensors": None}), listed))
+
+
 def test_learners_need_the_same_beams() -> None:
     other = {**ROBOT, "sensors": [{"name": "lidar2d", "number": 90}]}
     (told, *_) = messages(scenario([ROBOT, other], task={"agents": "all"}))
