@@ -145,10 +145,9 @@ class TrainingRequest:
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
         if self.mixture:
-            named = self.mixture_name or "+".join(
-                replace(part, scenario=scenario_name(part.scenario)).label for part in self.mixture
-            )
-            return default_folder(named, settings.algorithm, self.seed, None, mode, marks=marks)
+            parts = [replace(part, scenario=scenario_name(part.scenario)) for part in self.mixture]
+            named = self.mixture_name or "+".join(part.label for part in parts)
+            return default_folder(f"{named}.yaml", settings.algorithm, self.seed, None, mode, marks=marks)
         return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
 
     def _task_name(self) -> str | None:

@@ -216,12 +216,6 @@ def test_nothing_is_shown_to_learners_of_which_none_has_a_sensor() -> None:
         "Scan",
         "FreeTravel",
     ]
-    mixed = scenario([ROBOT, {**ROBOT, "state": [2, 2, 0], "sensors": None}], task={
-        "name": "blank", "agents": "all", "observations": [{"name": "scan", "without_sensor": "nothing"}]})  # fmt: skip
-    assert messages(mixed) == [
-        "task.observations[0].without_sensor: 'nothing' needs learners that all have a range sensor, or none of which "
-        "has one: 'robot_1' has none"
-    ]
     listed = {"name": "blank", "observations": [{"name": "scan", "without_sensor": ["nothing", "goal"]}]}
     assert any("no observation named 'nothing'" in text for text in messages(scenario({"sensors": None}), listed))
 

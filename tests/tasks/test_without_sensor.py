@@ -1,4 +1,4 @@
-"""What robots without a range sensor observe by ``without_sensor: nothing``, bodies that move alone, and own bodies."""
+"""What robots without a range sensor observe by ``without_sensor: nothing``, and bodies that move alone."""
 
 from __future__ import annotations
 
@@ -84,12 +84,3 @@ def test_bodies_that_stand_and_the_map_are_left_out_of_those_that_move() -> None
         alone = observe(name, None, balls[:1], moving=True)[1]
         np.testing.assert_array_equal(alone, observe(name, None)[1])
         assert len(found) % width == 0
-
-
-def test_own_body_of_a_wheeled_and_of_an_omnidirectional_robot() -> None:
-    robot = {"vel_min": [-0.5, -1.5], "vel_max": [1, 1.5], "acce": [3, np.inf]}
-    found = observe("own_body", robot)[1]
-    assert found == pytest.approx([0.2 / 0.7, 1 / 2, 0.5 / 1.5, 1.5 / 2.5, 0, 3 / 4, 1, 0.5], abs=1e-6)
-    omni = {**ROBOT, "kinematics": {"name": "omni"}, "vel_min": [-1, -2], "vel_max": [1, 2],
-            "shape": {"name": "circle", "radius": 0.5}}  # fmt: skip
-    assert observe("own_body", omni)[1] == pytest.approx([0.5, 1 / 2, 1 / 2, 2 / 3, 1, 1, 1, 0.5], abs=1e-6)
