@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from task_tools import BALL, ROBOT, drive, play
+from task_tools import BALL, drive, play
 
 RUNNER: dict[str, Any] = {
     "kinematics": {"name": "omni"}, "shape": {"name": "circle", "radius": 0.3}, "state": [4, 6, 0], "goal": [4, 1, 0],
