@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -28,5 +29,5 @@ def blind_sensors(simulation: Simulation, agents: Ints) -> tuple[Group, Ints]:
     """Return a group of sensors without beams, and each agent's member of it. They are no part of the simulation."""
     n = len(agents)
     ranges, footprint = np.zeros((simulation.n_worlds, n, 0), np.float32), np.zeros((n, 0), np.float32)
-    arrays = {"angles": BlindSensor().angles(), "ranges": ranges, "footprint": footprint}
+    arrays: dict[str, Any] = {"angles": BlindSensor().angles(), "ranges": ranges, "footprint": footprint}
     return Group(BlindSensor, [BlindSensor()] * n, agents, arrays=arrays), np.arange(n)
