@@ -24,7 +24,7 @@ Scenarios = Annotated[
     list[str],
     typer.Argument(
         metavar="SCENARIO",
-        help="Shipped name, environment id, or path of a YAML file.",
+        help="Shipped name, environment id, or path of a YAML file: a scenario, or a mixture of them.",
         autocompletion=cli_completion.scenarios,
     ),
 ]

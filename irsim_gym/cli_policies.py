@@ -34,7 +34,7 @@ def show_policy(
 
 @policies.command("export")
 def export_policy(
-    source: Annotated[str, typer.Argument(metavar="RUN", help="A run's folder or a policy.zip.")],
+    source: Annotated[str, typer.Argument(metavar="RUN", help="A run's folder, a checkpoint or a policy.zip.")],
     name: Annotated[str, typer.Argument(help="Name of the policy.")],
     out: Annotated[Path, typer.Option(help="Folder for NAME.npz and NAME.json.")] = Path("runs/shelf"),
     results: Annotated[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,7 +37,6 @@ from irsim_gym.cli_options import (
     WorldsPerWorker,
 )
 from irsim_gym.cli_tools import read_parameters
-from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
 
@@ -73,10 +71,12 @@ def train(
     """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.engines import engine_of
+    from irsim_gym.training.mixture_file import requested_mixture
     from irsim_gym.training.training_request import TrainingRequest
 
+    mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        _first_scenario(scenario, mixture),
+        scenario[0],
         algorithm,
         seed,
         steps,
@@ -88,10 +88,11 @@ def train(
         device,
         origin,
         curriculum,
-        tuple(scenario) if mixture else (),
-        engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
+        engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         log=tuple(log or ()),
     )
+    if mixed is not None:
+        request = mixed.request(request)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
         run_training(request, out, **how)
@@ -99,18 +100,6 @@ def train(
     from irsim_gym.training.seed_runs import run_seeds
 
     run_seeds(request, seeds, out, test_levels=test_levels, **how)
-
-
-def _first_scenario(scenarios: Sequence[str], mixture: bool) -> str:
-    """Return the name of the first scenario, after checking that the options fit the number of scenarios."""
-    from irsim_gym.training.mixture import read_part
-
-    if not mixture:
-        if len(scenarios) > 1:
-            given = ", ".join(scenarios)
-            raise IrsimGymError(f"train takes one scenario, got {given}: --mixture trains one policy in all")
-        return scenarios[0]
-    return read_part(scenarios[0]).scenario
 
 
 def tune(

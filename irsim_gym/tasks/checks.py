@@ -18,7 +18,7 @@ from irsim_gym.tasks.audit import Terms, ending_for
 from irsim_gym.tasks.layers import Merged
 
 NOTHING = "nothing"
-"""``without_sensor``: the observation of a sensor that hits nothing."""
+"""``without_sensor``: the observation of a sensor without beams."""
 OTHERWISE = "; task: {agents: NAME} lets another robot learn, and irsim_gym.load runs a file without learning"
 
 

@@ -31,14 +31,14 @@ from irsim_gym.training.cards import (
     PolicyCard,
     card_file,
 )
-from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress
+from irsim_gym.training.checkpoint_files import POLICY, list_checkpoints, load_progress
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.exported_network import ExportedNetwork, export_network
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.training.results_files import SeedResults, read_results
-from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.run import Settings, run_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
 from irsim_gym.training.trained_perception import perception_in
 
@@ -60,7 +60,7 @@ def export(
     """Write the file and the card of a policy, and return the path of the file.
 
     Args:
-        source: A run's folder, or a ``policy.zip``.
+        source: A run's folder, one of its checkpoints, or a ``policy.zip``.
         name: Name of the exported policy.
         folder: Folder for the files.
         results: Files with results of the policy for its card, see ``read_results``. Without any, the exported policy
@@ -155,21 +155,28 @@ def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, Car
 
 
 def _run_record(source: Path) -> dict[str, Any] | None:
-    """Return the settings, the machine and the cost of a run; None for a file outside a run's folder."""
-    run = Run(policy_file(source).parent)
+    """Return the settings, the machine and the cost of a run, until a checkpoint if the source is one.
+
+    The result is None for a file outside a run's folder.
+    """
+    run = run_of(policy_file(source))
     if not run.exists():
         return None
     checkpoints = list_checkpoints(run.checkpoints)
-    if not run.finished() or not checkpoints:
-        raise IrsimGymError(f"{run.folder} is not finished: resume it, then export its policy")
-    config, progress = json.loads(run.config.read_text(encoding="utf-8")), load_progress(checkpoints[-1])
+    chosen = [one for one in checkpoints if source in (one, one / POLICY)]
+    if not chosen and (not run.finished() or not checkpoints):
+        raise IrsimGymError(
+            f"{run.folder} is not finished: resume it, then export its policy, or export one of its checkpoints"
+        )
+    last = (chosen or checkpoints)[-1]
+    config, progress = json.loads(run.config.read_text(encoding="utf-8")), load_progress(last)
     cost = {name: getattr(progress, name) for name in ("steps", "training_seconds", "cpu_seconds")}
     return {"settings": config["settings"], "machine": config["machine"], **cost}
 
 
 def _own_settings(source: Path, settings: Settings) -> Settings:
     """Return the settings with the run's own copy of its scenario, if there is one."""
-    run = Run(policy_file(source).parent)
+    run = run_of(policy_file(source))
     return run.own_settings() if run.exists() else settings
 
 
@@ -178,7 +185,7 @@ def _chosen(settings: Settings) -> dict[str, Any]:
 
 
 def _scenario(source: Path, settings: Settings) -> CardScenario:
-    snapshot = Run(policy_file(source).parent).snapshot() or settings.snapshot()
+    snapshot = run_of(policy_file(source)).snapshot() or settings.snapshot()
     return CardScenario(
         name=_file_name(settings.scenario),
         parameters=plain(dict(settings.parameters)),

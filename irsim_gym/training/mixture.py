@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
@@ -25,6 +26,14 @@ class MixturePart:
     scenario: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
     share: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """Its name with its share and its parameters, for the name of a folder."""
+        share = [] if self.share == 1.0 else [f"{SHARE}={self.share:g}"]
+        return "-".join(
+            [Path(self.scenario).stem, *share, *(f"{key}={value}" for key, value in self.parameters.items())]
+        )
 
     def to_plain(self) -> dict[str, Any]:
         """Return it as plain data."""

@@ -18,7 +18,7 @@ from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.engines import RLLIB, Engine
 from irsim_gym.training.folders import as_name, default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
-from irsim_gym.training.mixture import MixturePart, read_part
+from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.policies import policy_names
 from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
 from irsim_gym.training.snapshot import listed
@@ -46,7 +46,8 @@ class TrainingRequest:
         device: Device of the networks; None for that of the hyper-parameter file.
         origin: Policy to start from: a run's folder or a ``policy.zip``.
         curriculum: Curriculum, ``"learnability"``; None for that of the hyper-parameter file.
-        mixture: Scenarios that are trained together, as ``read_part`` takes them. ``scenario`` is the first of them.
+        mixture: Scenarios that are trained together. ``scenario`` is the first of them.
+        mixture_name: Name of the file that lists them; None without one.
         engine: Settings of Ray RLlib; None for Stable-Baselines3.
         log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
     """
@@ -63,7 +64,8 @@ class TrainingRequest:
     device: str | None = None
     origin: str | None = None
     curriculum: str | None = None
-    mixture: tuple[str, ...] = ()
+    mixture: tuple[MixturePart, ...] = ()
+    mixture_name: str | None = None
     engine: Engine | None = None
     log: tuple[str, ...] = ()
 
@@ -92,10 +94,9 @@ class TrainingRequest:
             return self._scenario_settings(algorithm)
         if self.parameters:
             raise IrsimGymError("--set is for one scenario: with --mixture write SCENARIO:NAME=VALUE")
-        parts = [read_part(text) for text in self.mixture]
         found = [
             replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._scenario_settings(algorithm)
-            for part in parts
+            for part in self.mixture
         ]
         if found[0].hyperparameters.curriculum is not None:
             raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
@@ -104,7 +105,7 @@ class TrainingRequest:
             raise IrsimGymError(
                 f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"
             )
-        pairs = zip(parts, found, strict=True)
+        pairs = zip(self.mixture, found, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
         settings = replace(found[0], mixture=mixed)
         check_engine(settings)
@@ -144,9 +145,9 @@ class TrainingRequest:
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
         if self.mixture:
-            texts = [text.split(":") for text in self.mixture]
-            named = "+".join("-".join([Path(scenario_name(first)).stem, *rest]) for first, *rest in texts)
-            return default_folder(named, settings.algorithm, self.seed, None, mode, marks=marks)
+            parts = [replace(part, scenario=scenario_name(part.scenario)) for part in self.mixture]
+            named = self.mixture_name or "+".join(part.label for part in parts)
+            return default_folder(f"{named}.yaml", settings.algorithm, self.seed, None, mode, marks=marks)
         return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
 
     def _task_name(self) -> str | None:

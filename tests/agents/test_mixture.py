@@ -256,7 +256,7 @@ def test_seeds_of_a_mixture_are_summed_up_in_each_scenario(
 )
 def test_what_does_not_go_with_a_mixture(asked: dict[str, Any], told: str) -> None:
     with pytest.raises(IrsimGymError, match=told):
-        TrainingRequest("cluttered_room", mixture=("cluttered_room", "dense_room"), **asked).settings()
+        TrainingRequest("cluttered_room", mixture=TWO, **asked).settings()
 
 
 def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written(tmp_path: Path) -> None:
@@ -266,11 +266,11 @@ def test_scenarios_that_observe_otherwise_are_refused_before_anything_is_written
     room["task"] = {**room.get("task", {}), "observations": [{"name": "scan", "code": "linear"}]}
     file.write_text(yaml.safe_dump(room))
     with pytest.raises(IrsimGymError, match=r"cluttered_room has scan.code inverse, .*coded.yaml linear; --task"):
-        TrainingRequest("cluttered_room", mixture=("cluttered_room", str(file))).settings()
+        TrainingRequest("cluttered_room", mixture=(TWO[0], MixturePart(str(file)))).settings()
     with pytest.raises(
         IrsimGymError, match=r"cluttered_room has scan, free_travel, which empty_goal has not; .*no nearest_bodies"
     ):
-        TrainingRequest("cluttered_room", mixture=("cluttered_room", "empty_goal")).settings()
+        TrainingRequest("cluttered_room", mixture=(TWO[0], MixturePart("empty_goal"))).settings()
 
 
 def test_names_are_short_and_differ() -> None:

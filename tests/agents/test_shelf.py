@@ -6,6 +6,7 @@ import hashlib
 import io
 import json
 import pickle
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,10 +27,11 @@ from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.training.cards import CardResult, PolicyCard, card_file
+from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.evaluate_teams import evaluate_team_policies
-from irsim_gym.training.exporting import MEASURED
+from irsim_gym.training.exporting import MEASURED, export
 from irsim_gym.training.fine_tuning import load_origin
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.policies import SavedPolicy, UnfitPolicyError, load_policy, policy_digest, policy_names
@@ -309,6 +311,29 @@ def test_what_a_policy_was_trained_with_is_remembered(
     assert f"circle_swap has changed since {file} was trained: its hash is not that on the card\n" in said
 
 
+SINGLE = {
+    "cluttered_room": {}, "rooms": {}, "maze": {}, "cellular_cave": {}, "jaxnav_single": {},
+    "crowd_nav": {"goal_change": 0.5},
+}  # fmt: skip
+"""Scenarios of tier core with one robot, and their parameters."""
+
+
+@pytest.mark.parametrize("name", SINGLE)
+def test_the_general_policy_drives_every_single_robot_of_core(name: str) -> None:
+    own: dict[str, Any] = SINGLE[name]
+    episodes = make_episodes(name, n_worlds=2, parameters=own, task="general_navigation")
+    worlds, policy = np.arange(2), load_policy("general")
+    assert isinstance(policy, SavedPolicy)
+    assert policy.perception == perception_of(episodes.task)
+    episodes.begin(worlds, worlds, "test")
+    policy.begin(episodes, worlds, worlds)
+    bodies = list(episodes.task.agents)
+    before = episodes.simulation.state.pose[:, bodies, :2].copy()
+    for _ in range(10):
+        episodes.step(policy.act(episodes, worlds).reshape(2, 1, 2), worlds)
+    assert not np.array_equal(episodes.simulation.state.pose[:, bodies, :2], before)
+
+
 def test_an_exported_run_drives_as_the_run(trained: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run(monkeypatch, "policies", "export", trained.folder, "trio", "--out", tmp_path, "--levels", 1) == 0
     episodes = make_episodes("circle_swap", n_worlds=2, parameters={"n_robots": 3}, team=True)
@@ -320,6 +345,23 @@ def test_an_exported_run_drives_as_the_run(trained: Run, tmp_path: Path, monkeyp
     original.begin(episodes, worlds, worlds)
     expected = original.act(episodes, worlds).reshape(6, 2)
     np.testing.assert_allclose(policy.predict(seen)[0], expected, atol=1e-6)
+
+
+def test_a_checkpoint_is_exported_with_its_own_cost(trained: Run, tmp_path: Path) -> None:
+    """Also of a run that is not finished, which has no policy of its own yet."""
+    run_folder = tmp_path / "run"
+    shutil.copytree(trained.folder, run_folder)
+    first = list_checkpoints(run_folder / "checkpoints")[0]
+    policy = first / "policy.zip"
+    (run_folder / "policy.zip").unlink()
+    with pytest.raises(IrsimGymError, match="is not finished: resume it"):
+        export(run_folder, "whole", tmp_path, levels=1)
+    files = [export(source, f"part{k}", tmp_path, levels=1) for k, source in enumerate((first, policy))]
+    cards = [card_of(file) for file in files]
+    assert [one.training.steps for one in cards if one is not None] == [load_progress(first).steps] * 2
+    assert cards[0] is not None
+    assert cards[0].scenario.name == "circle_swap"
+    assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def test_what_cannot_be_exported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:

@@ -535,16 +535,3 @@ def test_own_body_tells_size_limits_and_step() -> None:
     omni = {"kinematics": {"name": "omni"}, "vel_min": [0, -3], "vel_max": [1, 3]}
     seen = play(omni, task=only("own_body")).view.observation[0, 0]
     assert seen[[1, 2, 3, 4]] == pytest.approx([0.5, 0.0, 0.75, 1.0])
-
-
-def test_without_a_sensor_nothing_is_in_reach() -> None:
-    """The disc is ahead, but a robot without a scanner reads what one reads that hits nothing."""
-    terms = ["scan", "free_travel", "past_scans", "way_on_seen_map", "seen_map"]
-    blind = [{"name": name, "without_sensor": "nothing"} for name in terms]
-    alone = play({"sensors": None}, BALL, task=only("goal", *blind))
-    clear = play(task=only("goal", *terms))
-    names = [name for name, _, _ in alone.observation_terms]
-    assert names == ["goal", *terms]
-    drive(alone, 0.5, 0.1)
-    drive(clear, 0.5, 0.1)
-    np.testing.assert_allclose(alone.view.observation[0, 0], clear.view.observation[0, 0], atol=1e-6)

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pytest
+
+import irsim_gym
+from irsim_gym.evaluation.perception import perception_differences, perception_of
 from irsim_gym.families import OBSERVATIONS, REWARDS
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Task, load_task
+
+SINGLE = {"cluttered_room": {}, "rooms": {}, "maze": {}, "cellular_cave": {}, "jaxnav_single": {},
+          "crowd_nav": {"goal_change": 0.5}}  # fmt: skip
+"""Scenarios of tier core with one robot, and their parameters."""
 
 
 def task(scenario: str, name: str | None) -> Task:
@@ -33,3 +42,31 @@ def test_pose_navigation_tells_where_the_goal_faces() -> None:
     names = [OBSERVATIONS.name_of(type(term)) for term in task("parking", "pose_navigation").observations]
     assert {"goal", "goal_heading", "velocity", "position", "heading", "scan"} <= set(names)
     assert task("parking", "pose_navigation").max_steps == task("parking", None).max_steps
+
+
+def test_general_navigation_is_one_perception_in_all_of_core() -> None:
+    found = {
+        name: perception_of(load_task(load_scenario(name, own), "general_navigation")) for name, own in SINGLE.items()
+    }
+    assert perception_differences(found) == []
+    with_map, crowd = task("maze", "general_navigation"), task("crowd_nav", "general_navigation")
+    assert (with_map.max_steps, crowd.max_steps) == (task("maze", None).max_steps, task("crowd_nav", None).max_steps)
+
+
+@pytest.mark.parametrize("name", ["jaxnav_single", "crowd_nav"])
+def test_general_navigation_is_the_same_in_a_batch_as_alone(name: str) -> None:
+    own = {"task": "general_navigation", "render_mode": None, **SINGLE[name]}
+    batch, alone = irsim_gym.make_vec(name, num_envs=3, **own), irsim_gym.make(name, **own)
+    seen, _ = batch.reset(seed=5)
+    first, _ = alone.reset(seed=7)
+    random = np.random.default_rng(1)
+    for _ in range(12):
+        np.testing.assert_array_equal(seen[2], first)
+        assert alone.observation_space.contains(first)
+        actions = random.uniform(-1.0, 1.0, (3, 2)).astype(np.float32)
+        seen, *_ = batch.step(actions)
+        first, _, terminated, *_ = alone.step(actions[2])
+        if terminated:
+            break
+    batch.close()
+    alone.close()

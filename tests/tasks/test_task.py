@@ -210,6 +210,16 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
     ]
 
 
+def test_nothing_is_shown_to_learners_of_which_none_has_a_sensor() -> None:
+    given = [{"name": name, "without_sensor": "nothing"} for name in ("scan", "free_travel")]
+    assert names(load_task(scenario({"sensors": None}), {"name": "blank", "observations": given}).observations) == [
+        "Scan",
+        "FreeTravel",
+    ]
+    listed = {"name": "blank", "observations": [{"name": "scan", "without_sensor": ["nothing", "goal"]}]}
+    assert any("no observation named 'nothing'" in text for text in messages(scenario({"sensors": None}), listed))
+
+
 def test_learners_need_the_same_beams() -> None:
     other = {**ROBOT, "sensors": [{"name": "lidar2d", "number": 90}]}
     (told, *_) = messages(scenario([ROBOT, other], task={"agents": "all"}))

@@ -62,6 +62,7 @@ class NearestBodies:
 
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
+    moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start, and the map.")
     speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
     code: Code = option("inverse", meaning="How to encode a gap; see scan, with range for range_max.")
     near: float = option(
@@ -131,11 +132,12 @@ def write_nearest(
     """Write five numbers for each of the nearest bodies; the obstacle map counts as one, at its nearest point.
 
     Reads: term (agents, column, options), nearest (body, distance, sight, way_x, way_y), model (disc_count, disc_start,
-        present, reach, segment_count, segment_start, unobstructed), state (discs, pose, segments, stopped, twist).
+        present, reach, segment_count, segment_start, stands, unobstructed), state (discs, pose, segments, stopped,
+        twist).
     Writes: nearest (body, distance, way_x, way_y), episode (observation).
     """
     distance, speed, column = nearest.distance[slot], term.options[0].speed, term.column
-    n_found = distance.shape[0]
+    n_found, moving_only = distance.shape[0], term.options[0].moving != 0
     for w in worlds:
         for a in range(term.agents.shape[0]):
             own = term.agents[a]
@@ -143,7 +145,7 @@ def write_nearest(
             distance[:], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
             nearest.body[slot, :] = -1
             for b in range(model.present.shape[1]):
-                if b == own or model.unobstructed[b] or not model.present[w, b]:
+                if b == own or model.unobstructed[b] or not model.present[w, b] or (moving_only and model.stands[b]):
                     continue
                 dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
                 nearest_possible = np.sqrt(dx * dx + dy * dy) - model.reach[row_of(model.reach, w), b]
@@ -155,7 +157,7 @@ def write_nearest(
                 edge_gap, ex, ey = nearest_point(state.segments[w, first:last], x, y)
                 gap, px, py = (edge_gap, ex, ey) if edge_gap < gap else (gap, px, py)
                 keep(gap, px - x, py - y, b, slot, nearest)
-            if cells is not None:
+            if cells is not None and not moving_only:
                 gap, px, py = nearest_cell_point(map_of(cells, w), x, y, distance[n_found - 1])
                 keep(gap, px - x, py - y, cells.body, slot, nearest)
             row = episode.observation[w, a, column : column + WIDTH * n_found]

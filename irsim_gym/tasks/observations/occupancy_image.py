@@ -70,9 +70,7 @@ class OccupancyImage:
     robot_channel: bool = option(False, meaning="Show other robots in a separate channel instead of the first.")
     goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
     from_scan: bool = option(False, meaning="Show the latest scan of the range sensor instead of the actual obstacles.")
-    without_sensor: str | tuple[str, ...] = option(
-        "", meaning="With from_scan, observation, or a list, to use instead if there is no sensor."
-    )
+    without_sensor: str | tuple[str, ...] = option("", meaning="With from_scan, as without_sensor of scan.")
 
     @property
     def needs_goal(self) -> bool:

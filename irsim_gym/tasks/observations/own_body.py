@@ -14,7 +14,7 @@ from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD, Model
+from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
@@ -80,7 +80,7 @@ def write_own_body(worlds: Ints, agents: Ints, column: int, model: Model, episod
             row[1] = share_of(max(high[b, 0], 0.0), 1.0)
             row[2] = share_of(np.abs(min(low[b, 0], 0.0)), 1.0)
             row[3] = share_of(max(high[b, 1], -low[b, 1]), 1.0)
-            row[4] = np.float32(model.drive[b] in (OMNI_WORLD, OMNI_BODY))
+            row[4] = np.float32(model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR))
             row[5] = share_of(limit[b, 0], 1.0)
             row[6] = share_of(limit[b, 1], 1.0)
             row[7] = share_of(model.step_time[0], HALF_STEP)

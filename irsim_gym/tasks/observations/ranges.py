@@ -19,7 +19,7 @@ INVERSE, LINEAR = 0, 1
 WITHOUT_SENSOR = option(
     "",
     meaning="If a learner has no sensor: an observation, or a list, to use instead, with their defaults; 'nothing' "
-    "keeps this one, as with a sensor that hits nothing.",
+    "keeps this one, as a sensor without beams shows it.",
 )
 
 
@@ -65,8 +65,8 @@ def code_problems(options: Any) -> list[tuple[str, str]]:
 def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Group, Ints]:
     """Return the group of the agents' range sensors, and each agent's member of it.
 
-    If an agent has several range sensors, the first one in the file is used. If no agent has one, the sensors hit
-    nothing: ``without_sensor: nothing``.
+    If an agent has several range sensors, the first one in the file is used. If no agent has one, the sensors have
+    no beams: ``without_sensor: nothing``.
 
     Raises:
         ValueError: If some agents have no range sensor, or the sensors differ in their beams or in having noise.

@@ -99,8 +99,9 @@ class Scan:
         """Return the codes of the maximum depth of each sector, and of contact."""
         sectors: Sectors = term.arrays
         first, last, far = sectors.first, sectors.last, sectors.far
-        farthest = far[:, None] - sectors.extent
-        low = np.stack([farthest[:, int(i) : int(j)].min(axis=1) for i, j in zip(first, last, strict=True)], axis=1)
+        farthest, most = far[:, None] - sectors.extent, float(far.max())
+        pairs = [farthest[:, int(i) : int(j)].min(axis=1, initial=most) for i, j in zip(first, last, strict=True)]
+        low = np.stack(pairs, axis=1)
         low, high = np.maximum(low, np.float32(0.0)), np.zeros_like(low)
         for a in range(len(far)):
             for values in (low[a], high[a]):
@@ -123,12 +124,14 @@ class Scan:
 
 
 def half_beam(angles: Floats) -> float:
-    """Return half the angle between two neighbouring beams [rad]; 0 for one beam."""
-    return 0.5 * float(angles[-1] - angles[0]) / max(len(angles) - 1, 1)
+    """Return half the angle between two neighbouring beams [rad]; 0 for one beam or none."""
+    return 0.5 * float(angles[-1] - angles[0]) / (len(angles) - 1) if len(angles) > 1 else 0.0
 
 
 def sector_edges(angles: Floats, count: int) -> Floats:
-    """Return the edges of sectors of equal angle [rad], shape ``(count + 1,)``."""
+    """Return the edges of sectors of equal angle [rad], shape ``(count + 1,)``; of a full turn without beams."""
+    if len(angles) == 0:
+        return np.linspace(-np.pi, np.pi, count + 1)
     half = half_beam(angles)
     return np.linspace(angles[0] - half, angles[-1] + half, count + 1)
 
@@ -137,13 +140,16 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
     """Return the first and one past the last beam of each sector; sectors of equal angle cover all beams.
 
     The sectors span the beams' angles (ascending [rad]) and half a beam more at both ends. A sector without a beam gets
-    the one nearest to its middle. If all beams have the same direction, they belong to the first sector.
+    the one nearest to its middle. If all beams have the same direction, they belong to the first sector. Without beams,
+    there are as many sectors as asked for, and all are empty.
 
     Args:
         angles: Beam directions, shape ``(n_beams,)``.
         sectors: Maximum number of sectors.
     """
     n_beams = len(angles)
+    if n_beams == 0:
+        return np.zeros(sectors, np.int64), np.zeros(sectors, np.int64)
     count = min(sectors, n_beams)
     if n_beams == 1:
         return np.zeros(1, np.int64), np.ones(1, np.int64)

@@ -68,6 +68,7 @@ class TimeToCollision:
     range: float | None = option(
         None, gt=0.0, unit="m", meaning="Bodies whose surface is farther from the agent's origin are not seen."
     )
+    moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Velocities:
@@ -116,18 +117,19 @@ def write_times(
     """Write the nearness of the first collision for each velocity.
 
     Reads: term (agents, column, options), table (ahead, aside, radius), model (disc_count, disc_start, present, reach,
-        segment_count, segment_start, unobstructed), state (discs, pose, segments, stopped, twist), episode
+        segment_count, segment_start, stands, unobstructed), state (discs, pose, segments, stopped, twist), episode
         (observation).
     Writes: episode (observation).
     """
     options, horizon = term.options[0], np.float32(term.options[0].horizon)
+    moving_only = options.moving != 0
     for w in worlds:
         for a in range(term.agents.shape[0]):
             own = term.agents[a]
             row = episode.observation[w, a, term.column : term.column + table.ahead.shape[1]]
             row[:] = horizon
             for b in range(model.present.shape[1]):
-                if b == own or model.unobstructed[b] or not model.present[w, b]:
+                if b == own or model.unobstructed[b] or not model.present[w, b] or (moving_only and model.stands[b]):
                     continue
                 dx, dy = state.pose[w, b, 0] - state.pose[w, own, 0], state.pose[w, b, 1] - state.pose[w, own, 1]
                 far = np.inf if np.isnan(options.range) else options.range

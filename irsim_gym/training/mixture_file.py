@@ -1,0 +1,155 @@
+"""Mixture files: several scenarios that one policy learns together, with their task, in YAML."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError, ScenarioError, suggestion
+from irsim_gym.scenario.library import SUFFIXES, every_scenario, names
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.source import Place, read_file
+from irsim_gym.scenario.validation import Report
+from irsim_gym.training.mixture import SHARE, MixturePart, read_part
+from irsim_gym.training.training_request import TrainingRequest
+
+MIXTURE = "mixture"
+"""Key that tells a mixture file from a scenario."""
+KEYS = (MIXTURE, "task", "algorithm", "hyperparameters")
+PART_KEYS = ("scenario", SHARE, "parameters")
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Several scenarios for one policy, as a command or a file names them.
+
+    Attributes:
+        parts: The scenarios.
+        name: Name of the file; None without one.
+        task: Task of all of them; None for the scenarios' own.
+        algorithm: Name of the algorithm; None for the default.
+        hyperparameters: Path of a hyper-parameter file; None for the shipped one.
+    """
+
+    parts: tuple[MixturePart, ...]
+    name: str | None = None
+    task: str | None = None
+    algorithm: str | None = None
+    hyperparameters: Path | None = None
+
+    def request(self, given: TrainingRequest) -> TrainingRequest:
+        """Return a request to train the mixture. What ``given`` states replaces what the file states."""
+        return replace(
+            given,
+            scenario=self.parts[0].scenario,
+            algorithm=given.algorithm or self.algorithm,
+            task=given.task or self.task,
+            hyperparameters=given.hyperparameters or self.hyperparameters,
+            mixture=self.parts,
+            mixture_name=self.name,
+        )
+
+
+def requested_mixture(scenarios: Sequence[str], is_mixture: bool) -> Mixture | None:
+    """Return the mixture that ``irsim-gym train`` is to train; None for a single scenario.
+
+    Args:
+        scenarios: The names on the command line, of which one may be a mixture file.
+        is_mixture: Whether ``--mixture`` is given.
+
+    Raises:
+        ScenarioError: If a mixture file is invalid. The message lists every problem with its line.
+        IrsimGymError: If there are several scenarios without ``--mixture``, or a file among them.
+    """
+    files = [file for file in map(mixture_file, scenarios) if file is not None]
+    if files and len(scenarios) > 1:
+        raise IrsimGymError(f"{files[0]} is a mixture of its own: train it alone, got {', '.join(scenarios)}")
+    if files:
+        return read_mixture(files[0])
+    if is_mixture:
+        return Mixture(tuple(map(read_part, scenarios)))
+    if len(scenarios) > 1:
+        raise IrsimGymError(f"train takes one scenario, got {', '.join(scenarios)}: --mixture trains one policy in all")
+    return None
+
+
+def mixture_file(name: str) -> Path | None:
+    """Return the file of a shipped mixture's name or of a path; None if it is no mixture."""
+    shipped = names("mixtures")
+    if name in shipped and name not in every_scenario():
+        return shipped[name]
+    file = Path(name)
+    if file.suffix not in SUFFIXES or not file.is_file():
+        return None
+    data = read_file(file).data
+    return file if isinstance(data, Mapping) and MIXTURE in data else None
+
+
+def read_mixture(file: Path) -> Mixture:
+    """Read a mixture file. Paths in it are relative to its folder.
+
+    Raises:
+        ScenarioError: If the file is invalid. The message lists every problem with its line.
+    """
+    source = read_file(file)
+    report = Report(source)
+    report.refuse_repeats()
+    data: Mapping[str, Any] = source.data if isinstance(source.data, Mapping) else {}
+    _refuse_unknown(data, KEYS, (), report)
+    listed = data.get(MIXTURE)
+    if not isinstance(listed, list) or not listed:
+        report.add((MIXTURE,), f"must be a list of scenarios, got {show(listed)}")
+        listed = []
+    parts = [_part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed)]
+    task, algorithm, chosen = (_text(data, key, (), report) for key in KEYS[1:])
+    if report.problems:
+        raise ScenarioError(source.title, list(report.problems))
+    return Mixture(
+        tuple(parts),
+        file.stem,
+        None if task is None else _beside(file, task),
+        algorithm,
+        None if chosen is None else file.parent / chosen,
+    )
+
+
+def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart:
+    """Return one scenario: a name, or a mapping with ``scenario``, ``share`` and ``parameters``."""
+    if isinstance(item, str):
+        return MixturePart(_beside(file, item))
+    if not isinstance(item, Mapping):
+        report.add(place, f"must be the name of a scenario or a mapping with 'scenario', got {show(item)}")
+        return MixturePart("")
+    _refuse_unknown(item, PART_KEYS, place, report)
+    scenario = _text(item, "scenario", place, report)
+    if item.get("scenario") is None:
+        report.add((*place, "scenario"), "is required: the name or path of a scenario")
+    share, parameters = item.get(SHARE, 1.0), item.get("parameters", {})
+    if isinstance(share, bool) or not isinstance(share, int | float) or not 0.0 < share < float("inf"):
+        report.add((*place, SHARE), f"must be a number > 0, the weight of the scenario, got {show(share)}")
+        share = 1.0
+    if not isinstance(parameters, Mapping):
+        report.add((*place, "parameters"), f"must be a mapping of the scenario's parameters, got {show(parameters)}")
+        parameters = {}
+    return MixturePart(_beside(file, scenario or ""), dict(parameters), float(share))
+
+
+def _refuse_unknown(data: Mapping[str, Any], known: Sequence[str], place: Place, report: Report) -> None:
+    for key in data:
+        if key not in known:
+            report.add((*place, key), f"unknown key{suggestion(str(key), known)}; known: {', '.join(known)}")
+
+
+def _text(data: Mapping[str, Any], key: str, place: Place, report: Report) -> str | None:
+    value = data.get(key)
+    if value is None or isinstance(value, str):
+        return value
+    report.add((*place, key), f"must be text, got {show(value)}")
+    return None
+
+
+def _beside(file: Path, name: str) -> str:
+    """Return a name unchanged, and a path as seen from where the command runs."""
+    return str(file.parent / name) if Path(name).suffix in SUFFIXES else name
