@@ -1,13 +1,13 @@
-"""Many segments and discs at once, made ready for the loops over beams, and these loops.
+"""Casts beams against many segments and discs at once, with vector instructions.
 
-What ``geometry/rays.py`` does for one primitive is split here: first all primitives of a chunk are looked at in lanes
-(which of them can be seen, the coefficients of their inverse depth, which beams may meet them), then each one that is
-kept is cast against the beams of its span alone. The tables of a chunk are the fields of one record: constant offsets
-from one address let the compiler see that they do not overlap.
+``geometry/rays.py`` treats one primitive at a time. Here the work is split: first, all primitives of a chunk are
+prepared in lanes (whether they are visible, the coefficients of their inverse depth, which beams may meet them). Then
+each visible primitive is cast against the beams of its span. The tables of a chunk are fields of one record: constant
+offsets from one address show the compiler that they do not overlap.
 
-On the line through a and b the inverse depth of a beam with unit direction d is n.d with n = (by - ay, ax - bx) / (a x
-b); with m = a + b, the place on the segment, from -1 at a to 1 at b, is (q.d) / (n.d) with q = (-my, mx) / (a x b). So
-a beam meets the segment where abs(q.d) <= n.d: two dot products, an absolute value and a comparison.
+On the line through a and b, the inverse depth of a beam with unit direction d is n.d with n = (by - ay, ax - bx) / (a x
+b). With m = a + b, the position on the segment, from -1 at a to 1 at b, is (q.d) / (n.d) with q = (-my, mx) / (a x b).
+So a beam meets the segment where abs(q.d) <= n.d, which takes two dot products, an absolute value and a comparison.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""Rays in the inverse-depth form: what a beam meets, as 1 / distance.
+"""Rays in inverse depth: 1 / distance of the nearest hit.
 
-On the line through a and b the inverse depth 1/t of a beam with unit direction d is linear in d, so that a segment
-costs three small dot products per beam, without a division or a branch. All arrays are float32 and in the sensor's
-own frame; ``inverse`` is raised to the nearest hit, so several primitives can be cast one after the other, and is
-inverted once at the end. A beam that meets nothing keeps its value.
+On the line through a and b, the inverse depth 1/t of a beam with unit direction d is linear in d. So a segment costs
+three small dot products per beam, without a division or a branch. All arrays are float32 and in the sensor frame.
+``inverse`` is raised to the nearest hit, so that several primitives can be cast one after another, and is inverted once
+at the end. A beam that meets nothing keeps its value.
 
-The results differ from those in float64 by some 1e-6 of the distance; a beam that grazes an end or an edge seen at
-an angle of less than ``EDGE_ON`` may hit or miss either way.
+Results differ from those in float64 by about 1e-6 of the distance. A beam that grazes an end, or an edge seen at an
+angle of less than ``EDGE_ON``, may hit or miss.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class PointMap(NamedTuple):
 
 @kernel
 def add_point(points: PointMap, point: Point, eye: Point) -> None:
-    """Add a point [m] that is seen from another, unless its cell has a nearer one; none outside of the map."""
+    """Add a point [m] seen from another one, unless its cell has a point nearer to that one, or it is off the map."""
     x, y = point
     i, j = np.floor((x - points.x) / points.side), np.floor((y - points.y) / points.side)
     if not (0.0 <= i < points.places.shape[0] and 0.0 <= j < points.places.shape[1]):
