@@ -1,4 +1,4 @@
-"""The buckets in which near bodies are found (``geometry/buckets.py``), kept up to date as bodies move."""
+"""The buckets that find bodies near a point (``geometry/buckets.py``), kept up to date as bodies move."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ROUNDING, TINY = 1.0 + 1e-9, 1e-9
 
 
 def lay_out(model: Model, is_random: Flags) -> None:
-    """Choose the squares of a world with many bodies, and the bodies that are small enough for them."""
+    """Choose the squares for a world with many bodies, and the bodies that are small enough for them."""
     n_bodies = len(model.role)
     if n_bodies < FEWEST_BODIES:
         return
@@ -40,20 +40,20 @@ def n_buckets(n_bodies: int) -> int:
 
 
 def empty(model: Model, state: State, shard: Shard) -> None:
-    """Take all bodies out of the buckets."""
+    """Remove all bodies from the buckets."""
     if model.bucket_frame[0].columns:
         empty_buckets(shard.worlds, state)
 
 
 def refresh(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
-    """Put bodies into the buckets where they are now."""
+    """Put bodies into the buckets of their present positions."""
     if model.bucket_frame[0].columns:
         sort_bodies(shard.worlds, bodies, model, state)
 
 
 @kernel
 def empty_buckets(worlds: Ints, state: State) -> None:
-    """Leave no body in any bucket.
+    """Remove all bodies from the buckets.
 
     Writes: state (bucket, bucket_first, bucket_next).
     """

@@ -1,7 +1,7 @@
 """Casts beams in small worlds, in which all outlines together fit into one chunk, without copying them.
 
-The visible rows depend only on the sensor's body and on the present bodies, usually all, so they are computed once for
-many worlds. Searching for bodies in range first would take longer than preparing all rows with vector instructions.
+Which rows are visible depends only on the body of the sensor and on the present bodies, usually all, so it is computed
+once for many worlds. Preparing all rows with vector instructions is faster than searching for bodies in range first.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from irsim_gym.world.state import State
 
 
 def is_small(model: Model) -> bool:
-    """Return whether all outlines of a world fit into a chunk, and so do its bodies."""
+    """Return whether all outlines and all bodies of a world fit into a chunk."""
     sizes = model.local_segments.shape[1], model.local_discs.shape[1], len(model.role)
     return bool(max(sizes) <= CHUNK)
 
@@ -76,7 +76,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
 
 @kernel
 def count_present(present: Flags) -> int:
-    """Return how many bodies there are."""
+    """Return the number of present bodies."""
     n = 0
     for b in range(present.shape[0]):
         n += present[b]
