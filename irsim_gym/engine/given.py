@@ -33,12 +33,12 @@ def check_scenario(scenario: object) -> None:
 
 
 def check_agents(agents: Sequence[int], scenario: Scenario) -> tuple[int, ...]:
-    """Return the bodies that are commanded from outside, or raise a ValueError for one that is not there."""
+    """Return the bodies that are commanded from outside; raise a ValueError if one does not exist."""
     return tuple(_bodies(agents, scenario, "agents=").tolist())
 
 
 def check_level(level: object, n_worlds: int) -> int:
-    """Return the level of the first of several worlds, or raise an error for one that is none.
+    """Return the level of the first of several worlds.
 
     Raises:
         TypeError: It is no whole number.
@@ -52,7 +52,7 @@ def check_level(level: object, n_worlds: int) -> int:
 
 
 def check_bodies(bodies: object, scenario: Scenario) -> Ints:
-    """Return bodies as an array ``(n_bodies,)``, or raise a ValueError for one that is not there."""
+    """Return bodies as an array ``(n_bodies,)``; raise a ValueError if one does not exist."""
     return _bodies(bodies, scenario, "bodies=")
 
 
@@ -92,7 +92,7 @@ def _bodies(given: object, scenario: Scenario, what: str) -> Ints:
 
 
 def check_worlds(n_worlds: int) -> None:
-    """Raise unless this is a number of worlds.
+    """Raise if the number of worlds is not valid.
 
     Raises:
         ValueError: It is not an integer of at least 1.
