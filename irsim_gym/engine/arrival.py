@@ -13,7 +13,7 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
 SAME_PLACE = 1e-6
-"""Goals nearer than this [m] are the same."""
+"""Goals closer to each other than this [m] count as equal."""
 
 
 @kernel(inlined=True)

@@ -12,10 +12,10 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 FEWEST_BODIES = 64
-"""With fewer, looking at all of them is as fast."""
+"""Minimum number of bodies for buckets. With fewer, testing all of them is as fast."""
 
 ROUNDING, TINY = 1.0 + 1e-9, 1e-9
-"""By this much more than the greatest reach is searched, so that rounding leaves nobody out."""
+"""Margin of searches beyond the greatest reach, so that rounding excludes no body."""
 
 
 def lay_out(model: Model, is_random: Flags) -> None:

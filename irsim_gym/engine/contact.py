@@ -19,7 +19,7 @@ from irsim_gym.world.state import State
 NOBODY = -1
 
 SURE = 1e-6
-"""A disc's ``room`` counts as this much less [m]; rounding is far smaller."""
+"""Safety margin by which the ``room`` of a disc is reduced [m]. Rounding errors are far smaller."""
 
 
 def find(movers: Ints, model: Model, state: State, shard: Shard) -> None:

@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.scenario.spec import Scenario
 
 LEVELS = int(rng.LATER)
-"""Seeds count from 0 up to this number, and begin anew beyond it; the levels that follow a first one lie above."""
+"""Number of seeds; larger ones wrap around. Levels that follow the first one of a seed have larger numbers."""
 MOST = 2**63
 NOBODY = (
     "commands are given, but nobody takes them: compile(scenario, agents=[0]) says which bodies are commanded at each "

@@ -11,7 +11,7 @@ from irsim_gym.world.group import Group, find_sensor
 from irsim_gym.world.own_scan import OwnScan
 
 RANGES = "ranges"
-"""What range sensors call their reading."""
+"""Name of the readings of range sensors."""
 
 
 def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group]) -> list[Group]:

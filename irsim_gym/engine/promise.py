@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from irsim_gym.contract import is_foreign, place_of
 
 CALLS = 20
-"""How often a function is recorded again."""
+"""Number of calls in which a function is recorded again."""
 
 CURE = "steps take the plain path; write it as a kernel, or leave only_kernels out"
 

@@ -21,12 +21,12 @@ from irsim_gym.world.model import KEEP_GOAL, Model
 from irsim_gym.world.state import State
 
 TRIES = 10
-"""Draws by a body's own distribution, before any free place will do."""
+"""Number of draws from a body's own distribution before any free place is accepted."""
 
 SCATTER_TRIES = 1000
 
 WAYS_SOUGHT = 50
-"""Free places from which a way to the goal is sought, before one without will do."""
+"""Number of free places that are tried for a path to the goal before one without a path is accepted."""
 
 
 def vanish(bodies: Ints, gone: Flags, model: Model, state: State, shard: Shard) -> None:

@@ -19,19 +19,19 @@ from irsim_gym.world.group import Shard
 Work = Callable[[Shard], None]
 
 WORTH_S = 150e-6
-"""The least work that is worth waking a thread for [s]: that takes some 10 us, many times as much on a busy machine."""
+"""Least work for which waking a thread pays [s]. Waking takes about 10 us, far longer on a busy machine."""
 WORTH_AWAKE_S = 14e-6
-"""The same for recorded work and a thread that is awake [s]."""
+"""Least recorded work for which sharing with a thread that is awake pays [s]."""
 PIECE_S = 12e-6
-"""How long a piece of recorded work should take at least [s]; the calls in it cost some 2 us."""
+"""Minimum duration of a piece of recorded work [s]. Its calls cost about 2 us."""
 CLOSE_S, BRIEF_S = 3e-4, 5e-5
-"""How long a thread looks for its next job before it sleeps [s], where jobs follow each other closely, and else."""
+"""Time for which a thread polls for its next job before it sleeps [s]: after closely following jobs, and otherwise."""
 IN_A_ROW = 8
-"""After so many jobs that follow each other closely threads are woken for little work, as they will stay awake."""
+"""Number of closely following jobs after which threads are woken for little work, because they will stay awake."""
 NAP_S = 5e-5
-"""Time between two looks whether the threads have done their pieces, after a first millisecond [s]."""
+"""Polling interval of the caller while threads finish their pieces, after the first millisecond [s]."""
 HEAD_START_S = 0.0
-"""How long the caller lets the threads begin before it takes a share itself [s]; for tests of what threads do."""
+"""Time for which the caller waits for threads to begin before it works itself [s]; set by tests of threads."""
 
 
 class Shards:
@@ -167,7 +167,7 @@ class Shards:
                 time.sleep(NAP_S)
         except BaseException:
             repeat_until(job.cancel)
-            self._threads = self._job = None  # the job counts threads as awake that may not have been woken
+            self._threads = self._job = None  # the job counts threads as awake even if they have not been woken
             raise
         programs.check(job.failed)
         timing.note_shared(time.perf_counter() - begin, len(worlds))

@@ -33,12 +33,12 @@ SLOTS, SLOT, LAST, SLEEPS, OWN = 192, 192, 8, 64, 128
 """Offset and size of the slots' memory. Within a slot: address of its calls, its last piece; in cache lines of their
 own, whether its thread sleeps, and how many of its pieces are left."""
 MOST_PIECES = 16
-"""Most pieces for each slot."""
+"""Maximum number of pieces for each slot."""
 NOBODY = -1
 """No thread is awake or wanted."""
 
 WAITING_S = 1e-3
-"""How long the caller looks whether all pieces are done before it yields the processor [s]."""
+"""Time for which the caller polls whether all pieces are done before it yields the processor [s]."""
 
 
 class SharedJob:
@@ -56,7 +56,7 @@ class SharedJob:
         self._at = start + -start % 64
         self._failed = (self._at - start + FAILED) // 8
         self._waiting = looks_in(WAITING_S)
-        self.serve(0)  # compiled here, not by the first thread, so that an interrupt comes in the main thread
+        self.serve(0)  # compiled here instead of in the first thread, so that the main thread receives interrupts
         self._words[(self._at - start + SLOTS + SLEEPS) // 8 :: SLOT // 8] = 1
 
     def start(

@@ -315,7 +315,7 @@ class Simulation:
 
     def _begin_again(self, shard: Shard) -> None:
         altered = self.model.altered[shard.worlds]
-        if altered.any():  # who vanished or began anew is back only when the level is drawn once more
+        if altered.any():  # bodies that vanished or respawned are restored only by drawing the level again
             self.begin(Shard(shard.worlds[altered], shard.slot), self.model.level_stream.copy())
         restart.begin_again(self.parts, self.model, self.state, Shard(shard.worlds[~altered], shard.slot))
 

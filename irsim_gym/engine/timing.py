@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 JUDGED = 8
-"""How many shared jobs in a row are compared with one thread at once."""
+"""Number of successive shared jobs whose total time is compared with that of one thread."""
 FIRST_S = 1e-5
-"""What a job on one thread takes beside its worlds [s], until its kernels are in the cache."""
+"""Overhead of a job on one thread until its kernels are in the cache [s]."""
 REST, MOST_REST = 32, 512
-"""How many jobs stay on one thread after sharing did not pay; each further time twice as many, up to the second."""
+"""Number of jobs that stay on one thread after sharing did not pay: first value, doubled each time, and maximum."""
 
 
 class Timing:

@@ -21,11 +21,11 @@ from irsim_gym.arraytypes import Bytes, CellMap, Labels, Pose, Rays
 from irsim_gym.jit import kernel
 
 STEEP = 1e30
-"""Cells per metre of a beam that does not move along an axis, inverted."""
+"""Stands for the inverse of a velocity of 0 along an axis [m/cells]."""
 
 
 LANES = 32
-"""Beams of a block."""
+"""Number of beams in a block."""
 EAST, NORTH, SLOW_X, SLOW_Y = 0, LANES, 2 * LANES, 3 * LANES
 TIME, FAR, COLUMN, ROW = 4 * LANES, 5 * LANES, 6 * LANES, 7 * LANES
 PLACE_X, PLACE_Y, COLUMNS, ROWS = 8 * LANES, 9 * LANES, 10 * LANES, 11 * LANES
@@ -34,7 +34,7 @@ N_FLOATS, N_INTEGERS = 12 * LANES, 5 * LANES
 
 NONE, ONE, FLAT = np.float32(0.0), np.float32(1.0), np.float32(1.0 / STEEP)
 EDGE = np.float32(1.0 - 2.0**-24)
-"""The last place in a cell before its end."""
+"""Largest coordinate inside a cell."""
 
 
 @kernel

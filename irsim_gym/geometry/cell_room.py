@@ -13,9 +13,9 @@ from irsim_gym.arraytypes import CellMap, Floats, Point
 from irsim_gym.jit import kernel
 
 FARTHEST = 64
-"""Room is not looked for beyond so many cells."""
+"""Maximum distance that is stored [cells]."""
 DOUBT = 1e-6
-"""Relative error that bounds allow for: rooms are float32."""
+"""Relative margin of the bounds, because stored distances are float32."""
 
 
 @kernel

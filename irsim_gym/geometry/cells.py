@@ -18,7 +18,7 @@ Cell = tuple[int, int]
 """Column and row."""
 LARGEST = 255
 SLACK = 1e-9
-"""How much farther than needed cells are looked for [cells], so that rounding loses none; an exact test follows."""
+"""Margin of searches for cells [cells], so that rounding loses none. An exact test follows."""
 
 
 @kernel

@@ -24,7 +24,7 @@ SLACK = np.float32(3e-7)
 two that share a vertex."""
 
 HERE = np.float32(1e30)
-"""Inverse depth of what touches the sensor [1/m]."""
+"""Inverse depth of a hit at distance 0 [1/m]."""
 
 
 @kernel(contract=True)
@@ -53,7 +53,7 @@ def inverse_depth_segment(
     if cross * cross > EDGE_ON * EDGE_ON * a2 * b2:
         normal_x, normal_y = (b_y - a_y) / cross, (a_x - b_x) / cross
     elif a_x * b_x + a_y * b_y > 0.0:
-        # All that is seen is the nearer end p, as a segment from p to p: there 1/t = p.d / p.p.
+        # Only the nearer end p is visible, as a segment from p to p: there 1/t = p.d / p.p.
         if a2 < b2:
             bx, by = ax, ay
         else:

@@ -8,9 +8,9 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.live.places import FARTHEST
 
 HEAD_LENGTH, HEAD_WIDTH, NECK = 5.0, 3.0, 4.5
-"""Length and width of a head, and from its tip to where it meets the shaft, in widths of the shaft."""
+"""Length and width of a head, and distance from its tip to the shaft, in widths of the shaft."""
 SLENDER = 16.0
-"""Mean length of arrows in widths of their shafts, where these are not given."""
+"""Mean length of arrows in widths of their shafts, if no width is given."""
 
 
 def outlines(rows: Floats, length: float | None, width: float | None) -> list[Floats]:

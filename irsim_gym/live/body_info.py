@@ -13,7 +13,7 @@ from irsim_gym.live.vectors import vector
 from irsim_gym.world.irsim_readings import IrSimReadings
 
 FLATTEST = 1e-9
-"""Share of an area by which a corner may lie outside of a side's half-plane."""
+"""Tolerance for corners outside the half-plane of a side, relative to the area."""
 
 
 @dataclass(frozen=True)

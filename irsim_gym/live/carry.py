@@ -17,7 +17,7 @@ from irsim_gym.world.state import State
 
 HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
 NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid", "watchers", "seen_row", "leader", "abreast"})
-"""Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
+"""Fields of bodies that are computed again: rows, bodies or buckets, and those that not every world needs."""
 
 START_TRIES = 20
 

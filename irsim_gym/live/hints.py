@@ -82,10 +82,10 @@ LOAD: dict[str, tuple[tuple[object, ...], str]] = {
     "log_file": ((None,), "give world.logger a handler: logging.FileHandler(...)"),
     "projection": ((None, "2d", "3d"), "bodies are in the plane, and pictures show it from above"),
 }
-"""For each argument of IR-SIM's that is not one here: values that ask for what is so anyway, and what to do else."""
+"""Arguments of IR-SIM without effect here: values that match the behaviour, and what to do for others."""
 
 TAKEN = ("full", "ani_kwargs", "log_level", "step_mode", "world_name")
-"""Arguments of IR-SIM's that ``load`` takes beside its own."""
+"""Arguments of IR-SIM that ``load`` accepts, too."""
 
 LARGE = "the window is as large as the picture: plot: {figure_pixels: [1000, 800]}"
 

@@ -24,11 +24,11 @@ POINT_WORDS = {
 }  # fmt: skip
 ARROW_WORDS = {"color": "color", "alpha": "alpha", "zorder": "layer"}
 MARKER_EDGE = 1.0
-"""A point of matplotlib's is larger by the width of its edge [point]."""
+"""Width of the edge by which markers of matplotlib are larger [point]."""
 SHARE, FEWEST = 1.8, 10.0
-"""An arrow is so many times, times the root of how many there are and at least this, shorter than the world."""
+"""An arrow is shorter than the world by this factor times the root of the number of arrows, at least the second one."""
 THICK, THIN = 0.0075, 0.003
-"""Width of arrows' shafts as a share of the world's, and that of arrows along a trajectory."""
+"""Width of the shafts of arrows, and of those along a trajectory, relative to the width of the world."""
 ORIGIN_SIZE = 36.0
 
 

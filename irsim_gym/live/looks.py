@@ -15,13 +15,13 @@ from irsim_gym.scenario.colors import as_text, color_problem
 LINES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 NO_LINE = ("", " ", "none", "None")
 Color = str | Sequence[float] | Floats
-"""A name or code, or red, green, blue and perhaps opacity from 0 to 1."""
+"""A name or code, or red, green, blue and optionally opacity, each from 0 to 1."""
 Colors = Color | Sequence[Color]
 
 T = TypeVar("T")
 
 STROKES = "+x|_"
-"""Forms of points that consist of lines."""
+"""Markers that consist of lines."""
 
 
 def _star(corners: int, inner: float = 1.0) -> Floats:
@@ -60,7 +60,7 @@ def _forms() -> dict[str, tuple[Floats, ...]]:
 
 FORMS = _forms()
 SHARES = {".": 0.5, ",": 0.15}
-"""Points with these names are discs of so much of the size."""
+"""Markers that are discs, with their diameter relative to the size."""
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 from irsim_gym.arraytypes import Flags, Floats
 
 FEWEST, MOST = 2, 4
-"""A point has so many coordinates: x and y, perhaps a heading and one more; what is left over is not used."""
+"""Possible numbers of coordinates of a point: x and y, optionally a heading and one more. Others are ignored."""
 
 FARTHEST = 1e9
-"""A coordinate is smaller than this [m]."""
+"""Upper bound of coordinates [m]."""
 
 
 def rows(points: ArrayLike, *, columns: bool = False, least: int = FEWEST) -> Floats:

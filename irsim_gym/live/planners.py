@@ -58,4 +58,4 @@ class AStarPlanner:
 
 
 JPSPlanner = AStarPlanner
-"""Jump point search finds the same ways, so it is the same planner."""
+"""The same planner, because jump point search finds the same paths."""

@@ -15,7 +15,7 @@ from irsim_gym.world.marks import LineMark, Mark, PointsMark
 
 POINTS = "#CC79A7"
 MARKER_SIZE, MARKER_WIDTH = 6.0, 1.5
-"""Size of the forms along a line, and width of the lines of crosses [point]."""
+"""Size of markers along a line, and width of the lines of crosses [point]."""
 
 
 @dataclass(frozen=True)

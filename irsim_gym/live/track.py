@@ -10,7 +10,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 
 GONE = ""
-"""Stands for the name of a body that is gone."""
+"""Replaces the name of a removed body."""
 
 
 class Track:

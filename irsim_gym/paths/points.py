@@ -38,7 +38,7 @@ class PointMap(NamedTuple):
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
         side = max(side, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_POINT_CELLS)))
         columns, rows = int(np.ceil((x_max - x_min) / side)) + 1, int(np.ceil((y_max - y_min) / side)) + 1
-        # What lies on the world's edge is seen on either side of it.
+        # Points on the edge of the world may be measured on either side of it.
         places = np.full((*shape, columns, rows, 2), np.nan, np.float32)
         return cls(x_min - 0.5 * side, y_min - 0.5 * side, float(side), places)
 

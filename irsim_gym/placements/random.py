@@ -22,7 +22,7 @@ MARGIN = 0.5
 WISHED_DISTANCE = 1.0
 """Default distance between members of an entry, if there is room for it [m]."""
 FULLEST = 0.45
-"""Share of a plane that discs put down at random cover without much searching; they never cover more than 0.547 of it
+"""Share of a plane that randomly placed discs cover without many draws; they never cover more than 0.547 of it
 (Feder, Journal of Theoretical Biology 87, 1980).
 """
 COARSE, FINE = 1.0, 0.5

@@ -60,7 +60,9 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
                 if is_near and contains_point(rows, start, count, (eye.x, eye.y)):
                     limits[start : start + count], is_noted = np.inf, False
-            n_rounds: Any = np.int64(0)  # a literal would be a type of its own: cast_chunk would be compiled twice
+            n_rounds: Any = np.int64(
+                0
+            )  # a literal has a type of its own, for which cast_chunk would be compiled a second time
             for m in range(n_rings):
                 d = seen[m]
                 dx, dy, within = rings[d, 0] - eye.x, rings[d, 1] - eye.y, far + rings[d, 2]
