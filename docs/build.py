@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from builder import check, gallery, language, pictures, reference, source_pages, stage
+from builder import check, gallery, language, pictures, reference, source_pages, stage, stand_ins
 from sphinx.cmd.build import build_main
 
 HERE = Path(__file__).parent
@@ -28,8 +28,10 @@ def main() -> int:
     stage.stage(ROOT, source, generated)
     (source / pictures.EXTRA).mkdir(exist_ok=True)
     options = ["-W", "--keep-going", "-q", "-j", "auto", "-b", "html", "-c", str(HERE)]
-    if status := build_main([*options, "-d", str(ROOT / "build" / "site-doctrees"), str(source), str(asked.out)]):
-        return int(status)
+    options += ["-d", str(ROOT / "build" / "site-doctrees")]
+    with stand_ins.stood_in():
+        if status := build_main([*options, str(source), str(asked.out)]):
+            return int(status)
     source_pages.mend(asked.out)
     broken = check.broken_links(asked.out)
     print("\n".join(broken) or f"{asked.out / 'index.html'}")

@@ -59,6 +59,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "plan": ("irsim_gym.live", "plan"),
     "plugins": ("irsim_gym.plugins", None),
     "record_demonstrations": ("irsim_gym.training.recorder", "record_demonstrations"),
+    "rllib": ("irsim_gym.rllib", None),  # not in __all__: most installations lack Ray
     "sb3": ("irsim_gym.sb3", None),
     "torch_rows": ("irsim_gym.envs.torch_rows", "torch_rows"),
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import re
 from collections.abc import Iterator, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from builder import stand_ins
 from irsim_gym.world.arrays import Arrays
 
 
@@ -32,6 +32,8 @@ class Section:
     names: tuple[str, ...] = ()
 
 
+CARD_PARTS = ("Scenario", "Term", "Action", "Network", "Training", "Part", "Result", "Share")
+
 SECTIONS = {
     "irsim_gym": Section("irsim_gym", "What ``import irsim_gym`` offers.", "irsim_gym"),
     "environments": Section(
@@ -44,34 +46,72 @@ SECTIONS = {
             "irsim_gym.envs.parallel.WorldParallelEnv",
             "irsim_gym.envs.batch.Batch",
             "irsim_gym.envs.batch_step.BatchStep",
-            "irsim_gym.envs.description.Description",
+            "irsim_gym.envs.torch_rows.TorchRows",
+            *(
+                f"irsim_gym.envs.description.{name}"
+                for name in ("Description", "Block", "Part", "Action", "Component", "Reward", "Ending", "Info")
+            ),
+            *(f"irsim_gym.envs.moment.{name}" for name in ("WorldMoment", "Bodies", "BodyMoment", "RobotMoments")),
+            "irsim_gym.world.body_readings.BodyReadings",
         ),
     ),
     "worlds": Section(
         "Worlds by hand",
         "What ``load`` returns, and its bodies.",
-        names=("irsim_gym.live.world.World", "irsim_gym.live.body.Body", "irsim_gym.live.drawing.Drawing"),
+        names=(
+            "irsim_gym.live.world.World",
+            "irsim_gym.live.body.Body",
+            "irsim_gym.world.irsim_readings.IrSimReadings",
+            *(f"irsim_gym.live.body_info.{name}" for name in ("RobotInfo", "ObstacleInfo", "HalfPlanes")),
+            "irsim_gym.live.drawing.Drawing",
+            "irsim_gym.live.drawing.Drawn",
+            "irsim_gym.live.grid_map.GridMap",
+        ),
     ),
     "simulation": Section(
         "Simulation",
         "What ``compile`` and ``load_scenario`` return: the simulator alone, without tasks.",
-        names=("irsim_gym.engine.simulation.Simulation", "irsim_gym.scenario.spec.Scenario"),
+        names=(
+            "irsim_gym.engine.simulation.Simulation",
+            "irsim_gym.scenario.spec.Scenario",
+            "irsim_gym.scenario.spec.BodySpec",
+        ),
     ),
     "tasks": Section(
         "irsim_gym.tasks",
         "Tasks, and the codes in infos.",
         names=tuple(f"irsim_gym.tasks.{name}" for name in ("load_task", "Task", "Outcome", "HitKind")),
     ),
-    "sb3": Section("irsim_gym.sb3", "For Stable-Baselines3.", "irsim_gym.sb3"),
+    "sb3": Section(
+        "irsim_gym.sb3",
+        "For Stable-Baselines3.",
+        "irsim_gym.sb3",
+        names=("irsim_gym.envs.sb3_recurrent.MaskedRecurrentPPO",),
+    ),
+    "rllib": Section("irsim_gym.rllib", "For Ray RLlib.", "irsim_gym.rllib"),
+    "levels": Section(
+        "Scenarios and levels",
+        "Where shipped scenarios are, and what is known of their levels.",
+        names=(
+            "irsim_gym.scenario.library.find",
+            "irsim_gym.scenario.library.configs_folder",
+            "irsim_gym.levels.certificate.read_certificate",
+            "irsim_gym.levels.certificate.Certificate",
+        ),
+    ),
     "results": Section(
         "Results and policies",
         "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
         names=(
             "irsim_gym.training.evaluate.Evaluation",
             "irsim_gym.training.evaluate_teams.TeamEvaluation",
+            *(f"irsim_gym.evaluation.metrics.{name}" for name in ("Summary", "EpisodeRow", "Rate")),
+            *(f"irsim_gym.evaluation.team_metrics.{name}" for name in ("TeamSummary", "TeamRow", "AgentRow")),
             "irsim_gym.arenas.contest.Arena",
+            "irsim_gym.arenas.standings.Standings",
             "irsim_gym.training.shelf.ShelfPolicy",
             "irsim_gym.training.cards.PolicyCard",
+            *(f"irsim_gym.training.cards.Card{name}" for name in CARD_PARTS),
             "irsim_gym.training.demonstrations.Demonstrations",
         ),
     ),
@@ -90,12 +130,12 @@ def pages() -> dict[str, str]:
 def names(section: Section) -> Iterator[tuple[str, Any]]:
     """Yield the dotted names of a page, with what they name."""
     if section.module is not None:
-        module = importlib.import_module(section.module)
+        module = stand_ins.module(section.module)
         for name in public(module):
             yield f"{section.module}.{name}", getattr(module, name)
     for dotted in section.names:
         module_name, _, name = dotted.rpartition(".")
-        yield dotted, getattr(importlib.import_module(module_name), name)
+        yield dotted, getattr(stand_ins.module(module_name), name)
 
 
 def public(module: ModuleType) -> list[str]:

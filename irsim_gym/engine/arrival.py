@@ -13,12 +13,15 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
 SAME_PLACE = 1e-6
-"""Goals nearer than this [m] are the same."""
+"""Goals closer to each other than this [m] count as equal."""
 
 
 @kernel(inlined=True)
 def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
-    """Return the distance [m] of a pose from a goal; with a heading, radians count like metres (as in IR-SIM)."""
+    """Return the distance [m] of a pose from a goal.
+
+    If the heading matters, a difference of 1 rad counts like 1 m, as in IR-SIM.
+    """
     dx, dy = goal[0] - pose[0], goal[1] - pose[1]
     turn = wrap(goal[2] - pose[2]) if with_heading and not np.isnan(goal[2]) else 0.0
     return float(np.sqrt(dx * dx + dy * dy + turn * turn))
@@ -64,9 +67,9 @@ def check_arrival(worlds: Ints, goal_bodies: Ints, model: Model, state: State) -
 
 @kernel
 def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Model, state: State) -> None:
-    """Draw a wandering body's next goal; send a looping one through its goals again.
+    """Draw the next goal of a wandering body, and send a looping body through its goals again.
 
-    On the way between one goal and the start headings do not matter, unless they do on arrival.
+    Between the start and a single goal, headings are ignored unless they matter on arrival.
 
     Reads: model (abreast, arrive_mode, goal_renewal, leader, present, wander_high, wander_low, wandering,
         waypoint_count, waypoints), state (arrived, goal, pose, random, step, stopped, waypoint_end).
@@ -87,7 +90,7 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Mode
 
 @kernel
 def lags(w: int, b: int, model: Model, state: State) -> bool:
-    """Return whether the first of those that walk together has another goal than body b, which goes beside it.
+    """Return whether the leader of body b's party has another goal than body b.
 
     Reads: model (abreast, leader), state (goal).
     """
@@ -98,7 +101,9 @@ def lags(w: int, b: int, model: Model, state: State) -> bool:
 
 @kernel
 def gives_up(w: int, b: int, model: Model, state: State) -> bool:
-    """Return whether a body wants another goal before it has reached its own; one with an interval draws for it.
+    """Return whether a body wants another goal before it has reached its own.
+
+    A body with a range for this time draws a random number.
 
     Reads: model (present, wandering), state (random, step).
     Writes: state (random).
@@ -111,9 +116,9 @@ def gives_up(w: int, b: int, model: Model, state: State) -> bool:
 
 @kernel(inlined=True)
 def begin_round(w: int, b: int, first: bool, model: Model, state: State) -> None:
-    """Give a body the first of its goals; a wandering body draws it, unless it is the first of all and kept.
+    """Give a body the first of its goals. A wandering body draws it, unless it keeps its first goal of all.
 
-    A first goal that is kept stays in its row, as the level may begin again.
+    A kept goal stays in its row, because the level may begin again.
 
     Reads: model (abreast, goal_renewal, leader, present, wander_high, wander_low, wandering, waypoint_count,
         waypoints), state (goal, pose, random).
@@ -135,7 +140,7 @@ def begin_round(w: int, b: int, first: bool, model: Model, state: State) -> None
 
 @kernel
 def share_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None:
-    """Write the goal of a body that walks with others: beside that of the first, seen on the way there.
+    """Write the goal of a body that walks in a party: beside the leader's goal, across the direction of travel.
 
     Reads: model (abreast, leader), state (goal, pose).
     Writes: goal.
@@ -150,7 +155,7 @@ def share_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None
 
 @kernel
 def draw_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None:
-    """Write a goal of a wandering body: between its bounds, or on a circle around their middle; its heading between.
+    """Write a goal of a wandering body, drawn from a box or from a circle around its centre, and a heading.
 
     Reads: model (wander_high, wander_low, wandering), state (random).
     Writes: goal, state (random).

@@ -1,4 +1,4 @@
-"""The buckets in which near bodies are found (``geometry/buckets.py``), kept up to date as bodies move."""
+"""The buckets that find bodies near a point (``geometry/buckets.py``), kept up to date as bodies move."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 FEWEST_BODIES = 64
-"""With fewer, looking at all of them is as fast."""
+"""Minimum number of bodies for buckets. With fewer, testing all of them is as fast."""
 
 ROUNDING, TINY = 1.0 + 1e-9, 1e-9
-"""By this much more than the greatest reach is searched, so that rounding leaves nobody out."""
+"""Margin of searches beyond the greatest reach, so that rounding excludes no body."""
 
 
 def lay_out(model: Model, is_random: Flags) -> None:
-    """Choose the squares of a world with many bodies, and the bodies that are small enough for them."""
+    """Choose the squares for a world with many bodies, and the bodies that are small enough for them."""
     n_bodies = len(model.role)
     if n_bodies < FEWEST_BODIES:
         return
@@ -40,20 +40,20 @@ def n_buckets(n_bodies: int) -> int:
 
 
 def empty(model: Model, state: State, shard: Shard) -> None:
-    """Take all bodies out of the buckets."""
+    """Remove all bodies from the buckets."""
     if model.bucket_frame[0].columns:
         empty_buckets(shard.worlds, state)
 
 
 def refresh(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
-    """Put bodies into the buckets where they are now."""
+    """Put bodies into the buckets of their present positions."""
     if model.bucket_frame[0].columns:
         sort_bodies(shard.worlds, bodies, model, state)
 
 
 @kernel
 def empty_buckets(worlds: Ints, state: State) -> None:
-    """Leave no body in any bucket.
+    """Remove all bodies from the buckets.
 
     Writes: state (bucket, bucket_first, bucket_next).
     """

@@ -16,7 +16,7 @@ from irsim_gym.world.state import State
 
 @kernel
 def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: Model, state: State) -> None:
-    """Note which bodies touch an occupied cell, for them and for the map's own body.
+    """Note which bodies touch an occupied cell, both for them and for the body of the map.
 
     Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid, unobstructed), state
         (discs, hit, pose, segments).
@@ -38,7 +38,7 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: Model
 def measure_cell_clearance(
     worlds: Ints, bodies: Ints, cells: CellMaps, model: Model, state: State, distance: Floats
 ) -> None:
-    """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell.
+    """Lower surface distances [m], shape ``(n_worlds, n_bodies)``, to those from the nearest occupied cell.
 
     Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid), state (discs, pose,
         segments).

@@ -143,7 +143,7 @@ def _group_behaviors(
 
 
 def _measure(scenario: Scenario, outlines: Sequence[Outline], model: Model, deciding: Sequence[Group]) -> Ints:
-    """Write radius and centroid of all bodies if anything asks for them; return those that are drawn anew."""
+    """Write radius and centroid of all bodies if anything reads them; return the bodies whose outline levels draw."""
     if not any(group.kind.reads_neighbors for group in deciding):
         return np.zeros(0, np.int64)
     everyone = np.arange(len(outlines), dtype=np.int64)
@@ -178,9 +178,9 @@ def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: Mode
 
 
 def _placements(scenario: Scenario, model: Model, n_slots: int) -> list[Group]:
-    """Return the entries in the order of placement: what has the least choice comes first.
+    """Return the entries in the order of placement: those with the least freedom first.
 
-    What is given, what is shifted about given places, random obstacles, random robots.
+    These are given places, places shifted from given ones, random obstacles, random robots.
 
     Raises:
         ScenarioError: A distribution does not fit the world.

@@ -13,10 +13,11 @@ from irsim_gym.world.state import State
 
 @kernel
 def limit_velocity(worlds: Ints, movers: Ints, model: Model, state: State) -> None:
-    """Write ``state.velocity``: the command clipped to [max(v_min, v - a dt), min(v_max, v + a dt)] in each component.
+    """Write ``state.velocity``: each component of the command, clipped to the limits of velocity and acceleration.
 
-    With ``speed_bound`` the speed is held to the first of v_max as well.
-    The upper end wins where the interval is empty. Stopped bodies stand still, and so do those that nobody commands.
+    These are [max(v_min, v - a dt), min(v_max, v + a dt)]. The upper end wins if this interval is empty. With
+    ``speed_bound``, the speed is limited to the first component of v_max, too. Stopped bodies stand still, and so do
+    those without a command.
 
     Reads: model (acceleration_limit, driven, present, speed_bound, step_time, velocity_max, velocity_min), state
         (command, stopped, velocity).
@@ -42,7 +43,7 @@ def limit_velocity(worlds: Ints, movers: Ints, model: Model, state: State) -> No
 
 @kernel
 def hold_speed(velocity: Floats, most: float) -> None:
-    """Shorten a velocity that is faster than ``most`` [m/s]; its first two components are speeds.
+    """Shorten a velocity whose first two components are faster than ``most`` [m/s].
 
     Writes: velocity.
     """

@@ -64,12 +64,12 @@ def compile(
     """Turn a scenario into arrays for ``n_worlds`` worlds.
 
     Args:
-        scenario: The description.
+        scenario: The scenario to compile.
         n_worlds: Number of worlds that are stepped together.
-        agents: Bodies whose behaviour is overridden: their commands come from outside.
-        num_threads: Worlds are shared out over that many threads.
-        check_starts: Refuse robots whose given start lies in an obstacle.
-        fused: Replay a step as one call where that is possible; the results are the same.
+        agents: Bodies commanded from outside; their behaviour is ignored.
+        num_threads: Number of threads that share the worlds.
+        check_starts: Whether to refuse robots whose given start lies in an obstacle.
+        fused: Whether to record a step and replay it as one call where possible. Results are the same.
 
     Raises:
         ScenarioError: A robot's given start lies in an obstacle.
@@ -115,7 +115,7 @@ def compile(
 
 
 def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
-    """Return the fields that need a row for each world, as their levels differ in it."""
+    """Return the fields that need one row per world, because levels change them."""
     if scenario.occupied is None:
         return RANDOM_OUTLINE if varied.any() else frozenset()
     outlines = RANDOM_OUTLINE if varied[:-1].any() else frozenset()
@@ -123,7 +123,7 @@ def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
 
 
 def _count_boxes(scenario: Scenario, varied: Flags) -> int:
-    """Return how many boxes cover the occupied cells of the map, or may cover them in any level."""
+    """Return the number of boxes that cover the occupied cells of the map; an upper bound if levels draw the map."""
     if scenario.occupied is None:
         return 0
     if varied[-1]:
@@ -152,7 +152,7 @@ def _write_world(scenario: Scenario, model: Model) -> None:
 
 
 def _hide_map(model: Model) -> None:
-    """Keep the map's body out of what looks at outlines: it has none, and its cells are asked for apart."""
+    """Hide the body of the map from code that reads outlines: it has none, and its cells are tested separately."""
     if model.cells is not None:
         model.unobstructed[-1] = True
 
@@ -202,7 +202,7 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
 
 
 def _wheelbase(body: BodySpec) -> float:
-    """Return the axle distance [m] that the drive gives, else the shape; NaN without one, as 0 is."""
+    """Return the axle distance [m] of the drive, else of the shape; NaN if neither has one above 0."""
     given = (getattr(body.kinematics, "wheelbase", None), getattr(body.shape, "wheelbase", None))
     return next((float(value) for value in given if value), np.nan)
 
@@ -213,9 +213,9 @@ class _GoalPlan:
 
     Attributes:
         renewal: ``KEEP_GOAL``, ``WANDER`` or ``LOOP``.
-        count: Goals of a round; one that loops between a single goal and its start has two.
-        placed: So many goals are given by its distribution.
-        keeps_first: It wanders, but only after the first goal, which it is given.
+        count: Number of goals of a round; two for a body that loops between a single goal and its start.
+        placed: Number of goals that its distribution gives.
+        keeps_first: Whether it wanders only after a first goal that is given.
     """
 
     renewal: int

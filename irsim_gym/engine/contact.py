@@ -19,7 +19,7 @@ from irsim_gym.world.state import State
 NOBODY = -1
 
 SURE = 1e-6
-"""A disc's ``room`` counts as this much less [m]; rounding is far smaller."""
+"""Safety margin by which the ``room`` of a disc is reduced [m]. Rounding errors are far smaller."""
 
 
 def find(movers: Ints, model: Model, state: State, shard: Shard) -> None:
@@ -32,7 +32,7 @@ def find(movers: Ints, model: Model, state: State, shard: Shard) -> None:
 def find_static(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
     """Write ``model.static_partner``: contacts between bodies that never move, once per level.
 
-    Contacts of the level before are reused if the bodies stand where they stood then.
+    Contacts of the previous level are reused if these bodies have the same poses.
     """
     worlds, is_rigid, has_buckets = shard.worlds, bool(model.rigid[0]), model.bucket_frame[0].columns > 0
     may_recall = is_rigid and not has_buckets and model.cells is None
@@ -42,7 +42,7 @@ def find_static(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
 
 
 def _find_pairs(bodies: Ints, is_static: bool, model: Model, state: State, shard: Shard) -> None:
-    """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
+    """Write which bodies touch: tests all pairs, or near ones if there are buckets; then the map."""
     if model.bucket_frame[0].columns:
         find_near_contacts(shard.worlds, bodies, model, state)
     else:
@@ -53,7 +53,7 @@ def _find_pairs(bodies: Ints, is_static: bool, model: Model, state: State, shard
 
 @kernel
 def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: Model, state: State) -> None:
-    """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody.
+    """Start from the previous contacts where ``bodies`` have not moved since, else from none.
 
     Reads: model (present, static_known, static_partner, static_pose), state (collided, hit, pose).
     Writes: model (static_known, static_pose), state (collided, hit).
@@ -73,7 +73,7 @@ def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: Model, 
 
 @kernel
 def note_partners(worlds: Ints, model: Model, state: State) -> None:
-    """Keep the contacts that last through the level, and forget how much room there was in the one before.
+    """Keep the contacts that last throughout the level, and discard distances measured in the previous level.
 
     Reads: state (hit).
     Writes: model (static_known, static_partner), state (room).
@@ -87,7 +87,7 @@ def note_partners(worlds: Ints, model: Model, state: State) -> None:
 
 @kernel
 def begin_contacts(worlds: Ints, model: Model, state: State) -> None:
-    """Begin with the contacts that last through the level.
+    """Start from the contacts that last throughout the level.
 
     Reads: model (static_partner), state (hit).
     Writes: state (collided, hit).
@@ -145,7 +145,7 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: Model, sta
 
 @kernel(inlined=True)
 def room_left(disc: Floats, room: Record) -> float:
-    """Return the distance [m] within which a disc (x, y, radius) surely meets nothing; not above 0 if none is known.
+    """Return the distance [m] within which a disc (x, y, radius) certainly touches nothing; at most 0 if unknown.
 
     Args:
         disc: Where it is now.
@@ -157,7 +157,7 @@ def room_left(disc: Floats, room: Record) -> float:
 
 @kernel
 def stop_bodies(worlds: Ints, model: Model, state: State) -> None:
-    """Write ``state.stopped``: who is held in place; it may never move, as in IR-SIM.
+    """Write ``state.stopped``: the bodies that collisions hold in place, including those that never move, as in IR-SIM.
 
     Reads: model (collision_mode, role), state (collided).
     Writes: state (stopped).
@@ -195,7 +195,7 @@ def clearance(
 
 @kernel
 def fill(worlds: Ints, value: float, distance: Floats) -> None:
-    """Write one number [m] into the rows ``(n_worlds, n_bodies)`` of some worlds."""
+    """Write a number [m] into the rows ``(n_worlds, n_bodies)`` of some worlds."""
     for w in worlds:
         distance[w, :] = value
 
@@ -204,9 +204,9 @@ def fill(worlds: Ints, value: float, distance: Floats) -> None:
 def measure_clearance(
     worlds: Ints, bodies: Ints, only_mover: int, limit: Floats, model: Model, state: State, distance: Floats
 ) -> None:
-    """Write exact surface distances, skipping bodies that cannot be the nearest.
+    """Write exact surface distances. Skips bodies that cannot be the nearest.
 
-    If the only body that moves is a disc, its distance is kept in ``state.room``: it touches nothing until it has moved
+    If the only moving body is a disc, its distance is stored in ``state.room``: it touches nothing before it has moved
     that far.
 
     Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid, unobstructed), state

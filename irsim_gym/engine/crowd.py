@@ -17,7 +17,7 @@ ROUNDING = 1.0 + 1e-9
 
 @kernel
 def find_near_contacts(worlds: Ints, bodies: Ints, model: Model, state: State) -> None:
-    """Write the same flags as ``contact.find_contacts``, in time that grows with the bodies and not with their pairs.
+    """Write the same flags as ``contact.find_contacts``, in time linear in the number of bodies.
 
     Bodies in the buckets reach no farther than ``model.bucket_frame[0].reach``.
 
@@ -54,7 +54,9 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: Model, state: State) -
 def measure_near_clearance(
     worlds: Ints, bodies: Ints, limit: Floats, model: Model, state: State, distance: Floats
 ) -> None:
-    """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left.
+    """Write the same distances as ``contact.measure_clearance``.
+
+    The search radius grows until no closer body can be outside.
 
     Reads: model (bucket_frame, disc_count, disc_start, present, reach, segment_count, segment_start, solid,
         unobstructed), state (bucket_first, bucket_next, discs, nearby, pose, segments).
@@ -91,7 +93,7 @@ def measure_near_clearance(
 
 @kernel
 def holds_all(x: float, y: float, within: float, frame: Record) -> bool:
-    """Return whether a search up to a distance [m] of a point looks at all squares."""
+    """Return whether a search within a distance [m] of a point covers all squares."""
     columns, rows = frame.columns, frame.rows
     return bool(
         square_of(x - within, frame.x, frame.side, columns) == 0

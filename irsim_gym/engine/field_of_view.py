@@ -1,4 +1,4 @@
-"""Which bodies are in a body's field of view: a sector of some width and depth, without anything in the way."""
+"""Which bodies are in a body's field of view, a sector with a width and a depth."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def detect(worlds: Ints, body: int, fov: float, depth: float, model: Model, stat
 
     Args:
         worlds: The worlds to treat.
-        body: The one that looks.
-        fov: Width of the sector about its heading [rad].
+        body: The body that looks.
+        fov: Width of the sector, centred on the heading [rad].
         depth: Radius of the sector [m].
         model: Constants of the worlds.
         state: State of the worlds.

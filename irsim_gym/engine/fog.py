@@ -16,9 +16,9 @@ from irsim_gym.world.model import ROBOT, Model
 from irsim_gym.world.state import State
 
 CELL = 0.1
-"""Side of a cell [m] where neither the file nor a map says it."""
+"""Side of a cell [m] if neither the file nor a map gives it."""
 BEYOND = 1e-3
-"""How far a beam's last point lies behind its end, as a share of the others' distance: in what it hits."""
+"""Distance of a beam's last point behind its end, relative to the spacing of the others: inside the hit body."""
 
 
 @dataclass(repr=False)

@@ -1,9 +1,9 @@
-"""A step as one compiled call, where all that it does is to call kernels.
+"""Replays a step that only calls kernels as one compiled call.
 
-The plain path defines a step in Python: each phase calls its kernels. Here it runs once while ``jit.record`` notes
-these calls instead of making them; ``replay.Program`` then makes them all at once, for any worlds. No code is written
-twice, and the results are the same bits. A recorded function may call other such functions, which become a part of it,
-and repeat one of them for the worlds where it failed.
+The plain path defines a step in Python: each phase calls its kernels. It runs once while ``jit.record`` notes these
+calls instead of making them. ``replay.Program`` then makes all of them at once, for any worlds. No code is written
+twice, and results are equal bit for bit. A recorded function may call other such functions, which become part of it,
+and may repeat one of them for the worlds in which it failed.
 """
 
 from __future__ import annotations
@@ -49,12 +49,14 @@ class Programs:
 
 
 class Fused:
-    """A function of a shard that is recorded once for each slot, and replayed; run as it is where that is impossible.
+    """A function of a shard that is recorded once for each slot and then replayed.
+
+    If it cannot be recorded, it runs as plain Python.
 
     Args:
-        function: What to run. While it is recorded its kernels do nothing.
-        is_fusable: False never to record it.
-        promise: What kinds from outside promise that it calls; while that is tried it is not replayed.
+        function: The function. While it is recorded, its kernels are not executed.
+        is_fusable: Whether it may be recorded.
+        promise: Check of ``only_kernels`` of kinds from outside the package; nothing is replayed while it lasts.
 
     Attributes:
         programs: What was recorded, by slot; None where it cannot be.
@@ -142,7 +144,7 @@ class Fused:
         return self._of_slots
 
     def forget(self) -> None:
-        """Record again at the next call, because an array or a number has been replaced."""
+        """Record again in the next call, because an array or a number was replaced."""
         self.programs.clear()
         self._of_slots = None
         self._on_trial.clear()
@@ -193,7 +195,7 @@ class Fused:
 
 @kernel
 def call_until_done(worlds: Ints, calls: int, n_calls: int, tries: int, failed: Ints, left: Ints) -> None:
-    """Make calls for some worlds, and again for those where they failed.
+    """Make the calls for some worlds, and repeat them for those in which they failed.
 
     Args:
         worlds: The worlds to treat, shape ``(n,)``.

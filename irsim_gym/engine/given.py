@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.scenario.spec import Scenario
 
 LEVELS = int(rng.LATER)
-"""Seeds count from 0 up to this number, and begin anew beyond it; the levels that follow a first one lie above."""
+"""Number of seeds; larger ones wrap around. Levels that follow the first one of a seed have larger numbers."""
 MOST = 2**63
 NOBODY = (
     "commands are given, but nobody takes them: compile(scenario, agents=[0]) says which bodies are commanded at each "
@@ -33,12 +33,12 @@ def check_scenario(scenario: object) -> None:
 
 
 def check_agents(agents: Sequence[int], scenario: Scenario) -> tuple[int, ...]:
-    """Return the bodies that are commanded from outside, or raise a ValueError for one that is not there."""
+    """Return the bodies that are commanded from outside; raise a ValueError if one does not exist."""
     return tuple(_bodies(agents, scenario, "agents=").tolist())
 
 
 def check_level(level: object, n_worlds: int) -> int:
-    """Return the level of the first of several worlds, or raise an error for one that is none.
+    """Return the level of the first of several worlds.
 
     Raises:
         TypeError: It is no whole number.
@@ -52,7 +52,7 @@ def check_level(level: object, n_worlds: int) -> int:
 
 
 def check_bodies(bodies: object, scenario: Scenario) -> Ints:
-    """Return bodies as an array ``(n_bodies,)``, or raise a ValueError for one that is not there."""
+    """Return bodies as an array ``(n_bodies,)``; raise a ValueError if one does not exist."""
     return _bodies(bodies, scenario, "bodies=")
 
 
@@ -92,7 +92,7 @@ def _bodies(given: object, scenario: Scenario, what: str) -> Ints:
 
 
 def check_worlds(n_worlds: int) -> None:
-    """Raise unless this is a number of worlds.
+    """Raise if the number of worlds is not valid.
 
     Raises:
         ValueError: It is not an integer of at least 1.

@@ -1,7 +1,7 @@
-"""Behaviours for ``omni`` in command of any drive that turns velocities into its own commands (``world.kinds.Steers``).
+"""Behaviours for ``omni`` robots that steer any drive with ``world.kinds.Steers``.
 
-Such a behaviour is shown the body as an omnidirectional one, as fast in every direction as the first number of its
-``vel_max`` says. It asks for a velocity in the world frame, and the drive turns that into a command.
+Such a behaviour sees the body as omnidirectional, with the first component of ``vel_max`` as its maximum speed in every
+direction. It asks for a velocity in the world frame, which the drive turns into a command.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from irsim_gym.world.state import State
 
 @dataclass(frozen=True)
 class Guide:
-    """Who of a group is driven by way of velocities.
+    """The members of a group that are driven by velocities.
 
     Attributes:
-        shown: The constants as the behaviour sees them.
-        drives: Its members whose drives turn velocities into commands, by drive.
+        shown: Constants as the behaviour sees them.
+        drives: Members whose drives turn velocities into commands, by drive.
     """
 
     shown: Model
@@ -37,7 +37,7 @@ class Guide:
 
 
 def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], model: Model) -> None:
-    """Give a group that decides a guide if it needs one.
+    """Give a group that decides a guide, if it needs one.
 
     Args:
         group: The group; its ``guide`` is written.

@@ -1,4 +1,4 @@
-"""Levels of a file (``levels``), which are copied to the worlds instead of drawn."""
+"""Levels from a file (``levels``), which are copied into the worlds instead of being drawn."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def given_bodies(scenario: Scenario) -> Flags:
 
 
 def roomy_outlines(scenario: Scenario) -> list[Outline]:
-    """Return the outline of each body; of one that a file shapes, rows enough for all of its levels."""
+    """Return the outline of each body; if a file shapes it, with enough rows for all levels."""
     outlines = [body.shape.outline() for body in scenario.bodies]
     levels = scenario.levels
     if levels is None:

@@ -11,14 +11,14 @@ from irsim_gym.world.group import Group, find_sensor
 from irsim_gym.world.own_scan import OwnScan
 
 RANGES = "ranges"
-"""What range sensors call their reading."""
+"""Name of the readings of range sensors."""
 
 
 def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group]) -> list[Group]:
-    """Return a group that decides as groups whose members read sensors of one group each.
+    """Split a group that decides into groups whose members read sensors of one group each.
 
-    Members whose options read no scan are a group too. One without a range sensor, which nobody but one that cannot
-    move may be, is in the first of the others.
+    Members whose options read no scan form a group, too. A member without a range sensor, which must be one that cannot
+    move, joins the first of the other groups.
 
     Args:
         group: A group whose kind has not prepared anything yet; it comes back as it is if nobody in it reads scans.

@@ -1,4 +1,4 @@
-"""Writes a contact, for all searches."""
+"""Writes a contact; used by all searches for contacts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from irsim_gym.world.state import State
 
 @kernel(inlined=True)
 def note_contact(w: int, b: int, q: int, state: State) -> None:
-    """Note that bodies b and q touch; ``state.hit`` holds the lowest number that a body touches.
+    """Note that bodies b and q touch; ``state.hit`` is the lowest index that a body touches.
 
     Reads: state (hit).
     Writes: state (collided, hit).

@@ -22,11 +22,11 @@ class Parts:
         kinematics: Bodies that move, by drive.
         behaviors: Bodies that decide for themselves, by behaviour.
         group_behaviors: Groups whose members decide together, from the state at the beginning of the step.
-        turns: Who decides and moves when.
-        visitors: Bodies that come and go as their behaviours say, by behaviour.
-        external: Nothing moves but by the caller's hand (``step_mode: external``).
-        footprints: Bodies whose outline is drawn anew for each level, by shape.
-        maps: The body of an occupancy map that is drawn anew for each level, if there is one.
+        turns: The order in which bodies decide and move.
+        visitors: Bodies whose behaviours let them appear and disappear, by behaviour.
+        external: Whether only the caller moves bodies (``step_mode: external``).
+        footprints: Bodies whose outline each level draws, by shape.
+        maps: The body of an occupancy map that each level draws; empty without one.
         placements: Entries of the file, in the order in which they are placed.
         levels: Levels that a file gives; None where they are drawn.
         free: Entries with bodies that no file of levels places.
@@ -35,11 +35,12 @@ class Parts:
         fixed: Bodies that cannot.
         goal_bodies: Bodies with a goal.
         everyone: All bodies.
-        measured: Bodies whose radius and centroid change with their outline, and are asked for.
-        number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
+        measured: Bodies whose radius and centroid change with their outline, if anything reads these.
+        number_ranges: First body, least and greatest number of bodies of entries with ``number_range``, shape ``(n,
+            3)``.
         traits: What a level draws of bodies besides outlines and places, records of type ``traits.TRAITS``.
-        loop_returns: Bodies that loop between one goal and their start.
-        ways: Agents whose way to the goal is checked when a level is drawn.
+        loop_returns: Bodies that loop between a single goal and their start.
+        ways: Agents whose path to the goal is checked when a level is drawn.
         fog: What the robots have explored; None unless the file asks for it.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.

@@ -1,4 +1,4 @@
-"""Checks that each level has a way to the goal, for agents whose placement does not ensure one."""
+"""Checks that each level has a path to the goal, for agents whose placement does not guarantee one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CELL_PER_REACH = 0.5
 
 @dataclass(repr=False)
 class ReachabilityCheck(Struct):
-    """Agents whose ways are checked when a level is drawn, and the grid for it.
+    """Agents whose paths are checked when a level is drawn, and the grid for the search.
 
     Attributes:
         agents: Bodies, shape ``(n,)``.
@@ -37,7 +37,7 @@ class ReachabilityCheck(Struct):
 
 
 def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...], n_slots: int) -> ReachabilityCheck:
-    """Return the check: for round agents, where levels differ and the placement does not ensure a way itself."""
+    """Return the check for round agents, if levels differ and their placement does not guarantee a path."""
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
@@ -62,7 +62,7 @@ def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...]
 
 
 def check(ways: ReachabilityCheck, model: Model, state: State, shard: Shard, failed: Ints) -> None:
-    """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
+    """Set ``failed`` to body + 1 in worlds in which an agent has no path from its start through its goals."""
     if not len(ways.agents):
         return
     tables = of_slot(ways.tables, shard.slot)
@@ -80,7 +80,7 @@ def check_ways(
     state: State,
     failed: Ints,
 ) -> None:
-    """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next.
+    """Search a path past all standing bodies, from the start to the first goal and from each goal to the next.
 
     Reads: ways (agents, blocks), model (goal_renewal, present, reach, stands, unobstructed, waypoint_count, waypoints),
         state (pose).

@@ -1,8 +1,8 @@
-"""Whether kinds from outside keep what they promise with ``only_kernels``.
+"""Checks that kinds from outside the package keep the promise of ``only_kernels``.
 
-A recorded step repeats calls of kernels and nothing else: what a method does by NumPy would be lost, in silence. So a
-step is first recorded while all arrays are read-only: a method that writes one raises. Then the first calls take the
-plain path and are recorded again each time: a number or an array that changes between them shows.
+A recorded step repeats calls of kernels and nothing else. Anything that a method does with NumPy would be lost without
+a message. So a step is first recorded while all arrays are read-only: a method that writes to one raises. The first
+calls then take the plain path and are recorded each time: a number or an array that changes between them is noticed.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from numpy.typing import NDArray
 from irsim_gym.contract import is_foreign, place_of
 
 CALLS = 20
-"""How often a function is recorded again."""
+"""Number of calls in which a function is recorded again."""
 
 CURE = "steps take the plain path; write it as a kernel, or leave only_kernels out"
 
 
 class Promise:
-    """What kinds from outside promise, for all functions of a simulation that are recorded.
+    """The promises of kinds from outside the package, for all recorded functions of a simulation.
 
     Args:
-        forget: Lets go of everything that was recorded.
+        forget: Called to discard everything that was recorded.
 
     Attributes:
-        kinds: Kinds from outside that promise; those of the package are believed.
-        is_broken: It was found that one of them does more than to call kernels.
-        is_checking: Arrays are read-only at the moment, so nothing may be packed for later.
+        kinds: The kinds from outside that promise. Kinds of the package are not checked.
+        is_broken: Whether one of them was found to do more than calling kernels.
+        is_checking: Whether arrays are read-only now, so that nothing may be packed for later.
     """
 
     def __init__(self, forget: Callable[[], None]) -> None:
@@ -43,13 +43,13 @@ class Promise:
         self._forget = forget
 
     def among(self, kinds: Sequence[type[Any]]) -> Promise | None:
-        """Return the promise if any of some kinds is from outside, and note those that are; else None."""
+        """Return the promise if some kinds are from outside the package, and note these; else None."""
         foreign = [kind for kind in kinds if is_foreign(kind)]
         self.kinds += [kind for kind in foreign if kind not in self.kinds]
         return self if foreign else None
 
     def check(self, run: Callable[[], object], owner: object) -> None:
-        """Run what records a function while no array of its owner, at any depth, can be written."""
+        """Call the function that records, while all arrays of its owner are read-only."""
         if self.is_broken:
             return
         self.is_checking = True
@@ -62,7 +62,7 @@ class Promise:
             self.is_checking = False
 
     def break_off(self, why: str) -> None:
-        """Note, and warn once, that the promise is broken."""
+        """Note that the promise is broken, and warn once."""
         if not self.is_broken:
             self.is_broken = True
             kinds = ", ".join(f"{kind.__qualname__}{place_of(kind)}" for kind in self.kinds)
@@ -101,7 +101,7 @@ def _read_only(arrays: Sequence[NDArray[Any]]) -> Iterator[None]:
 
 
 def _place(error: BaseException) -> str:
-    """Return file and line where an error comes from, in code from outside if there is any."""
+    """Return file and line of an error, in code from outside the package if there is any."""
     frames = list(traceback.walk_tb(error.__traceback__))
     names = [frame.f_globals.get("__name__", "") for frame, _ in frames]
     outside = [i for i, name in enumerate(names) if name.split(".")[0] not in ("irsim_gym", "numpy")]

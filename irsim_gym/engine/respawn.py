@@ -21,20 +21,20 @@ from irsim_gym.world.model import KEEP_GOAL, Model
 from irsim_gym.world.state import State
 
 TRIES = 10
-"""Draws by a body's own distribution, before any free place will do."""
+"""Number of draws from a body's own distribution before any free place is accepted."""
 
 SCATTER_TRIES = 1000
 
 WAYS_SOUGHT = 50
-"""Free places from which a way to the goal is sought, before one without will do."""
+"""Number of free places that are tried for a path to the goal before one without a path is accepted."""
 
 
 def vanish(bodies: Ints, gone: Flags, model: Model, state: State, shard: Shard) -> None:
-    """Take bodies away until their world begins another level or they respawn.
+    """Remove bodies until their world begins another level or they respawn.
 
     Args:
-        bodies: The bodies in question, shape ``(n,)``.
-        gone: Which of them go, shape ``(n_worlds, n)``.
+        bodies: Candidates, shape ``(n,)``.
+        gone: Which of them are removed, shape ``(n_worlds, n)``.
         model: The constants; ``present`` and ``altered`` are rewritten.
         state: State of the worlds.
         shard: The worlds to treat.
@@ -45,7 +45,7 @@ def vanish(bodies: Ints, gone: Flags, model: Model, state: State, shard: Shard) 
 
 @kernel
 def remove(worlds: Ints, bodies: Ints, gone: Flags, model: Model) -> None:
-    """Mark bodies as absent, and worlds in which any is.
+    """Mark bodies as absent, and mark the worlds in which any is.
 
     Writes: model (altered, present).
     """
@@ -56,19 +56,19 @@ def remove(worlds: Ints, bodies: Ints, gone: Flags, model: Model) -> None:
 
 
 def respawn(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints, chosen: Flags) -> None:
-    """Draw new starts and goals for bodies in running worlds, clear of what is there, and let them begin at rest.
+    """Draw new starts and goals for bodies in running worlds. They start at rest and clear of everything.
 
-    Each is placed by the distribution of its entry, as at the beginning of a level; one whose place is taken every
-    time comes to a place drawn from the whole world, from which there is a way to its goals if one can be found. Then
-    all sensors of these worlds read anew.
+    Each body is placed by the distribution of its entry, as at the start of a level. If every draw fails, it is placed
+    anywhere in the world, if possible with a path to its goals. Then all sensors of these worlds are read again.
 
     Args:
         parts: The compiled scenario.
-        model: Its constants; goals and presence of the chosen bodies are rewritten, ``start`` stays that of the level.
-        state: Its moment; rewritten.
+        model: Its constants. Goals and presence of the chosen bodies are rewritten; ``start`` remains that of the
+            level.
+        state: Its state; rewritten.
         shard: The worlds.
-        bodies: The bodies in question, shape ``(n,)``.
-        chosen: Which of them begin anew, shape ``(n_worlds, n)``.
+        bodies: Candidates, shape ``(n,)``.
+        chosen: Which of them respawn, shape ``(n_worlds, n)``.
 
     Raises:
         PlacementError: There is no room.
@@ -110,13 +110,13 @@ def _find_places(parts: Parts, model: Model, state: State, shard: Shard, bodies:
 
 
 def _concerned(group: Group, shard: Shard, bodies: Ints, chosen: Flags) -> Shard:
-    """Return the worlds of a shard in which a member begins anew: no others may draw from their random streams."""
+    """Return the worlds in which a member respawns. Other worlds must not draw from their random streams."""
     members = chosen[shard.worlds][:, np.isin(bodies, group.members)]
     return Shard(shard.worlds[members.any(axis=1)], shard.slot)
 
 
 def _check(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints, chosen: Flags, failed: Ints) -> None:
-    """Set ``failed`` in worlds where a chosen body overlaps something, or lacks a way to its goal that it needs."""
+    """Set ``failed`` where a chosen body overlaps something, or lacks a path to its goal that it needs."""
     gap = np.full((len(failed), len(bodies)), 1e-9)
     contact.clearance(bodies, gap, model, state, shard, gap)
     blocked = (chosen & (gap <= 0.0))[shard.worlds].any(axis=1)
@@ -127,7 +127,7 @@ def _check(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints,
 
 
 def _scatter(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints) -> None:
-    """Put the bodies of one world anywhere in its rectangle where they touch nothing, if possible with a way."""
+    """Place the bodies of one world anywhere in its rectangle where they touch nothing, if possible with a path."""
     w = int(shard.worlds[0])
     x0, y0, x1, y1 = model.bounds.tolist()
     for b in bodies.tolist():
@@ -148,7 +148,7 @@ def _scatter(parts: Parts, model: Model, state: State, shard: Shard, bodies: Int
 
 
 def _is_free(model: Model, state: State, shard: Shard, b: int, pose: list[float]) -> bool:
-    """Let a body of one world stand at a pose, and return whether it touches nothing there."""
+    """Place a body of one world at a pose, and return whether it touches nothing there."""
     w, own = int(shard.worlds[0]), np.array([b])
     state.pose[w, b] = pose
     outlines.place(own, model, state, shard)
@@ -160,13 +160,13 @@ def _is_free(model: Model, state: State, shard: Shard, b: int, pose: list[float]
 
 
 def _needs_way(parts: Parts, b: int) -> bool:
-    """Return whether no level begins without a way for a body."""
+    """Return whether every level must have a path for a body."""
     promised = [group for group in parts.placements if group.options[0].ensures_way]
     return b in parts.ways.agents or any(b in group.members for group in promised)
 
 
 def _has_way(model: Model, state: State, w: int, b: int) -> bool:
-    """Return whether a disc around a body has a way from where it stands through all of its goals."""
+    """Return whether a disc around a body has a path from its position through all of its goals."""
     if not model.has_goal[b] or model.goal_renewal[b] != KEEP_GOAL:
         return True
     goals = model.waypoints[w, b, : model.waypoint_count[w, b]]
@@ -191,7 +191,7 @@ def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: Model, state: Stat
 
 @kernel
 def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: Model, state: State) -> None:
-    """Give the chosen bodies their first goals, and the velocities and flags of a beginning.
+    """Give the chosen bodies their first goals, initial velocities and cleared flags.
 
     Reads: model (abreast, goal_renewal, has_goal, initial_steering, initial_velocity, leader, present, wander_high,
         wander_low, wandering, waypoint_count, waypoints), state (goal, pose, random).

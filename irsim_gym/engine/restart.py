@@ -26,7 +26,7 @@ Phase = Callable[[Shard], None]
 
 
 def begin(state: State, shard: Shard, draw: Fused, start: Phase) -> None:
-    """Draw a level for each of the shard's worlds, again where it fails, and begin it.
+    """Draw a level for each world of the shard, repeat failed draws, and begin it.
 
     Args:
         state: The moment; ``random`` holds the stream of each level.
@@ -51,14 +51,14 @@ def check_drawn(parts: Parts, state: State, worlds: Ints) -> None:
 
 @kernel
 def refuse_failed(worlds: Ints, failed: Ints) -> None:
-    """Fail if something failed in one of the worlds, ``(n,)``, so that what follows is not done."""
+    """Fail if something failed in one of the worlds, ``(n,)``, so that the following calls are skipped."""
     for w in worlds:
         if failed[w] > 0:
             raise RuntimeError("a level could not be drawn")
 
 
 def start_drawn(parts: Parts, model: Model, state: State, shard: Shard) -> None:
-    """Begin the episode of levels that were just drawn, and note how their random streams go on."""
+    """Begin the episode of levels that were just drawn, and store the present state of their random streams."""
     if len(parts.traits):
         traits.draw_traits(shard.worlds, parts.traits, model, state)
     if len(parts.measured):
@@ -68,7 +68,7 @@ def start_drawn(parts: Parts, model: Model, state: State, shard: Shard) -> None:
 
 
 def begin_again(parts: Parts, model: Model, state: State, shard: Shard) -> None:
-    """Begin the level that each of the shard's worlds has, from ``model.start``, with the same random numbers."""
+    """Begin the present level of each world again, from ``model.start``, with the same random numbers."""
     state.random[shard.worlds] = model.level_random[shard.worlds]
     state.pose[shard.worlds] = model.start[shard.worlds]
     outlines.place(parts.everyone, model, state, shard)
@@ -93,7 +93,7 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
 
 
 def empty_memories(parts: Parts, shard: Shard) -> None:
-    """Let kinds forget what they remember, where episodes begin; behaviours and sensors may have a ``begin`` for it."""
+    """Clear the memory of kinds where episodes begin: calls ``begin`` of behaviours and sensors that have it."""
     for group in parts.remembering:
         group.arrays["memory"][shard.worlds] = None
     for group in (*parts.behaviors, *parts.group_behaviors, *parts.sensors):
@@ -102,7 +102,7 @@ def empty_memories(parts: Parts, shard: Shard) -> None:
 
 
 def forget_bodies(parts: Parts, shard: Shard, bodies: Ints, chosen: Flags) -> None:
-    """Empty what functions remember of bodies that begin anew, ``chosen``, shape ``(n_worlds, n_bodies)``."""
+    """Clear what functions remember of the bodies in ``chosen``, shape ``(n_worlds, n_bodies)``."""
     row, k = np.nonzero(chosen[shard.worlds])
     for group in parts.remembering:
         group.arrays["memory"][shard.worlds[row], bodies[k]] = None
@@ -118,7 +118,7 @@ def _failure(place: str) -> str:
 
 @kernel
 def note_streams(worlds: Ints, streams: Words, random: Words, model: Model) -> None:
-    """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``.
+    """Start the random streams from which levels are drawn, and store them; arrays ``(n_worlds,)``.
 
     Writes: random, model (altered, level_stream).
     """
@@ -153,7 +153,7 @@ def draw_level(parts: Parts, model: Model, state: State, shard: Shard) -> None:
 
 
 def take_level(parts: Parts, levels: LevelTable, model: Model, state: State, shard: Shard) -> None:
-    """Copy a level from its file; bodies that the file does not place stand where the scenario says."""
+    """Copy a level from its file. Bodies that the file does not place start as the scenario says."""
     draw_presence(shard.worlds, levels.no_ranges, model, state, state.failed)
     copy_levels(shard.worlds, levels, model, state)
     if (cells := model.cells) is not None and len(levels.cells):
@@ -165,7 +165,7 @@ def take_level(parts: Parts, levels: LevelTable, model: Model, state: State, sha
 
 @kernel
 def draw_presence(worlds: Ints, number_ranges: Ints, model: Model, state: State, failed: Ints) -> None:
-    """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements.
+    """Draw the number of bodies of each entry with a ``number_range``, and mark all bodies as not placed.
 
     Reads: state (random).
     Writes: model (present), state (placed, pose, random), failed.
@@ -208,7 +208,9 @@ def clear_moment(worlds: Ints, model: Model, state: State) -> None:
 
 @kernel
 def write_first_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Model, state: State) -> None:
-    """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back.
+    """Set the first goal of each body, NaN for an absent one.
+
+    Wandering bodies draw theirs. Bodies that loop with a single goal return to their start.
 
     Reads: model (abreast, arrive_mode, goal_renewal, leader, present, start, wander_high, wander_low, wandering,
         waypoint_count, waypoints), state (goal, pose, random).

@@ -19,31 +19,31 @@ from irsim_gym.world.group import Shard
 Work = Callable[[Shard], None]
 
 WORTH_S = 150e-6
-"""The least work that is worth waking a thread for [s]: that takes some 10 us, many times as much on a busy machine."""
+"""Least work for which waking a thread pays [s]. Waking takes about 10 us, far longer on a busy machine."""
 WORTH_AWAKE_S = 14e-6
-"""The same for recorded work and a thread that is awake [s]."""
+"""Least recorded work for which sharing with a thread that is awake pays [s]."""
 PIECE_S = 12e-6
-"""How long a piece of recorded work should take at least [s]; the calls in it cost some 2 us."""
+"""Minimum duration of a piece of recorded work [s]. Its calls cost about 2 us."""
 CLOSE_S, BRIEF_S = 3e-4, 5e-5
-"""How long a thread looks for its next job before it sleeps [s], where jobs follow each other closely, and else."""
+"""Time for which a thread polls for its next job before it sleeps [s]: after closely following jobs, and otherwise."""
 IN_A_ROW = 8
-"""After so many jobs that follow each other closely threads are woken for little work, as they will stay awake."""
+"""Number of closely following jobs after which threads are woken for little work, because they will stay awake."""
 NAP_S = 5e-5
-"""Time between two looks whether the threads have done their pieces, after a first millisecond [s]."""
+"""Polling interval of the caller while threads finish their pieces, after the first millisecond [s]."""
 HEAD_START_S = 0.0
-"""How long the caller lets the threads begin before it takes a share itself [s]; for tests of what threads do."""
+"""Time for which the caller waits for threads to begin before it works itself [s]; set by tests of threads."""
 
 
 class Shards:
-    """Cuts worlds into shares and runs a function on each.
+    """Divides worlds into shards, and runs a function on each.
 
-    Kernels release the GIL, so threads share the work. How many take part depends on the least time per world that the
-    function has taken so far. Results do not depend on the cut. The threads are made when they are first needed and
-    sleep in between; a forked child makes its own.
+    Kernels release the GIL, so threads share the work. The number of threads follows from the shortest time per world
+    that the function has taken so far. Results do not depend on the division. Threads are created when they are first
+    needed and sleep in between. A forked child creates its own.
 
     Attributes:
-        n_slots: Most shares that run at the same time.
-        all: The share of all worlds, alone in a list.
+        n_slots: Maximum number of shards that run at the same time.
+        all: A list with one shard of all worlds.
     """
 
     def __init__(self, n_worlds: int, num_threads: int) -> None:
@@ -58,9 +58,9 @@ class Shards:
         self._ended, self._in_a_row = 0.0, 0
 
     def run(self, function: Work, worlds: Ints | None = None) -> None:
-        """Call ``function`` for shares of the given worlds (all by default).
+        """Call ``function`` with shards of the given worlds (all by default).
 
-        An error is raised when all shares have ended, that of the first one before others.
+        Errors are raised after all shards have ended; of several errors, that of the first shard.
         """
         # Recorded calls take the address of the worlds: they have to be contiguous.
         whole = self.all[0] if worlds is None else Shard(np.ascontiguousarray(worlds, np.int64))
@@ -70,7 +70,7 @@ class Shards:
             function(whole)
 
     def is_alone(self, function: Fused, n_worlds: int) -> bool:
-        """Return whether the caller may do this work without ``run``, as it stays on one thread; call once for each."""
+        """Return whether the caller may do this work on one thread, without ``run``. Call it once per piece of work."""
         if self.n_slots == 1:
             return True
         timing = self._timings.get(function.__qualname__)
@@ -79,7 +79,7 @@ class Shards:
         return timing.workers(n_worlds, self.n_slots, min(WORTH_AWAKE_S, WORTH_S)) == 1 or not timing.is_worth_a_try()
 
     def _run(self, function: Work, worlds: Ints) -> None:
-        """Share the work if it is worth that."""
+        """Share the work among threads if this pays."""
         n_worlds = len(worlds)
         if not n_worlds:
             return
@@ -92,13 +92,13 @@ class Shards:
         self._ended = time.perf_counter()
 
     def _run_together(self, timing: Timing, function: Work, worlds: Ints, few: int) -> bool:
-        """Share the work if it is worth that; return whether it is done.
+        """Share the work among threads if this pays; return whether it is done.
 
         Args:
-            timing: How long the work takes.
+            timing: Durations of this work.
             function: What to run.
-            worlds: For which worlds.
-            few: How many slots may take part if their threads are awake.
+            worlds: The worlds.
+            few: Number of slots that take part if their threads are awake.
         """
         many = timing.workers(len(worlds), self.n_slots, WORTH_S)
         wanted = few if self._in_a_row >= IN_A_ROW else many
@@ -167,7 +167,7 @@ class Shards:
                 time.sleep(NAP_S)
         except BaseException:
             repeat_until(job.cancel)
-            self._threads = self._job = None  # the job counts threads as awake that may not have been woken
+            self._threads = self._job = None  # the job counts threads as awake even if they have not been woken
             raise
         programs.check(job.failed)
         timing.note_shared(time.perf_counter() - begin, len(worlds))
@@ -191,7 +191,7 @@ def cut(worlds: Ints, count: int) -> list[Ints]:
 
 
 def repeat_until(is_over: Callable[[], bool]) -> None:
-    """Call a function until it returns True, however often this is interrupted."""
+    """Call a function until it returns True, also after interrupts."""
     while True:
         try:
             if is_over():

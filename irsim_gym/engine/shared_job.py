@@ -1,14 +1,14 @@
-"""A recorded step, shared among threads that do not need Python for it.
+"""A recorded step that several threads share without the GIL.
 
-The caller writes a job into memory: whose calls, which worlds, how many pieces. Threads and caller take one piece after
-another until none is left. A thread that fetches a piece through Python waits for the GIL, and waking one through the
-operating system takes longer than many pieces do. So all this happens in kernels, and a thread that has nothing to do
-looks for the next job for a moment before it goes to sleep. As long as it looks even a few worlds are worth sharing;
-sleeping threads are woken for larger jobs.
+The caller writes a job into memory: its calls, the worlds, the number of pieces. The threads and the caller take one
+piece after another until none is left. A thread that fetched a piece through Python would wait for the GIL, and waking
+one through the operating system takes longer than many pieces do. So all of this happens in kernels, and a thread
+without work polls for the next job for a moment before it sleeps. While threads poll, even a few worlds are worth
+sharing. Sleeping threads are woken only for larger jobs.
 
-The processor that treated a world last holds its data in its cache. So every slot has worlds of its own, the same in
-each step, and takes pieces of other slots when it has none left. Each piece costs some overhead, and all wait for the
-last one: the first pieces of a slot's worlds are large and the last ones small.
+The processor that treated a world last holds its data in its cache. So each slot has worlds of its own, the same in
+each step, and takes pieces of other slots when it has none left. Each piece has some overhead, and all wait for the
+last one, so the first pieces of a slot are large and the last ones small.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ SLOTS, SLOT, LAST, SLEEPS, OWN = 192, 192, 8, 64, 128
 """Offset and size of the slots' memory. Within a slot: address of its calls, its last piece; in cache lines of their
 own, whether its thread sleeps, and how many of its pieces are left."""
 MOST_PIECES = 16
-"""Most pieces for each slot."""
+"""Maximum number of pieces for each slot."""
 NOBODY = -1
 """No thread is awake or wanted."""
 
 WAITING_S = 1e-3
-"""How long the caller looks whether all pieces are done before it yields the processor [s]."""
+"""Time for which the caller polls whether all pieces are done before it yields the processor [s]."""
 
 
 class SharedJob:
@@ -56,7 +56,7 @@ class SharedJob:
         self._at = start + -start % 64
         self._failed = (self._at - start + FAILED) // 8
         self._waiting = looks_in(WAITING_S)
-        self.serve(0)  # compiled here, not by the first thread, so that an interrupt comes in the main thread
+        self.serve(0)  # compiled here instead of in the first thread, so that the main thread receives interrupts
         self._words[(self._at - start + SLOTS + SLEEPS) // 8 :: SLOT // 8] = 1
 
     def start(
@@ -104,13 +104,13 @@ class SharedJob:
 
 
 def looks_in(seconds: float) -> int:
-    """Return how often a thread looks at a word in some time."""
+    """Return how often a thread can poll a word in a given time."""
     return int(seconds / _look_s())
 
 
 @cache
 def _look_s() -> float:
-    """Return how long it takes to look at a word [s]: the pause in between is some 40 cycles, or 140."""
+    """Return the time to poll a word once [s]. The pause instruction takes 40 or 140 cycles."""
     word, found = np.zeros(1, np.int64), []
     for _ in range(4):
         begin = time.perf_counter()
@@ -121,15 +121,15 @@ def _look_s() -> float:
 
 @kernel
 def portion(first: int, last: int, least: int, most: int, pieces: int, bounds: Ints) -> int:
-    """Cut worlds into pieces, each half of what is left, and return how many pieces there are now.
+    """Cut worlds into pieces, each half of what is left, and return the new number of pieces.
 
     Args:
-        first: Where the worlds begin, among those that are listed.
-        last: Where they end.
-        least: How many a piece should have at least; the last one may have fewer.
-        most: Most pieces.
-        pieces: How many pieces there are already.
-        bounds: Written: where each piece ends, ``bounds[k + 1]``.
+        first: Index of the first world in the list.
+        last: Index after the last one.
+        least: Minimum number of worlds in a piece; the last one may have fewer.
+        most: Maximum number of pieces.
+        pieces: Number of existing pieces.
+        bounds: Written: the end of each piece, ``bounds[k + 1]``.
     """
     count = 0
     while first < last:
@@ -146,9 +146,9 @@ class Share(NamedTuple):
     """How a job is shared.
 
     Attributes:
-        sharers: Among how many slots the worlds are divided.
-        wanted: How many slots are to work.
-        least: Least number of worlds in a piece.
+        sharers: Number of slots among which the worlds are divided.
+        wanted: Number of slots that should work.
+        least: Minimum number of worlds in a piece.
     """
 
     sharers: int
@@ -158,9 +158,9 @@ class Share(NamedTuple):
 
 @kernel
 def write_job(job: int, addresses: Ints, worlds: Ints, bounds: Ints, share: Share, n_calls: int, looks: int) -> int:
-    """Write a job, and return which of the wanted slots sleep, as bits; from then on they count as awake.
+    """Write a job, and return which of the wanted slots sleep, as bits. They count as awake from then on.
 
-    The number of pieces that are left is written last: a thread that sees it sees all else. Where no slot is awake or
+    The number of remaining pieces is written last: a thread that sees it sees everything else. If no slot is awake or
     wanted, nothing is written.
     """
     sharers, wanted, least = share
@@ -195,9 +195,9 @@ def write_job(job: int, addresses: Ints, worlds: Ints, bounds: Ints, share: Shar
 
 @kernel
 def take_pieces(job: int, slot: int, n_slots: int, block: int) -> int:
-    """Take pieces until none is left, and return how many worlds that were.
+    """Take pieces until none is left, and return the number of treated worlds.
 
-    Pieces are counted down, so a thread that comes late gets none. A job stays in memory until its last piece is done.
+    Pieces are counted down, so a late thread gets none. A job stays in memory until its last piece is done.
     """
     n_done = 0
     while add(job + LEFT, -1) > 0:
@@ -246,7 +246,7 @@ def serve(job: int, slot: int, n_slots: int, block: int) -> None:
 
 @kernel
 def await_others(job: int, patience: int) -> bool:
-    """Look so many times whether all pieces are done, and return whether they are."""
+    """Poll a number of times whether all pieces are done, and return whether they are."""
     for _ in range(patience):
         if load(job + DONE) >= load(job + PIECES):
             return True
@@ -256,7 +256,7 @@ def await_others(job: int, patience: int) -> bool:
 
 @kernel
 def look(at: int, times: int) -> int:
-    """Look at a word as a waiting thread does, and return its last value."""
+    """Poll a word as a waiting thread does, and return its last value."""
     found = 0
     for _ in range(times):
         found = load(at)

@@ -73,7 +73,7 @@ class Simulation:
         return self._recorded[-1]
 
     def rewire(self) -> None:
-        """Take note that arrays or lists of bodies have been replaced, so that what was recorded is out of date."""
+        """Discard recorded steps, because arrays or lists of bodies were replaced."""
         for function in self._recorded:
             function.forget()
 
@@ -184,7 +184,7 @@ class Simulation:
         return found
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
-        """Call ``function`` with shares of the given worlds (all by default), on threads if there are several.
+        """Call ``function`` with shards of the given worlds (all by default), on several threads if there are any.
 
         Args:
             worlds: Indices of the worlds, shape ``(n,)``.
@@ -231,7 +231,7 @@ class Simulation:
         advance(self.parts, self.model, self.state, shard)
 
     def vanish(self, shard: Shard, bodies: Ints, gone: Flags) -> None:
-        """Take bodies away until another level or a respawn; ``gone`` says which, shape ``(n_worlds, n_bodies)``.
+        """Remove bodies until another level or a respawn; ``gone`` says which, shape ``(n_worlds, n_bodies)``.
 
         Args:
             bodies: Numbers of the bodies, shape ``(n,)``.
@@ -239,7 +239,7 @@ class Simulation:
         respawn.vanish(bodies, gone, self.model, self.state, shard)
 
     def respawn(self, shard: Shard, bodies: Ints, chosen: Flags) -> None:
-        """Let bodies begin anew at drawn places while their worlds go on; ``chosen`` is as in ``vanish``.
+        """Let bodies start again at drawn poses while their worlds go on; ``chosen`` is as in ``vanish``.
 
         Args:
             bodies: Numbers of the bodies, shape ``(n,)``.
@@ -310,12 +310,12 @@ class Simulation:
         return np.array([rng.level_stream(base, int(seed) + w) for w in range(self.n_worlds)], np.uint64)
 
     def reset_to_start(self) -> None:
-        """Begin the level that each world has once more; the same commands give the same episode."""
+        """Begin the present level of each world again. The same commands give the same episode."""
         self.run_beginning(self._begin_again)
 
     def _begin_again(self, shard: Shard) -> None:
         altered = self.model.altered[shard.worlds]
-        if altered.any():  # who vanished or began anew is back only when the level is drawn once more
+        if altered.any():  # bodies that vanished or respawned are restored only by drawing the level again
             self.begin(Shard(shard.worlds[altered], shard.slot), self.model.level_stream.copy())
         restart.begin_again(self.parts, self.model, self.state, Shard(shard.worlds[~altered], shard.slot))
 
@@ -356,10 +356,10 @@ class Simulation:
             model.driven[bodies], state.command[:, bodies] = driven, kept
 
     def place(self, bodies: Ints) -> None:
-        """Let bodies stand where ``state.pose`` says, moving as ``state.velocity`` says.
+        """Move bodies to the poses in ``state.pose``, with the velocities in ``state.velocity``.
 
-        Outlines, twists and the contacts of bodies that never move follow at once; flags and readings follow with
-        the next step, or with ``refresh``.
+        Outlines, twists and the contacts of bodies that never move are updated at once; flags and readings by the next
+        step, or by ``refresh``.
 
         Args:
             bodies: Numbers of the bodies, shape ``(n,)``.
@@ -378,7 +378,7 @@ class Simulation:
             state.collided[shard.worlds], state.hit[shard.worlds] = collided, hit
 
     def refresh(self) -> None:
-        """Bring outlines, flags and readings up to date with poses that were written from outside."""
+        """Update outlines, flags and readings after poses were written from outside."""
         self.run(lambda shard: refresh(self.parts, self.model, self.state, shard))
 
     def uniform(self, low: Sequence[float], high: Sequence[float], world: int = 0) -> Floats:

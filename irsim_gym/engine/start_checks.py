@@ -1,4 +1,4 @@
-"""Robots whose start is blocked, found before the first level is drawn."""
+"""Finds robots with a blocked start before the first level is drawn."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from irsim_gym.world.state import State
 
 
 def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> None:
-    """Refuse a file that puts a robot into an obstacle that never moves, where that would hold it for ever.
+    """Refuse a file that starts a robot in an obstacle that never moves and would hold it forever.
 
     Raises:
         ScenarioError: With the line of every such robot.
@@ -30,9 +30,9 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state:
 
 
 def find_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> tuple[Problem, ...]:
-    """Return where each robot stands that the file puts into an obstacle that never moves.
+    """Return the start of each robot that the file puts into an obstacle that never moves.
 
-    Nobody is where nobody is held by a collision. The first world is used for it, before its first level.
+    Nobody is blocked if collisions hold nobody in place. The test uses the first world, before its first level.
     """
     given = ~np.array([scenario.placements[body.entry].kind.is_random for body in scenario.bodies], np.bool_)
     given &= ~varied_outlines(scenario) & ~given_bodies(scenario)

@@ -22,24 +22,24 @@ class Orders:
     """Commands from outside that take the place of what bodies decide, for one step.
 
     Attributes:
-        bodies: Whom they are for, shape ``(n_bodies,)``.
-        commands: In drive coordinates [m/s or rad/s], shape ``(n_worlds, n_bodies, 3)``.
+        bodies: The bodies that they command, shape ``(n_bodies,)``.
+        commands: Commands in drive coordinates [m/s or rad/s], shape ``(n_worlds, n_bodies, 3)``.
     """
 
     bodies: Ints
     commands: Floats
 
     def others(self, groups: Sequence[Group]) -> list[Group]:
-        """Return the groups of those that still decide for themselves."""
+        """Return the groups of bodies that still decide for themselves."""
         free = [np.flatnonzero(~np.isin(group.members, self.bodies)) for group in groups]
         return [group.select(chosen) for group, chosen in zip(groups, free, strict=True) if len(chosen)]
 
     def give(self, state: State, shard: Shard) -> None:
-        """Write them over the decisions."""
+        """Write the commands over the decisions."""
         state.command[shard.worlds[:, None], self.bodies] = self.commands[shard.worlds]
 
     def show(self, state: State, shard: Shard) -> None:
-        """Let who asks for the bodies' plans see how they moved: nobody followed what was planned."""
+        """Write the actual velocities of these bodies as their plans, because they did not follow a plan."""
         rows = shard.worlds[:, None]
         state.plan[rows, self.bodies] = state.twist[rows, self.bodies, :2]
 
@@ -74,7 +74,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
 
 
 def let_appear(parts: Parts, model: Model, state: State, shard: Shard, ahead: int) -> None:
-    """Let bodies come and go that do so by themselves, ``ahead`` steps after ``state.step``."""
+    """Let bodies with such a behaviour appear and disappear, ``ahead`` steps after ``state.step``."""
     for group in parts.visitors:
         group.kind.appear(group, model, state, shard, ahead)
         outlines.place(group.members, model, state, shard)
@@ -82,7 +82,7 @@ def let_appear(parts: Parts, model: Model, state: State, shard: Shard, ahead: in
 
 
 def refresh(parts: Parts, model: Model, state: State, shard: Shard) -> None:
-    """Look at the worlds again without moving anything, after poses were written from outside."""
+    """Update the worlds without moving anything, after poses were written from outside."""
     outlines.place(parts.everyone, model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
@@ -99,7 +99,7 @@ def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:
 
 @kernel
 def tick(worlds: Ints, model: Model, state: State) -> None:
-    """Count the step; the time is a multiple of the step time, so it gathers no rounding.
+    """Count the step. The time is a multiple of the step time, so rounding errors do not accumulate.
 
     Reads: model (step_time), state (step).
     Writes: state (step, time).

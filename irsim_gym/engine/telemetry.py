@@ -1,4 +1,4 @@
-"""Numbers on the state of bodies at a moment, for pictures and replays."""
+"""Figures on the present state of bodies, for pictures and replays."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from irsim_gym.engine.simulation import Simulation
 
 
 def telemetry(simulation: Simulation, world: int, bodies: Ints) -> list[dict[str, float]]:
-    """Return for each of some bodies ``speed`` [m/s], ``turn_rate`` [rad/s], ``clearance`` [m], ``goal_distance`` [m].
+    """Return ``speed`` [m/s], ``turn_rate`` [rad/s], ``clearance`` [m] and ``goal_distance`` [m] of bodies.
 
-    The distance to the goal is left out where there is none, and of a body that is not there everything is. The
-    clearance, which is infinite where nothing else is, is worked out here and nowhere kept.
+    Bodies without a goal have no distance, absent ones have no figures at all. The clearance is computed here and not
+    stored; it is infinite if there is nothing else.
     """
     model, state = simulation.model, simulation.state
     clearance: Floats = np.zeros((simulation.n_worlds, len(bodies)))

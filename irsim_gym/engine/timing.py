@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 JUDGED = 8
-"""How many shared jobs in a row are compared with one thread at once."""
+"""Number of successive shared jobs whose total time is compared with that of one thread."""
 FIRST_S = 1e-5
-"""What a job on one thread takes beside its worlds [s], until its kernels are in the cache."""
+"""Overhead of a job on one thread until its kernels are in the cache [s]."""
 REST, MOST_REST = 32, 512
-"""How many jobs stay on one thread after sharing did not pay; each further time twice as many, up to the second."""
+"""Number of jobs that stay on one thread after sharing did not pay: first value, doubled each time, and maximum."""
 
 
 class Timing:
-    """What is known about one function of worlds.
+    """Measured durations of one function of worlds.
 
-    Whether sharing pays cannot be known beforehand: where other programs keep the processors busy, a thread that has
-    taken a piece may lose its processor for milliseconds, and the whole job waits. So it is tried now and then.
+    Whether sharing pays cannot be known beforehand. If other programs keep the processors busy, a thread that has taken
+    a piece may lose its processor for milliseconds, and the whole job waits. So sharing is tried from time to time.
 
     Attributes:
         least_s: Least time per world on one thread so far [s]; 0 while nothing is known.
@@ -27,7 +27,7 @@ class Timing:
         self._taken_s, self._alone_s, self._jobs = 0.0, 0.0, 0
 
     def note(self, seconds: float, n_worlds: int) -> None:
-        """Note how long one thread took for some worlds; the first time, which compiles, does not count."""
+        """Note the duration of some worlds on one thread. The first call, which compiles, does not count."""
         if not n_worlds:
             return
         if self._is_compiled:
@@ -36,7 +36,7 @@ class Timing:
         self._is_compiled = True
 
     def note_shared(self, seconds: float, n_worlds: int) -> None:
-        """Note how long a shared job took from start to end."""
+        """Note the duration of a shared job."""
         self._taken_s += seconds
         self._alone_s += self.least_s * n_worlds + FIRST_S
         self._jobs += 1
@@ -49,14 +49,17 @@ class Timing:
         self._taken_s, self._alone_s, self._jobs = 0.0, 0.0, 0
 
     def workers(self, n_worlds: int, most: int, worth_s: float) -> int:
-        """Return how many threads may share the work, ``most`` at most, so that each has ``worth_s`` of it [s]."""
+        """Return the number of threads that may share the work, at most ``most``.
+
+        Each gets at least ``worth_s`` [s] of it.
+        """
         most = min(most, n_worlds)
         if worth_s <= 0.0:
             return most
         return max(1, min(most, int(self.least_s * n_worlds / worth_s)))
 
     def is_worth_a_try(self) -> bool:
-        """Return whether the next job may be shared. Call this once for each job, as it counts those that may not."""
+        """Return whether the next job may be shared. Call it once per job, because it counts jobs that may not."""
         if self._rest:
             self._rest -= 1
             return False

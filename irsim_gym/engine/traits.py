@@ -47,9 +47,9 @@ def collect_traits(scenario: Scenario, model: Model) -> Records:
 
 @kernel
 def draw_traits(worlds: Ints, traits: Records, model: Model, state: State) -> None:
-    """Draw speeds, and who ignores what moves.
+    """Draw speeds, and which bodies ignore everything that moves.
 
-    The world's stream goes on as if nothing had been drawn: its state, which a file of levels holds, gives the numbers.
+    The stream of the world does not advance: the numbers are derived from its state, which a file of levels holds.
 
     Reads: state (random).
     Writes: model (drawn_speed, heedless, velocity_max, velocity_min), state (random).
@@ -71,18 +71,21 @@ def draw_traits(worlds: Ints, traits: Records, model: Model, state: State) -> No
 
 
 def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:
-    """Return the different values of ``seen_by``; the first is None, for all."""
+    """Return the distinct values of ``seen_by``. The first is None, which means all."""
     return list(dict.fromkeys([None, *(body.seen_by for body in scenario.bodies)]))
 
 
 def write_people(scenario: Scenario, model: Model) -> None:
-    """Write who sees whom, and who walks with whom."""
+    """Write which bodies see which, and which walk together."""
     _write_watchers(scenario, model)
     _write_parties(scenario, model)
 
 
 def _write_watchers(scenario: Scenario, model: Model) -> None:
-    """Write whose behaviours see whom. A word that is a body's name is not that of a group, whose name may be equal."""
+    """Write whose behaviours see which bodies.
+
+    A word that is both the name of a body and of a group means the body.
+    """
     rows, names = watching_bodies(scenario), {body.name for body in scenario.bodies}
     for row, words in enumerate(rows):
         groups = set(words or ()) - names
@@ -94,7 +97,10 @@ def _write_watchers(scenario: Scenario, model: Model) -> None:
 
 
 def _write_parties(scenario: Scenario, model: Model) -> None:
-    """Write who walks with whom: side by side, as small groups do (Moussaid et al. 2010), the first in the middle."""
+    """Write which bodies walk together: side by side, with the first in the middle.
+
+    Small groups of people walk so (Moussaid et al. 2010).
+    """
     model.leader[:] = np.arange(len(scenario.bodies))
     for spec in scenario.placements:
         for k, b in enumerate(spec.members):

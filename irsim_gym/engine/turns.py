@@ -16,8 +16,8 @@ class Turn:
     """Bodies that decide together and then move together.
 
     Attributes:
-        behaviors: Those that decide for themselves, by behaviour.
-        movers: Those that can move.
+        behaviors: Bodies that decide for themselves, by behaviour.
+        movers: Bodies that can move.
         kinematics: The same, by drive.
     """
 
@@ -29,14 +29,15 @@ class Turn:
 def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Group], *, in_order: bool) -> list[Turn]:
     """Return the turns of a step.
 
-    A behaviour that reads its neighbours has to see the bodies before it already moved, and those behind it not yet.
-    So a turn begins with each such body and goes on to the next one; in a scenario without any there is one turn.
+    A behaviour that reads its neighbours must see the bodies before it after their move, and those behind it before
+    theirs. So a turn begins with each such body and lasts until the next one. A scenario without such bodies has one
+    turn.
 
     Args:
         movers: Bodies that can move, ascending.
         behaviors: Groups of bodies that decide.
         kinematics: Groups of bodies that move.
-        in_order: False for one turn in any case.
+        in_order: Whether bodies move one after another; False for a single turn.
     """
     readers = [group.members for group in behaviors if group.kind.reads_neighbors] if in_order else []
     if not readers:

@@ -37,12 +37,12 @@ class Part:
     """Some neighbouring columns of a block; of a picture, channels.
 
     Attributes:
-        start: The first of them, in the array of the observation that holds the block.
-        stop: One past the last of them.
+        start: Index of the first one, in the array of the observation that holds the block.
+        stop: Index after the last one.
         meaning: What they hold.
-        scale: How the numbers come about, with units.
-        low: Least value of any of them.
-        high: Greatest value of any of them.
+        scale: How a number follows from the measured quantity, with its unit.
+        low: Least value of any column, without unit; see ``scale``.
+        high: Greatest value of any column, without unit; see ``scale``.
         sectors: Where each looks, from which angle to which [degree], 0 straight ahead of the robot, positive to its
             left; empty where columns are no directions.
     """
@@ -91,9 +91,9 @@ class Component:
     Attributes:
         name: What it is.
         unit: Its unit.
-        low: What -1 means.
-        high: What 1 means.
-        most_change: By how much it changes in a second at most; infinite without a limit.
+        low: Value of the action -1 [``unit``].
+        high: Value of the action 1 [``unit``].
+        most_change: Greatest change per second [``unit``/s]; infinite without a limit.
     """
 
     name: str
@@ -112,7 +112,7 @@ class Action:
         summary: What it is, in a sentence.
         space: The space of actions, as text.
         components: The components of the command.
-        choices: The command of each choice, in the components' units; empty for a continuous action.
+        choices: Command of each choice [unit of each component]; empty for a continuous action.
     """
 
     name: str
@@ -124,7 +124,15 @@ class Action:
 
 @dataclass(frozen=True)
 class Reward:
-    """One term of the reward; ``when`` says when it pays how much."""
+    """One term of the reward.
+
+    Attributes:
+        name: Name of the term in the task.
+        role: What the term is for.
+        sign: ``"+"``, ``"-"`` or ``"+ or -"``.
+        weight: Factor of the term.
+        when: When it pays, and how much.
+    """
 
     name: str
     role: str
@@ -135,7 +143,7 @@ class Reward:
 
 @dataclass(frozen=True)
 class Ending:
-    """One way in which an episode ends; ``outcome`` is what ``info["outcome"]`` is then."""
+    """One way in which an episode ends: its ``name`` in the task, the ``outcome`` in infos, and ``when`` it ends."""
 
     name: str
     outcome: str
@@ -144,7 +152,7 @@ class Ending:
 
 @dataclass(frozen=True)
 class Info:
-    """One key of the infos."""
+    """One ``key`` of the infos: the ``unit`` of its value (empty without one) and its ``meaning``."""
 
     key: str
     unit: str

@@ -16,21 +16,22 @@ from irsim_gym.envs.spaces import Observation
 
 @dataclass(frozen=True)
 class Fragment:
-    """Experience of agents, the steps of each one after the other; rows in which an agent waited are not in it.
+    """Experience of agents as flat arrays: all steps of the first agent, then those of the second, and so on.
 
-    A piece is a sequence of rows of one agent in one episode. It ends with a row that is ``terminated``, or with one
-    that is ``cut``: by the time limit, because sampling paused there, or because the fragment was divided.
+    Rows in which an agent waited are left out. A piece is a sequence of rows of one agent in one episode. It ends with
+    a row that is ``terminated`` or ``cut``. A row is cut by the time limit, where sampling paused, and where a fragment
+    was divided.
 
     Attributes:
-        observation: What the agents saw, ``(n_rows, ...)``, or a dict of such arrays.
-        action: What they did, before it was cut off to the bounds, ``(n_rows, ...)``.
+        observation: Observation before the step, ``(n_rows, ...)``, or a dict of such arrays.
+        action: Action before it was clipped to its bounds, ``(n_rows, ...)``.
         log_probability: Logarithm of the probability (density) of the action, ``(n_rows,)``.
-        distribution: Parameters of the distribution that the action was drawn from, ``(n_rows, n_parameters)``.
-        reward: ``(n_rows,)``.
-        terminated: The episode ended here, ``(n_rows,)``: nothing follows.
-        cut: The piece ends here and the episode does not, ``(n_rows,)``.
-        following: The observation after each row that is cut, ``(n_cuts, ...)``: its value stands for what follows.
-        steps: Rows that were sampled, those in which agents waited included.
+        distribution: Parameters of the distribution from which the action was drawn, ``(n_rows, n_parameters)``.
+        reward: Reward of the step, ``(n_rows,)``.
+        terminated: Whether the episode ended with this step, ``(n_rows,)``.
+        cut: Whether the piece ends with this row while the episode goes on or was truncated, ``(n_rows,)``.
+        following: Observation after each cut row, ``(n_cuts, ...)``. Learners bootstrap from its value.
+        steps: Number of sampled rows, including those in which agents waited.
     """
 
     observation: Observation
@@ -47,15 +48,18 @@ class Fragment:
         return len(self.reward)
 
     def __getitem__(self, rows: slice) -> Fragment:
-        """Return some rows, without gaps. A piece that is divided is cut there, see ``slice``."""
+        """Return consecutive rows; see ``slice``."""
         return self.slice(rows)
 
     def slice(self, rows: slice, len_lookback_buffer: int | None = None) -> Fragment:
-        """Return some rows, without gaps. A piece that is divided is cut there.
+        """Return consecutive rows. If they end inside a piece, its last row here is cut.
 
         Args:
-            rows: Which rows; no steps.
-            len_lookback_buffer: What RLlib gives to episodes; it changes nothing here.
+            rows: Which rows; the step of the slice must be 1.
+            len_lookback_buffer: Ignored; RLlib passes it to episodes.
+
+        Raises:
+            ValueError: The step of the slice is not 1.
         """
         start, stop, step = rows.indices(len(self))
         if step != 1:

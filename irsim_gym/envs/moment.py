@@ -26,7 +26,13 @@ if TYPE_CHECKING:
 
 
 class BodyMoment(BodyReadings):
-    """One body of one world. It always shows the present state."""
+    """One body of one world. It always shows the present state.
+
+    Args:
+        simulation: The worlds.
+        body: Index of the body.
+        world: Index of the world.
+    """
 
     __slots__ = ("_b", "_simulation", "_w")
 
@@ -102,7 +108,13 @@ class BodyMoment(BodyReadings):
 
 
 class Bodies(Sequence[BodyMoment]):
-    """Bodies of one world, in the order in which they are stepped; by their place in this list, or by name."""
+    """Bodies of one world, in the order in which they are stepped. Indices are places in this list, or names.
+
+    Args:
+        simulation: The worlds.
+        numbers: Indices of the bodies.
+        world: Index of the world.
+    """
 
     def __init__(self, simulation: Simulation, numbers: Sequence[int], world: int = 0) -> None:
         self._simulation, self._numbers, self._world = simulation, list(numbers), world

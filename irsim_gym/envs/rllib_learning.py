@@ -22,14 +22,27 @@ from irsim_gym.envs.spaces import Observation
 
 
 class ArrayPPOLearner(PPOTorchLearner):  # type: ignore[misc]
-    """PPO's learner, which takes fragments."""
+    """RLlib's PPO learner, for fragments in place of episodes."""
 
     def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
-        """Make Adam with the arguments that ``learner_config_dict`` has for it, as ``optimizer``."""
+        """Make Adam with the arguments under ``optimizer`` in ``learner_config_dict``.
+
+        Args:
+            module_id: Name of the module.
+            config: Ignored; RLlib passes it.
+        """
         _make_adam(self, module_id)
 
     def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
-        """Update the networks with fragments, after their advantages are known."""
+        """Compute advantages of fragments and update the networks.
+
+        Args:
+            training_data: Fragments, in place of episodes, or a batch.
+            **kwargs: Passed on to RLlib's learner.
+
+        Returns:
+            What RLlib's learner returns.
+        """
         training_data.solve_refs()
         if training_data.episodes is not None:
             module = self.module[DEFAULT_MODULE_ID].unwrapped()
@@ -39,14 +52,27 @@ class ArrayPPOLearner(PPOTorchLearner):  # type: ignore[misc]
 
 
 class ArrayAPPOLearner(APPOTorchLearner):  # type: ignore[misc]
-    """APPO's learner, which takes fragments."""
+    """RLlib's APPO learner, for fragments in place of episodes."""
 
     def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
-        """Make Adam with the arguments that ``learner_config_dict`` has for it, as ``optimizer``."""
+        """Make Adam with the arguments under ``optimizer`` in ``learner_config_dict``.
+
+        Args:
+            module_id: Name of the module.
+            config: Ignored; RLlib passes it.
+        """
         _make_adam(self, module_id)
 
     def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
-        """Hand fragments to the thread that updates the networks."""
+        """Pass fragments to the thread that updates the networks.
+
+        Args:
+            training_data: Fragments, in place of episodes, or a batch.
+            **kwargs: Passed on to RLlib's learner.
+
+        Returns:
+            What RLlib's learner returns.
+        """
         training_data.solve_refs()
         if training_data.episodes is not None:
             module = self.module[DEFAULT_MODULE_ID].unwrapped()

@@ -26,11 +26,11 @@ from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import Worlds
 
 SUCCESS = "success"
-"""Name of the share of episodes that succeeded, among the metrics of RLlib's runners."""
+"""Name of the metric with the share of successful episodes."""
 CPU_SECONDS = "cpu_seconds"
-"""Name of the processor time that sampling took [s]."""
+"""Name of the metric with the processor time of sampling [s]."""
 WINDOW = 100
-"""Fragments that the metrics of episodes are averaged over."""
+"""Number of fragments over which metrics of episodes are averaged."""
 
 
 class Rows:
@@ -92,14 +92,14 @@ class ArrayEnvRunner(SingleAgentEnvRunner):  # type: ignore[misc]
     as a ``WorldVecEnv`` of all these worlds does. A worker that was started again after a failure begins with levels
     from entropy, so that it plays none twice.
 
-    ``rllib.configure`` chooses it. The learner needs one of the connectors in ``rllib_learning``.
+    ``rllib.configure`` chooses it. It needs ``ArrayPPOLearner`` or ``ArrayAPPOLearner`` as its learner.
     """
 
     env: Rows | None
     _seen: Observation
 
     def make_env(self) -> None:
-        """Make the worlds of ``env_config``."""
+        """Make the worlds that ``env_config`` describes."""
         if self.env is not None:
             self.env.close()
         if self.worker_index:
@@ -120,14 +120,17 @@ class ArrayEnvRunner(SingleAgentEnvRunner):  # type: ignore[misc]
         """Take steps in all worlds.
 
         Args:
-            num_timesteps: At least so many rows; by default the configuration's fragments of all rows.
-            num_episodes: So many episodes, in worlds that begin anew.
-            explore: Draw actions; by default what the configuration says.
-            random_actions: Draw actions evenly.
-            force_reset: Begin anew in all worlds.
+            num_timesteps: Minimum number of rows to sample; None for ``rollout_fragment_length`` steps of every world.
+            num_episodes: Minimum number of episodes to finish, after a reset of all worlds.
+            explore: Whether to draw actions from the policy's distribution; None for the configuration's value.
+            random_actions: Whether to draw actions uniformly from the action space.
+            force_reset: Whether to reset all worlds first.
 
         Returns:
-            One fragment, in a list.
+            The fragments, one after the other in time; a single one unless ``num_episodes`` is given.
+
+        Raises:
+            ValueError: This runner has no worlds, because remote runners sample.
         """
         if self.env is None:
             raise ValueError("this runner has no worlds: it is the local one beside remote ones")
@@ -148,7 +151,7 @@ class ArrayEnvRunner(SingleAgentEnvRunner):  # type: ignore[misc]
         return parts
 
     def get_metrics(self) -> Any:
-        """Return what was logged since the last call."""
+        """Return the metrics logged since the last call."""
         return self.metrics.reduce()
 
     def _begin(self) -> None:

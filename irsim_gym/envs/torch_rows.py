@@ -41,14 +41,19 @@ def torch_rows(env: WorldVectorEnv | Batch, device: torch.device | str | None = 
 class TorchRows:
     """What steps gave, as tensors ``(n_worlds, ...)`` of ``make_vec``, ``(n_worlds, n_agents, ...)`` of ``make_batch``.
 
-    When agents end, wait and begin again is as in ``BatchStep``.
+    Agents end, wait and begin again as ``BatchStep`` describes.
+
+    Args:
+        env: The batch to step.
+        device: Where tensors are copied to; None for views.
 
     Attributes:
         batch: The worlds, with the axis of the agents.
         device: Where the tensors are; None where they are views.
-        observation: What the agents perceive now, float32, or a dict of tensors. Do not write to it: observations such
-            as earlier scans are made from it. Rows of agents that wait for their world hold nothing of use.
-        final_observation: In rows that ended in this step, the observation before any restart.
+        observation: What the agents perceive now, float32, shape ``(n_worlds, ...)``, or a dict of such tensors. Do not
+            write to it: observations such as earlier scans are made from it. Ignore rows of agents that wait for their
+            world.
+        final_observation: In rows that ended in this step, the observation before any restart, likewise.
         reward: Reward of the step, float32; 0 where ``acted`` is False.
         terminated: The agent's task has ended in this very step.
         truncated: The agent's episode was cut in this very step.
@@ -57,6 +62,9 @@ class TorchRows:
         began: ``observation`` is the first of an episode.
         episodes: Episodes that ended in this step, as fresh NumPy arrays ``(n_ended,)``: ``world``, ``agent``,
             ``episode_return`` and the infos, such as ``is_success``.
+
+    Raises:
+        IrsimGymError: The parts of an observation lie apart in memory.
     """
 
     observation: TensorObservation
@@ -85,7 +93,12 @@ class TorchRows:
         return f"<{type(self).__name__} {self.batch.worlds.summary}, {self.device or 'views'}>"
 
     def reset(self, seed: Any = None, options: Mapping[str, Any] | None = None) -> None:
-        """Begin an episode in every world; arguments are those of the environment's own ``reset``."""
+        """Begin an episode in every world.
+
+        Args:
+            seed: As in the ``reset`` of the environment itself.
+            options: Likewise.
+        """
         chosen = np.arange(self.batch.n_worlds)
         if isinstance(self._env, Batch):
             self._env.reset(seed, options)
@@ -96,11 +109,14 @@ class TorchRows:
         self._begun(self.batch.note_beginnings(chosen))
 
     def restart(self, worlds: Tensor | Ints) -> None:
-        """Begin the next level of worlds, indices ``(n,)``: what to do where nothing restarts by itself.
+        """Begin the next level in some worlds. Use it where worlds do not restart by themselves.
+
+        Args:
+            worlds: Indices of the worlds, shape ``(n,)``.
 
         Raises:
-            ResetNeeded: One of them has not begun an episode.
-            ValueError: They are no indices, such as a mask.
+            ResetNeeded: One of the worlds has not begun an episode.
+            ValueError: These are not indices, but a mask, for example.
         """
         self._begun(self.batch.restart(np.asarray(worlds)).began)
 

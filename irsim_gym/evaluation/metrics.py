@@ -32,11 +32,11 @@ class EpisodeRow:
         acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN if not measured.
         jerk: Mean size of its second derivative [m/s3], likewise.
         intrusion_025: Share of steps with less than 0.25 m to a person; NaN if there are no people.
-        intrusion_045: The same for 0.45 m.
+        intrusion_045: Share of steps with less than 0.45 m to a person, likewise.
         time_to_collision: Minimum time to collision with a person [s], see ``people``; infinite if it met none, NaN if
             there are no people.
-        goals_reached: Number of its successive goals that it reached; NaN if it has only one.
-        goals_per_minute: The same per minute, of the time limit if it did not reach all; likewise.
+        goals_reached: Number of its successive goals that it reached, without unit; NaN if it has only one.
+        goals_per_minute: ``goals_reached`` by duration, or by the time limit if it did not reach all [1/min]; likewise.
     """
 
     level: int
@@ -58,7 +58,9 @@ class EpisodeRow:
 
     @property
     def spl(self) -> float:
-        """Success by path length: optimum / max(optimum, path length) (Anderson et al. 2018, arXiv:1807.06757).
+        """Success by path length, a share: optimum / max(optimum, path length).
+
+        Source: Anderson et al. 2018, arXiv:1807.06757.
 
         A success counts as optimal if no optimum was found, or if it started at its goal.
         """
@@ -70,9 +72,9 @@ class EpisodeRow:
 
     @property
     def sct(self) -> float:
-        """Success by completion time: least time / time (Yokoyama et al. 2021, arXiv:2103.08022).
+        """Success by completion time, a share: least time / time. NaN if the least time is not known.
 
-        NaN if the least time is not known.
+        Source: Yokoyama et al. 2021, arXiv:2103.08022.
         """
         if math.isnan(self.least_time):
             return math.nan
@@ -82,7 +84,7 @@ class EpisodeRow:
 
     @property
     def path_ratio(self) -> float:
-        """Path length / optimum of a success, else NaN.
+        """Ratio of path length to optimum of a success, else NaN.
 
         It can be slightly below 1: an episode ends within the goal's tolerance, the optimum at the goal itself.
         """
@@ -98,8 +100,8 @@ class Rate:
     Attributes:
         count: Number of counted items.
         value: Their share of all items.
-        low: Lower end of the interval.
-        high: Upper end of the interval.
+        low: Lower end of the interval, a share.
+        high: Upper end of the interval, a share.
     """
 
     count: int
@@ -139,18 +141,18 @@ class Summary:
         timeout: Share ended by the time limit.
         left_world: Share that left the world's rectangle.
         deadlock: Share ended by the task's ending ``deadlocked``.
-        spl: Mean of success weighted by path length, over all episodes.
-        sct: Mean of success weighted by completion time, over all episodes.
+        spl: Mean of success weighted by path length over all episodes, a share.
+        sct: Mean of success weighted by completion time over all episodes, a share.
         time: Mean duration of the successes [s]; NaN without any.
         path_length: Mean distance driven in the successes [m]; NaN without any.
-        path_ratio: Mean of path length / optimum over the successes; NaN without any.
+        path_ratio: Mean ratio of path length to optimum over the successes; NaN without any.
         min_clearance: Mean over all episodes of the minimum clearance [m].
         acceleration: Mean of the mean sizes of acceleration [m/s2], over all episodes.
         jerk: Mean of the mean sizes of jerk [m/s3], over all episodes.
         intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN if there are no people.
-        intrusion_045: The same for 0.45 m.
+        intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
-        throughput: Mean of the goals per minute; NaN if a robot has only one goal.
+        throughput: Mean rate of reached goals [1/min]; NaN if a robot has only one goal.
     """
 
     policy: str

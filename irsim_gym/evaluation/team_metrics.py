@@ -91,7 +91,7 @@ class TeamRow:
 
     @property
     def throughput(self) -> float:
-        """Goals that the team reaches per minute, the sum over its agents; NaN if none has several goals."""
+        """Rate of reached goals, summed over the agents [1/min]; NaN if none has several goals."""
         rates = [row.episode.goals_per_minute for row in self.agents]
         return math.nan if all(map(math.isnan, rates)) else math.fsum(rate for rate in rates if not math.isnan(rate))
 
@@ -145,18 +145,18 @@ class TeamSummary:
         extra_time: Extra times over all levels.
         common_extra_time: Extra times over the levels that all compared policies solved; None if this policy is not
             compared.
-        spl: Mean over agents of success weighted by path length.
-        sct: Mean over agents of success weighted by completion time.
+        spl: Mean over agents of success weighted by path length, a share.
+        sct: Mean over agents of success weighted by completion time, a share.
         path_length: Mean distance driven by the agents that arrived [m].
-        path_ratio: Mean of path length / optimum over the agents that arrived.
+        path_ratio: Mean ratio of path length to optimum over the agents that arrived.
         min_clearance: Mean over agents of the minimum clearance [m].
         acceleration: Mean over agents of the mean size of acceleration [m/s2].
         jerk: Mean over agents of the mean size of jerk [m/s3].
         intrusion_025: Mean over agents of the share of steps nearer than 0.25 m to a person; NaN if there are no
             people.
-        intrusion_045: The same for 0.45 m.
+        intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
         time_to_collision: Mean of the minimum times to collision with a person [s], over agents that met one.
-        throughput: Mean over levels of the goals that the team reaches per minute; NaN if agents have only one goal.
+        throughput: Mean over levels of the rate of goals of a team [1/min]; NaN if agents have only one goal.
     """
 
     policy: str

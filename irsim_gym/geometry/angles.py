@@ -13,7 +13,7 @@ NEAR_TURNS = 4
 
 @kernel(inlined=True)
 def wrap(angle: float) -> float:
-    """Return the angle [rad] in (-pi, pi]; one that lies there already is returned unchanged."""
+    """Return the angle [rad] in (-pi, pi]. An angle in this interval is returned unchanged."""
     if -np.pi < angle <= np.pi:
         return angle
     wrapped = angle - TURN * np.ceil((angle - np.pi) / TURN)
@@ -24,7 +24,10 @@ def wrap(angle: float) -> float:
 
 @kernel(inlined=True)
 def wrap_below(angle: float) -> float:
-    """Return the angle [rad] in [-pi, pi), as IR-SIM wraps: half a turn reads -pi; one inside is returned unchanged."""
+    """Return the angle [rad] in [-pi, pi), as IR-SIM wraps headings.
+
+    An angle in this interval is returned unchanged.
+    """
     if -np.pi <= angle < np.pi:
         return angle
     return float((angle + np.pi) % TURN - np.pi)
@@ -32,9 +35,9 @@ def wrap_below(angle: float) -> float:
 
 @kernel(inlined=True)
 def wrap_from(angle: float, low: float) -> float:
-    """Return the angle [rad] in [low, low + 2 pi]: full turns are added or subtracted only outside of it.
+    """Return the angle [rad] in [low, low + 2 pi], both ends included.
 
-    Both ends belong to the interval. A few turns are taken one by one, many at once.
+    An angle in this interval is returned unchanged. A few turns are removed one by one, many at once.
     """
     high = low + TURN
     if low <= angle <= high:
@@ -55,8 +58,8 @@ def turned(heading: float, known: Floats) -> tuple[float, float]:
 
     Args:
         heading: The heading.
-        known: Cosine and sine of some heading, and that heading: where it is this one nothing has to be worked out.
-            Zeros where none is known.
+        known: Cosine and sine of a heading, and that heading [rad]. If it equals ``heading``, these are returned. Zeros
+            if nothing is known.
     """
     if known[2] == heading and known[0] * known[0] + known[1] * known[1] > 0.0:
         return known[0], known[1]

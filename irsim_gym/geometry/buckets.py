@@ -1,8 +1,8 @@
-"""Buckets: which bodies may be near a point, without looking at all of them.
+"""Buckets: find the bodies near a point without looking at all of them.
 
-A square grid lies over the world; each bucket holds a linked list of the bodies whose origin lies in its square. What
-lies outside of the grid is put into the nearest square at its border, so nothing is ever missed. Bodies that are too
-large to be found by their origin are in one more bucket, behind the last square, and are always found.
+A square grid covers the world. Each bucket holds a linked list of the bodies whose origin lies in its square. Points
+outside the grid belong to the nearest square at its border, so no body is missed. Bodies too large to be found by their
+origin are in one more bucket, behind the last square, and are always found.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from irsim_gym.jit import kernel
 
 @kernel
 def square_of(value: float, low: float, side: float, count: int) -> int:
-    """Return the index of the square that a coordinate [m] lies in; those outside, and NaN, count to the border."""
+    """Return the index of the square that holds a coordinate [m]. Outside, and for NaN, it is one at the border."""
     place = np.floor((value - low) / side)
     if not place > 0.0:
         return 0
@@ -24,7 +24,7 @@ def square_of(value: float, low: float, side: float, count: int) -> int:
 
 @kernel
 def bucket_of(x: float, y: float, is_small: bool, frame: Record) -> int:
-    """Return the bucket for a body with its origin at a point [m]: the last one if it is too large for the squares."""
+    """Return the bucket of a body with its origin at a point [m]; the last one if it is too large for the squares."""
     columns, rows = int(frame.columns), int(frame.rows)
     if not is_small:
         return columns * rows
@@ -33,7 +33,7 @@ def bucket_of(x: float, y: float, is_small: bool, frame: Record) -> int:
 
 @kernel
 def put(b: int, place: int, bucket: Ints, first: Ints, following: Ints) -> None:
-    """Move body b of one world to the head of a bucket's list, if it is not in that bucket; -1: into none."""
+    """Move body b of one world to the head of the list of a bucket, unless it is in that bucket; -1 removes it."""
     if place == bucket[b]:
         return
     if bucket[b] >= 0:
@@ -46,7 +46,7 @@ def put(b: int, place: int, bucket: Ints, first: Ints, following: Ints) -> None:
 
 @kernel
 def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
-    """Take body b out of a bucket's list."""
+    """Remove body b from the list of a bucket."""
     if first[place] == b:
         first[place] = following[b]
         return
@@ -58,10 +58,10 @@ def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
 
 @kernel
 def find_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, found: Ints) -> int:
-    """Write the numbers of the bodies that may lie near a point, ascending; return how many there are.
+    """Write the indices of the bodies that may lie near a point in ascending order, and return their number.
 
-    All bodies whose origin is within ``radius`` are among them, and all that are too large for the buckets; others
-    may be. Without buckets they are simply all bodies.
+    All bodies whose origin is within ``radius`` are included, and all that are too large for the buckets. Others may be
+    included, too. Without buckets, all bodies are.
 
     Args:
         x: The point [m].
@@ -80,9 +80,9 @@ def find_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, f
 
 @kernel
 def put_in_order(numbers: Ints, count: int) -> None:
-    """Sort the first ``count`` numbers, ascending, in their place, with Knuth's steps for Shell's method.
+    """Sort the first ``count`` numbers in place, in ascending order, by Shell's method with Knuth's gaps.
 
-    Short lists are what it is for; the compiler's own sort allocates.
+    It is meant for short lists. NumPy's sort would allocate memory, which kernels do not.
     """
     gap = 1
     while gap < count // 3:
@@ -99,7 +99,7 @@ def put_in_order(numbers: Ints, count: int) -> None:
 
 @kernel
 def gather_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, found: Ints) -> int:
-    """Write the same numbers as ``find_nearby``, in any order: half of the time goes into sorting them."""
+    """Write what ``find_nearby`` writes, in any order. Sorting takes half of the time of ``find_nearby``."""
     columns, rows = frame.columns, frame.rows
     if columns == 0:
         for b in range(following.shape[0]):

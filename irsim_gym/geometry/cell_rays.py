@@ -1,12 +1,14 @@
-"""Beams in an occupancy map: a walk from free square to free square, exact at every cell's boundary.
+"""Beams in an occupancy map: steps from free square to free square, exact at the boundaries of cells.
 
-Where a beam stands in a free cell, the largest free square that has this cell in its corner and grows the way the
-beam looks holds nothing that it could hit; so it may go on to where it leaves that square.
+For each free cell and each of the four diagonal directions, the map holds the largest free square with this cell in its
+corner. A beam that stands in the cell and looks in that direction meets nothing inside the square, so it may go on to
+where it leaves the square.
 
-Beams walk in blocks, all beams of a block one square at a time, so that the compiler can work on many at once. A block
-lies in one array of floats and one of integers at constant places (``EAST`` and so on): with an array for each number
-it could not tell that they do not overlap. Beams that look left or down walk in a mirrored map, so that all of them
-walk right and up. Numbers are float32, counted from the sensor's own cell.
+Beams are treated in blocks. All beams of a block advance by one square at a time, so that the compiler can use vector
+instructions. The numbers of a block lie in one array of floats and one of integers, at constant offsets (``EAST`` and
+so on): with one array for each number, the compiler could not rule out that they overlap. Beams that look left or down
+are mirrored together with the map, so that all beams go right and up. Numbers are float32, relative to the cell of the
+sensor.
 """
 
 from __future__ import annotations
@@ -19,11 +21,11 @@ from irsim_gym.arraytypes import Bytes, CellMap, Labels, Pose, Rays
 from irsim_gym.jit import kernel
 
 STEEP = 1e30
-"""Cells per metre of a beam that does not move along an axis, inverted."""
+"""Stands for the inverse of a velocity of 0 along an axis [m/cells]."""
 
 
 LANES = 32
-"""Beams of a block."""
+"""Number of beams in a block."""
 EAST, NORTH, SLOW_X, SLOW_Y = 0, LANES, 2 * LANES, 3 * LANES
 TIME, FAR, COLUMN, ROW = 4 * LANES, 5 * LANES, 6 * LANES, 7 * LANES
 PLACE_X, PLACE_Y, COLUMNS, ROWS = 8 * LANES, 9 * LANES, 10 * LANES, 11 * LANES
@@ -32,14 +34,16 @@ N_FLOATS, N_INTEGERS = 12 * LANES, 5 * LANES
 
 NONE, ONE, FLAT = np.float32(0.0), np.float32(1.0), np.float32(1.0 / STEEP)
 EDGE = np.float32(1.0 - 2.0**-24)
-"""The last place in a cell before its end."""
+"""Largest coordinate inside a cell."""
 
 
 @kernel
 def cast_cells(
     cells: CellMap, pose: Pose, beams_x: Rays, beams_y: Rays, floats: Rays, integers: Labels, ranges: Rays
 ) -> None:
-    """Shorten ``ranges`` to the nearest occupied cell; from within one, to where the beam leaves what is occupied.
+    """Shorten ``ranges`` to the nearest occupied cell.
+
+    A beam that starts in an occupied cell ends where it leaves the occupied cells.
 
     Args:
         cells: The map.
@@ -48,7 +52,7 @@ def cast_cells(
         beams_y: As ``beams_x``.
         floats: Scratch, shape ``(N_FLOATS,)``.
         integers: Scratch, shape ``(N_INTEGERS,)``.
-        ranges: Changed: ranges [m], shape ``(n_beams,)``; what lies farther is not looked for.
+        ranges: Changed: ranges [m], shape ``(n_beams,)``. Cells beyond the range given here are not searched.
     """
     squares, boxes = cells.squares, cells.boxes
     if cells.n_boxes == 0:
@@ -83,7 +87,7 @@ def cast_cells(
 
 @kernel
 def take_beams(begin: int, beams_x: Rays, beams_y: Rays, ranges: Rays, floats: Rays) -> None:
-    """Write the directions of a block in the sensor frame, and how far its beams look [m]; spare ones see nothing."""
+    """Write the directions and ranges [m] of a block of beams in the sensor frame. Unused places get range 0."""
     count = min(LANES, ranges.shape[0] - begin)
     along_x, along_y, far = beams_x[begin : begin + count], beams_y[begin : begin + count], ranges[begin:]
     for k in range(count):
@@ -94,7 +98,7 @@ def take_beams(begin: int, beams_x: Rays, beams_y: Rays, ranges: Rays, floats: R
 
 @kernel(contract=True)
 def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Rays, integers: Labels) -> None:
-    """Turn the beams of a block into the map [cells/m], and put them into the cell of their sensor.
+    """Rotate the beams of a block into the map frame [cells/m], and start them in the cell of their sensor.
 
     Args:
         turn: Cosine and sine of the sensor's heading over the width of a cell, and over its height [1/m].
@@ -134,9 +138,9 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
 
 @kernel(contract=True)
 def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) -> None:
-    """Take each beam of a block from free square to free square, until none goes on.
+    """Advance each beam of a block from free square to free square until all have ended.
 
-    A beam that met something stays where it is; one that left the map is far away.
+    A beam that meets something stays where it is. One that leaves the map is far away.
 
     Args:
         squares: Sides of the free squares, flat: see ``cells``.
@@ -185,7 +189,9 @@ def end_block(begin: int, floats: Rays, ranges: Rays) -> None:
 
 @kernel
 def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: float) -> float:
-    """Return the time at which a point meets an occupied cell, or leaves those that it begins in; at most ``far``.
+    """Return the time at which a moving point meets an occupied cell, at most ``far``.
+
+    A point that starts in occupied cells gets the time at which it leaves them.
 
     Args:
         squares: See ``CellMap``.
@@ -276,7 +282,7 @@ def walk_to_disc(cells: CellMap, x: float, y: float, along_x: float, along_y: fl
 
 @kernel
 def way_to_disc(cells: CellMap, i: int, j: int, x: float, y: float, along_x: float, along_y: float) -> float:
-    """Return how far it is along a ray to the disc in a cell, from within it to its edge [m]; inf if it is not met."""
+    """Return the distance [m] along a ray to the disc in a cell; from inside to its edge; inf if the ray misses it."""
     dx, dy = cells.x + (i + 0.5) * cells.width - x, cells.y + (j + 0.5) * cells.height - y
     along, aside = dx * along_x + dy * along_y, dx * along_y - dy * along_x
     half2 = cells.radius * cells.radius - aside * aside
@@ -302,6 +308,6 @@ def entry(x: float, y: float, slow_x: float, slow_y: float, columns: float, rows
 
 @kernel
 def first_cell(place: float, step: int, count: int) -> int:
-    """Return the cell of ``count`` that a point lies in; on a boundary the one that it moves into."""
+    """Return which of ``count`` cells holds a point; on a boundary, the one that the point moves into."""
     cell = np.floor(place) if step > 0 else np.ceil(place) - 1.0
     return int(min(max(cell, 0.0), count - 1.0))

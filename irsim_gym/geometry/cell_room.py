@@ -1,7 +1,8 @@
-"""How much room there is in an occupancy map: bounds on the distance from its cells that cost one look.
+"""Bounds on the distance of a point from the occupied cells of a map, at the cost of one look-up.
 
-For the centre of each cell the distance from the nearest occupied cell is known; for a point beside it the distance is
-as large, give or take the way between the two. Most questions are answered by that; the others are answered exactly.
+For the centre of each cell, the distance to the nearest occupied cell is stored. At another point of the cell, the
+distance differs by at most the distance from the centre. Most questions are answered by these bounds, the others by an
+exact search.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from irsim_gym.arraytypes import CellMap, Floats, Point
 from irsim_gym.jit import kernel
 
 FARTHEST = 64
-"""Room is not looked for beyond so many cells."""
+"""Maximum distance that is stored [cells]."""
 DOUBT = 1e-6
-"""Relative error that bounds allow for: rooms are float32."""
+"""Relative margin of the bounds, because stored distances are float32."""
 
 
 @kernel
 def find_room(cells: CellMap, line: Floats) -> None:
-    """Write ``cells.room``, as far as is looked.
+    """Write ``cells.room``: distances up to ``farthest`` [m].
 
     Args:
         cells: The map.
@@ -57,13 +58,13 @@ def find_room(cells: CellMap, line: Floats) -> None:
 
 @kernel
 def farthest(cells: CellMap) -> float:
-    """Return the distance [m] up to which room is looked for."""
+    """Return the largest distance [m] that ``cells.room`` holds."""
     return float((FARTHEST - 0.5) * min(cells.width, cells.height))
 
 
 @kernel
 def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
-    """Return bounds on the distance [m] of a point from the occupied cells; 0 and inf where nothing is known."""
+    """Return lower and upper bounds of the distance [m] of a point from the occupied cells; 0 and inf if unknown."""
     room = cells.room
     i, j = np.floor((x - cells.x) / cells.width), np.floor((y - cells.y) / cells.height)
     if not (0.0 <= i < room.shape[0] and 0.0 <= j < room.shape[1]):

@@ -18,7 +18,7 @@ Cell = tuple[int, int]
 """Column and row."""
 LARGEST = 255
 SLACK = 1e-9
-"""How much farther than needed cells are looked for [cells], so that rounding loses none; an exact test follows."""
+"""Margin of searches for cells [cells], so that rounding loses none. An exact test follows."""
 
 
 @kernel
@@ -47,7 +47,7 @@ def find_free_squares(occupied: Flags, squares: Bytes) -> None:
 
 @kernel
 def find_boxes(occupied: Flags, boxes: Spans) -> int:
-    """Write boxes of cells that together are the occupied ones: equal runs of neighbouring columns.
+    """Write boxes that cover exactly the occupied cells. Equal runs of neighbouring columns form a box.
 
     Args:
         occupied: Occupied cells, shape ``(columns, rows)``.

@@ -1,7 +1,8 @@
-"""Two-dimensional linear programs within a disc: the velocity nearest to a wanted one that half-planes permit.
+"""Two-dimensional linear programs in a disc: the permitted velocity nearest to a preferred one.
 
-The half-planes are taken in one after another; where one cuts off the optimum so far, the new optimum lies on its
-border (de Berg et al., Computational Geometry, chapter 4; van den Berg et al. 2011, section 5).
+Each half-plane permits the velocities on one side of a line. They are added one after another. If one cuts off the
+optimum so far, the new optimum lies on its border (de Berg et al., Computational Geometry, chapter 4; van den Berg et
+al. 2011, section 5).
 """
 
 from __future__ import annotations
@@ -29,17 +30,17 @@ def set_plane(plane: Record, nx: float, ny: float, least: float) -> None:
 def choose(
     planes: Records, n_hard: int, count: int, limit: float, wanted_x: float, wanted_y: float, spare: Records
 ) -> Vector:
-    """Return the vector nearest to a wanted one that all half-planes permit, no longer than ``limit``.
+    """Return the vector nearest to a preferred one that satisfies all half-planes and is no longer than ``limit``.
 
-    Where there is none, the hard half-planes hold and the worst violation of the others is as small as can be.
+    If there is none, the hard half-planes are satisfied, and the largest violation of the others is minimal.
 
     Args:
         planes: Half-planes, records of type ``HALF_PLANE``.
-        n_hard: The first so many are hard.
+        n_hard: Number of hard half-planes, which come first.
         count: Number of half-planes.
         limit: Greatest length [m/s].
-        wanted_x: The wanted vector [m/s].
-        wanted_y: The wanted vector [m/s].
+        wanted_x: The preferred vector [m/s].
+        wanted_y: The preferred vector [m/s].
         spare: Scratch, as many half-planes.
     """
     x, y, failed = solve(planes, count, limit, wanted_x, wanted_y, False)
@@ -105,10 +106,10 @@ def best_on_border(
 def least_violation(
     planes: Records, n_hard: int, count: int, first: int, limit: float, x: float, y: float, spare: Records
 ) -> Vector:
-    """Return the vector whose worst violation of the soft half-planes is least, within the hard ones.
+    """Return the vector with the smallest largest violation of the soft half-planes, within the hard ones.
 
-    A half-plane that is violated more than any before it carries the new optimum: there it is violated as much as at
-    most one other, and where both are violated alike is a line again. That is a linear program in the plane.
+    If a half-plane is violated more than all before it, the new optimum violates it at least as much as any of them.
+    Points at which two half-planes are violated equally form a line, so this is another linear program in the plane.
 
     Args:
         planes: Half-planes, records of type ``HALF_PLANE``.

@@ -8,7 +8,7 @@ from irsim_gym.arraytypes import Floats, Point
 from irsim_gym.jit import kernel
 
 CORNERS = 64
-"""Points that stand for a disc among other parts."""
+"""Number of points that represent a disc beside other parts."""
 
 SLACK = 1.0 + 1e-12
 

@@ -14,7 +14,7 @@ from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_s
 from irsim_gym.jit import kernel
 
 SURE = 1e-6
-"""Segments whose line is farther away than would matter by this much [m] are passed over; rounding is far smaller."""
+"""Margin by which the line of a segment must be too far away to be skipped [m]. Rounding errors are far smaller."""
 
 
 @kernel

@@ -1,13 +1,13 @@
-"""Many segments and discs at once, made ready for the loops over beams, and these loops.
+"""Casts beams against many segments and discs at once, with vector instructions.
 
-What ``geometry/rays.py`` does for one primitive is split here: first all primitives of a chunk are looked at in lanes
-(which of them can be seen, the coefficients of their inverse depth, which beams may meet them), then each one that is
-kept is cast against the beams of its span alone. The tables of a chunk are the fields of one record: constant offsets
-from one address let the compiler see that they do not overlap.
+``geometry/rays.py`` treats one primitive at a time. Here the work is split: first, all primitives of a chunk are
+prepared in lanes (whether they are visible, the coefficients of their inverse depth, which beams may meet them). Then
+each visible primitive is cast against the beams of its span. The tables of a chunk are fields of one record: constant
+offsets from one address show the compiler that they do not overlap.
 
-On the line through a and b the inverse depth of a beam with unit direction d is n.d with n = (by - ay, ax - bx) / (a x
-b); with m = a + b, the place on the segment, from -1 at a to 1 at b, is (q.d) / (n.d) with q = (-my, mx) / (a x b). So
-a beam meets the segment where abs(q.d) <= n.d: two dot products, an absolute value and a comparison.
+On the line through a and b, the inverse depth of a beam with unit direction d is n.d with n = (by - ay, ax - bx) / (a x
+b). With m = a + b, the position on the segment, from -1 at a to 1 at b, is (q.d) / (n.d) with q = (-my, mx) / (a x b).
+So a beam meets the segment where abs(q.d) <= n.d, which takes two dot products, an absolute value and a comparison.
 """
 
 from __future__ import annotations
@@ -21,33 +21,33 @@ from irsim_gym.geometry.rays import EDGE_ON
 from irsim_gym.jit import kernel
 
 CHUNK = 64
-"""Primitives that are looked at together."""
+"""Number of primitives in a chunk."""
 
 BLOCK = 64
-"""Beams whose depths and directions lie side by side in one table, see ``lay_beams``; there is a multiple of it."""
+"""Number of beams in a block of ``lay_beams``. Tables hold whole blocks."""
 
 LANES = 8
-"""Numbers in float64 that are worked on at once."""
+"""Number of float64 lanes of a vector."""
 
 ONE, TWO, THREE, FOUR = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
-"""Unsigned, so that an index needs no test for negative numbers, which would keep the loop from running in lanes."""
+"""Unsigned: signed indices are tested for negative values, which prevents vector instructions."""
 
 RUN = 16
-"""Beams that are cast together; spans begin at a multiple of it."""
+"""Number of beams cast together. Spans begin at multiples of it."""
 
 LENGTH = np.uint64(RUN)
 AHEAD, ASIDE, AWAY = np.uint64(BLOCK), np.uint64(2 * BLOCK), 3 * BLOCK
-"""Where the directions of a block begin, after its depths, and where the next block does."""
+"""Offsets of the directions of a block, after its depths, and of the next block."""
 
 SLACK = 3e-7
 """Segments are widened at both ends by up to three times this angle [rad] at the farther end, so that no beam slips
 between two that share a vertex."""
 
 MARGIN = 0.008
-"""What is added to both ends of an angle of sight [rad]: the error of ``rough_angle``, and room for the slack."""
+"""Margin at both ends of an angle of sight [rad]: error of ``rough_angle``, and slack of segments."""
 
 HALF_TURN, TURN = 3.1415, 6.2831853
-"""A little less than pi [rad], beyond which a direction is taken for one at the other end; and a full turn."""
+"""Slightly less than pi [rad], beyond which a direction may belong to the other end; and a full turn."""
 
 
 def _columns(dtype: type[np.generic], *names: str) -> list[tuple[str, type[np.generic], tuple[int]]]:
@@ -129,7 +129,7 @@ def prepare_segments(count: int, eye: Eye, far: float, rows: Floats, limits: Flo
     whole = count // LANES * LANES
     n_edges = prepare_lanes(0, whole, eye, far, rows, limits, sides)
     if whole < count:
-        # What is left after the whole lanes is done together with rows of before: one by one it would take longer.
+        # The rest after the whole lanes is done together with earlier rows, which is faster than one by one.
         n_edges += prepare_lanes(max(count - LANES, 0), count, eye, far, rows, limits, sides)
     return n_edges
 

@@ -1,12 +1,12 @@
-"""Rays in the inverse-depth form: what a beam meets, as 1 / distance.
+"""Rays in inverse depth: 1 / distance of the nearest hit.
 
-On the line through a and b the inverse depth 1/t of a beam with unit direction d is linear in d, so that a segment
-costs three small dot products per beam, without a division or a branch. All arrays are float32 and in the sensor's
-own frame; ``inverse`` is raised to the nearest hit, so several primitives can be cast one after the other, and is
-inverted once at the end. A beam that meets nothing keeps its value.
+On the line through a and b, the inverse depth 1/t of a beam with unit direction d is linear in d. So a segment costs
+three small dot products per beam, without a division or a branch. All arrays are float32 and in the sensor frame.
+``inverse`` is raised to the nearest hit, so that several primitives can be cast one after another, and is inverted once
+at the end. A beam that meets nothing keeps its value.
 
-The results differ from those in float64 by some 1e-6 of the distance; a beam that grazes an end or an edge seen at
-an angle of less than ``EDGE_ON`` may hit or miss either way.
+Results differ from those in float64 by about 1e-6 of the distance. A beam that grazes an end, or an edge seen at an
+angle of less than ``EDGE_ON``, may hit or miss.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ SLACK = np.float32(3e-7)
 two that share a vertex."""
 
 HERE = np.float32(1e30)
-"""Inverse depth of what touches the sensor [1/m]."""
+"""Inverse depth of a hit at distance 0 [1/m]."""
 
 
 @kernel(contract=True)
@@ -53,7 +53,7 @@ def inverse_depth_segment(
     if cross * cross > EDGE_ON * EDGE_ON * a2 * b2:
         normal_x, normal_y = (b_y - a_y) / cross, (a_x - b_x) / cross
     elif a_x * b_x + a_y * b_y > 0.0:
-        # All that is seen is the nearer end p, as a segment from p to p: there 1/t = p.d / p.p.
+        # Only the nearer end p is visible, as a segment from p to p: there 1/t = p.d / p.p.
         if a2 < b2:
             bx, by = ax, ay
         else:

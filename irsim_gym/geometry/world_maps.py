@@ -1,17 +1,17 @@
-"""The occupancy maps of many worlds: that of one world, and how it is made from its cells.
+"""The occupancy maps of many worlds: how one world's map is read and written.
 
-A level's map consists of four arrays, whose first axis is the world, or of length 1 where all worlds share the map:
+The map of a level consists of four arrays. Their first axis is the world, or has length 1 if all worlds share the map:
 
-- ``squares``, uint8, shape ``(n, 4, columns, rows)``: the sides of the largest free squares, by quadrant. A cell is
+- ``squares``, uint8, shape ``(n, 4, columns, rows)``: sides of the largest free squares, by quadrant. A cell is
   occupied where ``squares[w, 0]`` is 0. Columns count from the left, rows from the bottom.
 - ``boxes``, int32, shape ``(n, n_boxes, 4)``: boxes that cover the occupied cells.
-- ``n_boxes``, int64, shape ``(n,)``: how many of these boxes count.
-- ``room``, float32, shape ``(n, columns, rows)``: the distance of each cell's centre from the nearest occupied cell
+- ``n_boxes``, int64, shape ``(n,)``: number of used boxes.
+- ``room``, float32, shape ``(n, columns, rows)``: distance of each cell's centre from the nearest occupied cell
   [m], or from the disc in it.
 
-``CellMap`` in ``arraytypes`` says what is in them. ``lay_cells`` writes all four from which cells are occupied, for one
-world, and nothing else does. In a ``Model`` they are ``map_squares``, ``map_boxes``, ``map_n_boxes`` and
-``map_room``; ``model.cells`` holds them together, with the radius of the discs that stand for occupied cells.
+``CellMap`` in ``arraytypes`` describes their contents. Only ``lay_cells`` writes them: all four, from the flags of
+occupied cells, for one world. A ``Model`` has them as ``map_squares``, ``map_boxes``, ``map_n_boxes`` and ``map_room``;
+``model.cells`` combines them with the radius of the discs that stand for occupied cells.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ class Certificate:
         return arrived
 
     def ranked(self, count: int) -> Ints:
-        """Return the first ``count`` levels, ordered from the easiest to the hardest."""
+        """Return the first ``count`` levels from the easiest to the hardest, shape ``(count,)``."""
         return np.lexsort((self.least_time.max(axis=1)[:count], self.difficulty[:count])).astype(np.int64)
 
     def quarters(self, count: int | None = None) -> Ints:

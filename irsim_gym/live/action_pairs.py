@@ -21,9 +21,9 @@ def pair_actions(
 
     Args:
         actions: One action (a flat list, tuple or array of numbers), a list of actions, or a mapping from names.
-        references: Whom they are for: a number or name, or a list of them. By default the first body, or with a
-            list of actions the bodies from the first one on. One action may go to a list of bodies; a list of
-            actions goes to a list of as many, or to the bodies from the one named on.
+        references: Bodies that the actions are for: a number or name, or a list of them. By default, one action is for
+            the first body, and a list of actions for the bodies from the first on. One action may be for a list of
+            bodies. A list of actions is for a list of as many bodies, or for the bodies from a named one on.
         roster: The bodies.
 
     Raises:
@@ -58,7 +58,7 @@ def pair_actions(
 
 
 def is_single(actions: Sequence[object] | Floats) -> bool:
-    """Return whether this is one action: a flat row of numbers, or a column as IR-SIM has them."""
+    """Return whether this is one action: a flat row of numbers, or a column as in IR-SIM."""
     if isinstance(actions, np.ndarray):
         return actions.ndim < 2 or max(actions.shape) == actions.size
     return len(actions) > 0 and all(np.isscalar(value) for value in actions)

@@ -1,4 +1,4 @@
-"""Reads the arguments of ``load``, ``render`` and ``end`` that IR-SIM has."""
+"""Reads those arguments of ``load``, ``render`` and ``end`` that come from IR-SIM."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ FILM_KEYS = ("ani_name", "suffix")
 
 
 class LoadArguments(NamedTuple):
-    """What ``load`` was asked for.
+    """The arguments of ``load`` in one record.
 
     Attributes:
         render_mode: None, ``rgb_array`` or ``human``.
-        file: The file under IR-SIM's name for it, None where it was not used.
-        step_mode: In place of the file's; None for the file's.
-        log_level: Of the world's logger; None to leave it.
-        film: What ``end`` takes by default.
-        parameters: The other arguments, meant for the scenario.
+        file: The file under IR-SIM's keyword; None if it was not used.
+        step_mode: Step mode; None for that of the file.
+        log_level: Level of the world's logger; None to leave it unchanged.
+        film: Defaults of ``end``.
+        parameters: All other arguments: parameters of the scenario.
     """
 
     render_mode: str | None
@@ -38,7 +38,7 @@ class LoadArguments(NamedTuple):
 
 
 def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadArguments:
-    """Read IR-SIM's arguments of ``make`` among those of ``load``.
+    """Read IR-SIM's arguments of ``make`` from those of ``load``.
 
     Raises:
         TypeError: An argument asks for something unsupported; the message says what to do.
@@ -62,7 +62,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadAr
 
 
 def _render_mode(render_mode: str | None, others: Mapping[str, object]) -> str | None:
-    """Return the render mode that is meant.
+    """Return the render mode.
 
     Raises:
         TypeError: A window is both wanted and not wanted.
@@ -87,7 +87,7 @@ def _level(level: object) -> int | str | None:
 def drawing_options(
     figure_kwargs: Mapping[str, object] | None, mode: str, others: Mapping[str, object]
 ) -> dict[str, object]:
-    """Return how bodies are to be drawn in one picture, by keys of their section ``plot``.
+    """Return how bodies are drawn in one picture, by keys of their section ``plot``.
 
     Raises:
         ValueError: Another mode.
@@ -104,13 +104,13 @@ def drawing_options(
 
 
 def figure_options(others: Mapping[str, object]) -> dict[str, object]:
-    """Return how a figure is to be saved, by keys of ``plot.saved_figure``."""
+    """Return how a figure is saved, by keys of ``plot.saved_figure``."""
     _warn_of_unknown("save_figure()", others, FIGURE_KEYS)
     return {name: value for name, value in others.items() if name in FIGURE_KEYS}
 
 
 def film_options(others: Mapping[str, object]) -> dict[str, object]:
-    """Return what is known of a film."""
+    """Return the known options of a film."""
     known = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
     _warn_of_unknown("end()", others, known)
     return {name: value for name, value in others.items() if name in FILM_KEYS}

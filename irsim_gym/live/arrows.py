@@ -8,19 +8,19 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.live.places import FARTHEST
 
 HEAD_LENGTH, HEAD_WIDTH, NECK = 5.0, 3.0, 4.5
-"""Length and width of a head, and from its tip to where it meets the shaft, in widths of the shaft."""
+"""Length and width of a head, and distance from its tip to the shaft, in widths of the shaft."""
 SLENDER = 16.0
-"""Mean length of arrows in widths of their shafts, where these are not given."""
+"""Mean length of arrows in widths of their shafts, if no width is given."""
 
 
 def outlines(rows: Floats, length: float | None, width: float | None) -> list[Floats]:
     """Return the corners of arrows, each of shape ``(7, 2)`` [m].
 
-    One that is shorter than its head would be is a smaller arrow.
+    An arrow shorter than its head is drawn smaller.
 
     Args:
-        rows: Tail and vector of each [m], shape ``(n, 4)``; one that has no direction, or is not finite, is left out.
-        length: Length of all [m]; None for those of the vectors.
+        rows: Tail and vector of each arrow [m], shape ``(n, 4)``. Rows without direction, or not finite, are left out.
+        length: Length of all arrows [m]; None for that of each vector.
         width: Width of the shafts [m]; None for a share of the mean length.
     """
     sizes = np.hypot(rows[:, 2], rows[:, 3])

@@ -13,7 +13,7 @@ from irsim_gym.live.vectors import vector
 from irsim_gym.world.irsim_readings import IrSimReadings
 
 FLATTEST = 1e-9
-"""Share of an area by which a corner may lie outside of a side's half-plane."""
+"""Tolerance for corners outside the half-plane of a side, relative to the area."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,14 @@ class RobotInfo:
         color: Its colour.
         static: It never moves.
         goal: x, y, heading [m, m, rad], shape ``(3,)``; None without one.
-        vel_min: Least velocities [m/s or rad/s].
-        vel_max: Greatest velocities [m/s or rad/s].
-        acce: Greatest changes per second [m/s2 or rad/s2].
-        angle_range: Interval that headings wrap into [rad].
+        vel_min: Least velocities [m/s or rad/s], shape ``(2,)`` or ``(3,)``.
+        vel_max: Greatest velocities [m/s or rad/s], likewise.
+        acce: Greatest changes per second [m/s2 or rad/s2], likewise.
+        angle_range: Interval into which headings are wrapped [rad]; with ``columns`` an array of shape ``(2, 1)``.
         goal_threshold: Distance under which a goal is reached [m].
         wheelbase: Axle distance [m], None without one.
-        G: Normals of its sides in the body frame, see ``half_planes``.
-        h: Their offsets [m].
+        G: Normals of its sides in the body frame, shape ``(n, 2)``; see ``HalfPlanes``.
+        h: Their offsets [m], shape ``(n,)``.
         cone_type: ``Rpositive``, ``norm2`` or None.
         convex_flag: Its area is convex.
     """
@@ -70,8 +70,8 @@ class ObstacleInfo:
         vertex: Corners in the world frame [m], shape ``(n, 2)``; empty for a circle.
         velocity: vx, vy in the world frame [m/s], shape ``(2,)``.
         radius: Radius of the least circle around it [m].
-        G: Normals of its sides in the body frame, see ``half_planes``.
-        h: Their offsets [m].
+        G: Normals of its sides in the body frame, shape ``(n, 2)``; see ``HalfPlanes``.
+        h: Their offsets [m], shape ``(n,)``.
         cone_type: ``Rpositive``, ``norm2`` or None.
         convex_flag: Its area is convex.
     """
@@ -87,7 +87,10 @@ class ObstacleInfo:
 
 
 class HalfPlanes(NamedTuple):
-    """An area as the points p with ``h - G p`` in a cone, under IR-SIM's names; see ``half_planes``.
+    """An area as the points p with ``h - G p`` in a cone, under IR-SIM's names.
+
+    For a convex polygon (``Rpositive``), a point p is inside if ``G p <= h`` in every row. For a circle (``norm2``) at
+    c with radius r, the rows of G are ``[1, 0], [0, 1], [0, 0]``, and h is ``[cx, cy, -r]``.
 
     Attributes:
         G: Normals of its sides, shape ``(n, 2)``; None for an area that is not convex.

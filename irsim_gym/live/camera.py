@@ -26,13 +26,14 @@ if TYPE_CHECKING:
 
 
 class Camera:
-    """Draws the simulation of a session. The renderer is made with the first picture of each.
+    """Draws the simulation of a session. A renderer is created with the first picture of each simulation.
 
-    Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
+    Paths and trails come from the track, whether or not pictures are made at each step, and remain when bodies are
+    added or removed.
 
     Args:
-        session: What is drawn.
-        drawing: Marks over it.
+        session: The session to draw.
+        drawing: Marks drawn over it.
     """
 
     def __init__(self, session: Session, drawing: Drawing) -> None:
@@ -58,9 +59,9 @@ class Camera:
         return self._ready().frame(0, status).view(NotebookPicture)
 
     def show(self, status: str) -> Bytes:
-        """Return a picture that will be shown, with the marks for one picture.
+        """Return a picture to be shown, with the marks for one picture.
 
-        A film shows what was seen last of a moment.
+        If frames are kept, the film has the last picture of a moment that was shown.
         """
         picture, drawing = self.frame(status), self._drawing
         if self._is_kept and (drawing.is_changed or drawing.has_old):
@@ -79,16 +80,16 @@ class Camera:
 
     @property
     def is_sample(self) -> bool:
-        """The present moment is a sample: there is one every ``sample_time``, rounded to whole steps."""
+        """Whether the present moment is a sample. Samples are ``sample_time`` apart, rounded to whole steps."""
         return int(self._simulation.state.step[0]) % self._simulation.scenario.world.steps_per_sample == 0
 
     def _catch_up(self) -> None:
-        """Keep the present moment again if it was kept, nobody has seen it, and something was drawn since."""
+        """Keep the present moment again if it was kept but not shown, and marks were drawn since."""
         if self._is_kept and not self._is_rendered and self._drawing.is_changed:
             self._keep(self._reel.keep_again, self._kept_status)
 
     def draw_with(self, options: Mapping[str, object]) -> None:
-        """Draw all bodies with these keys of ``plot`` in place of their own, until other ones are given.
+        """Draw all bodies with these keys of ``plot`` instead of their own, until the next call.
 
         Raises:
             ScenarioError: One of them has a bad value.
@@ -99,7 +100,7 @@ class Camera:
             self.close()
 
     def show_part(self, limits: Limits | None) -> None:
-        """Draw another part of the world from now on, x_min, y_min, x_max, y_max [m]; None for what the file says."""
+        """Draw the part x_min, y_min, x_max, y_max [m] of the world from now on; None for that of the file."""
         self._limits = limits
         if self._renderer is not None:
             self._renderer.look_at(limits)
@@ -135,7 +136,7 @@ class Camera:
         return whole.scene(0, status)
 
     def clear(self) -> None:
-        """Begin another episode, with new paths and trails."""
+        """Start another episode, with empty paths and trails."""
         self._n_recorded = 0
         self._drawing.begin()
         self._reel.begin()
@@ -143,12 +144,12 @@ class Camera:
             self._renderer.clear()
 
     def save_figure(self, path: Path, status: str, options: Mapping[str, object]) -> Path:
-        """Write a picture to a file, in the format of its suffix or of the scenario; return the path.
+        """Write a picture to a file, in the format of its suffix or of the scenario; return its path.
 
         Args:
             path: The file.
-            status: How the world stands.
-            options: Keys of ``saved_figure`` in place of the scenario's.
+            status: Status of the world.
+            options: Keys of ``saved_figure``, instead of the scenario's.
 
         Raises:
             ScenarioError: One of them has a bad value.
@@ -163,13 +164,13 @@ class Camera:
 
     @property
     def reel(self) -> Reel:
-        """What was kept, the present moment as it is drawn now."""
+        """The kept frames, with the present moment as it is drawn now."""
         self._catch_up()
         return self._reel
 
     @property
     def layout(self) -> Layout:
-        """Where the world is on pictures, as the renderer has it."""
+        """Position of the world in pictures, as the renderer has it."""
         return self._ready().layout
 
     def _ready(self) -> Renderer:
@@ -207,7 +208,7 @@ class Camera:
         return made
 
     def _tell(self, trails: Trails) -> None:
-        """Add what the track noted since the last picture."""
+        """Pass what the track noted since the last picture to the renderer."""
         if len(trails.bodies):
             for step, poses in self._session.track.since(self._n_recorded, self._simulation.parts.names):
                 trails.record(np.zeros(1, np.int64), np.array([step]), poses[None])

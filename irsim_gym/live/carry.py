@@ -17,17 +17,17 @@ from irsim_gym.world.state import State
 
 HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
 NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid", "watchers", "seen_row", "leader", "abreast"})
-"""Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
+"""Fields of bodies that are computed again: rows, bodies or buckets, and those that not every world needs."""
 
 START_TRIES = 20
 
 
 def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
-    """Return the simulation of a changed list of bodies at the same moment.
+    """Return a simulation of the changed list of bodies at the same moment.
 
-    Bodies are known by their names. Those that stay keep all that the moment and the level hold of them, and the
-    world keeps its clock and its random stream. New ones begin where their entry says; random starts are drawn from
-    that stream, clear of where the others are now.
+    Bodies are identified by name. Remaining ones keep their state and their part of the level, and the world keeps its
+    clock and its random stream. New bodies start where their entry says. Random starts are drawn from that stream,
+    clear of the present places of all others.
 
     Raises:
         PlacementError: A new body found no place.
@@ -53,7 +53,7 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
 
 
 def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
-    """Copy the state of the bodies that stay, and of the world, from the old simulation."""
+    """Copy the state of remaining bodies, and of the world, from the old simulation."""
     for name, declared in (*Model.columns().items(), *State.columns().items()):
         sources, targets = (old.model, new.model) if name in Model.columns() else (old.state, new.state)
         source, target = getattr(sources, name), getattr(targets, name)
@@ -99,7 +99,7 @@ def _carry_fog(old: Simulation, new: Simulation) -> None:
 
 
 def _carry_memories(old: Simulation, new: Simulation, was_at: dict[int, int]) -> None:
-    """Hand over what kinds written as functions remember."""
+    """Hand over the memories of kinds that are written as functions."""
     for group in new.parts.remembering:
         for source in old.parts.remembering:
             if source.kind is group.kind:
@@ -146,7 +146,7 @@ def _begin(new: Simulation, added: Ints) -> None:
 
 
 def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
-    """Update contacts and readings; which bodies are held in place is known after the next step."""
+    """Update contacts and readings. The next step updates which bodies are held in place."""
     shard, state = Shard(np.zeros(1, np.int64)), new.state
     now_at = {int(was): int(b) for b, was in zip(here, there, strict=True)}
     new.model.static_known[:] = False

@@ -18,7 +18,7 @@ LINE_LAYER, GROUND_LAYER = 2.0, 1.0
 LARGEST_TEXT = 200.0
 """Size of the largest text [point]."""
 STAYS, FRESH, OLD = range(3)
-"""Marks that stay, those for one picture, and those of them that nobody has rendered at their own moment."""
+"""Ages of marks: permanent, for one picture, and for one picture but not rendered at their own moment."""
 
 
 @dataclass(frozen=True, eq=False)

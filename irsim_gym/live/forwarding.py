@@ -1,4 +1,4 @@
-"""Names of a whole that one of its parts answers, with the part's types and documentation."""
+"""Names of an object that one of its parts answers, with types and documentation of the part."""
 
 from __future__ import annotations
 

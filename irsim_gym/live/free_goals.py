@@ -19,12 +19,12 @@ def draw(
     """Draw a goal x, y, heading [m, m, rad] from the world's random stream.
 
     Args:
-        simulation: Where.
-        low: Least x, y, heading; a heading that is missing is -pi.
-        high: Greatest; a heading that is missing is pi.
-        bodies: No disc of radius ``room`` around the goal touches one of these.
-        room: That radius [m].
-        tries: How many draws at most.
+        simulation: The simulation.
+        low: Minimum x, y, heading; a missing heading is -pi.
+        high: Maximum; a missing heading is pi.
+        bodies: Bodies that a disc of radius ``room`` around the goal must not touch.
+        room: Radius of the disc [m].
+        tries: Maximum number of draws.
 
     Returns:
         The last draw, shape ``(3,)``, and whether it is clear of the bodies.
@@ -70,7 +70,7 @@ def touches(simulation: Simulation, body: int, x: float, y: float, radius: float
 
 
 def _is_inside(starts: Floats, ends: Floats) -> bool:
-    """Return whether the origin lies inside of closed outlines, which a ray from it crosses an odd number of times."""
+    """Return whether the origin lies inside closed outlines: a ray from it crosses them an odd number of times."""
     rises = (starts[:, 1] > 0.0) != (ends[:, 1] > 0.0)
     a, b = starts[rises], ends[rises]
     right = a[:, 0] - a[:, 1] * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1]) > 0.0

@@ -35,7 +35,7 @@ def read_goals(goal: ArrayLike | None) -> Floats:
 
 
 def _is_several(goal: ArrayLike) -> TypeGuard[Sequence[ArrayLike]]:
-    """Return whether this is a list of goals, not one goal in a row or a column of numbers."""
+    """Return whether this is a list of goals, and not a single goal as a row or a column of numbers."""
     shape = np.shape(goal[0]) if isinstance(goal, Sequence | np.ndarray) and len(goal) else ()
     return len(shape) > 0 and bool(np.prod(shape) > 1)
 
@@ -45,9 +45,9 @@ class BodyGoals:
     """The goals of a body as a simulation has them.
 
     Attributes:
-        has_goal: It has any.
-        returns: It loops between one goal and its start.
-        rows: The goals in order, and for one that returns its start [m, m, rad], shape ``(n, 3)``.
+        has_goal: Whether it has any.
+        returns: Whether it loops between a single goal and its start.
+        rows: Goals in order [m, m, rad], shape ``(n, 3)``; for a body that returns, with its start.
     """
 
     has_goal: bool
@@ -56,7 +56,7 @@ class BodyGoals:
 
 
 class GoalWriter:
-    """Writes goals into a simulation, and remembers those that a reset brings back."""
+    """Writes goals into a simulation, and stores those that a reset restores."""
 
     def __init__(self) -> None:
         self._at_start: dict[str, BodyGoals] = {}
@@ -81,7 +81,7 @@ class GoalWriter:
             state.goal_distance[0, body] = np.linalg.norm(goals[0, :2] - state.pose[0, body, :2])
 
     def follow(self, simulation: Simulation) -> None:
-        """Forget the bodies that are gone, so that others may have their names."""
+        """Forget removed bodies, so that others may use their names."""
         self._at_start = {name: given for name, given in self._at_start.items() if name in simulation.parts.names}
 
     def bring_back(self, simulation: Simulation) -> None:
@@ -104,7 +104,7 @@ def _put(simulation: Simulation, body: int, given: BodyGoals) -> None:
 
 
 def make_room(model: Model, n_goals: int) -> None:
-    """Make room for so many goals of each body."""
+    """Allocate rows for a number of goals of each body."""
     missing = n_goals - model.waypoints.shape[2]
     if missing > 0:
         pads = ((0, 0), (0, 0), (0, missing), (0, 0))

@@ -22,11 +22,11 @@ class GridMap:
     Attributes:
         width: Size of the world along x [m].
         height: Size of the world along y [m].
-        resolution: Side of a cell that was asked for [m].
+        resolution: Requested side of a cell [m].
         grid: Occupancy of the cells from 0 to 100, more than 50 for an occupied one, shape ``(columns, rows)``: columns
             from the left, rows from the bottom. May be written into.
         world_offset: x, y of the lower left corner [m].
-        obstacle_list: The world's obstacles, also those that move, which are not in the cells.
+        obstacle_list: The obstacles of the world. Moving ones are listed here, but not in ``grid``.
     """
 
     width: float
@@ -53,31 +53,31 @@ class GridMap:
 
     @property
     def occupied(self) -> Flags:
-        """Which cells are, shape ``(columns, rows)``."""
+        """Whether each cell is occupied, shape ``(columns, rows)``."""
         return np.asarray(self.grid > OCCUPIED)
 
     def cell_of(self, x: float, y: float) -> tuple[int, int] | None:
-        """Return column and row of the cell that holds a point [m], None outside of the world."""
+        """Return column and row of the cell that holds the point ``x``, ``y`` [m]; None outside the world."""
         column = math.floor((x - self.world_offset[0]) / self.grid_resolution[0])
         row = math.floor((y - self.world_offset[1]) / self.grid_resolution[1])
         return (column, row) if 0 <= column < self.grid.shape[0] and 0 <= row < self.grid.shape[1] else None
 
     def center_of(self, column: int, row: int) -> tuple[float, float]:
-        """Return x, y of a cell's centre [m]."""
+        """Return x, y [m] of the centre of the cell in ``column`` and ``row``."""
         wide, high = self.grid_resolution
         return self.world_offset[0] + (column + 0.5) * wide, self.world_offset[1] + (row + 0.5) * high
 
     def grid_occupied(
         self, x: float, y: float, margin_x: float = 0.0, margin_y: float = 0.0, threshold: float = OCCUPIED
     ) -> bool:
-        """Return whether the cell at a point, or one nearby, is occupied; outside of the world all is.
+        """Return whether the cell at a point, or one nearby, is occupied. Points outside the world are.
 
         Args:
-            x: Where [m].
-            y: Where [m].
-            margin_x: How far left and right to look [m], in whole cells.
-            margin_y: How far up and down to look [m], in whole cells.
-            threshold: Occupancy above which a cell counts.
+            x: x of the point [m].
+            y: y of the point [m].
+            margin_x: Distance to search to the left and right [m], rounded up to whole cells.
+            margin_y: Distance to search up and down [m], rounded up to whole cells.
+            threshold: Occupancy above which a cell is occupied, without unit, from 0 to 100.
         """
         cell = self.cell_of(x, y)
         if cell is None:

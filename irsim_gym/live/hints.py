@@ -82,16 +82,16 @@ LOAD: dict[str, tuple[tuple[object, ...], str]] = {
     "log_file": ((None,), "give world.logger a handler: logging.FileHandler(...)"),
     "projection": ((None, "2d", "3d"), "bodies are in the plane, and pictures show it from above"),
 }
-"""For each argument of IR-SIM's that is not one here: values that ask for what is so anyway, and what to do else."""
+"""Arguments of IR-SIM without effect here: values that match the behaviour, and what to do for others."""
 
 TAKEN = ("full", "ani_kwargs", "log_level", "step_mode", "world_name")
-"""Arguments of IR-SIM's that ``load`` takes beside its own."""
+"""Arguments of IR-SIM that ``load`` accepts, too."""
 
 LARGE = "the window is as large as the picture: plot: {figure_pixels: [1000, 800]}"
 
 
 def unsettable(name: str, known: Iterable[str]) -> str:
-    """Return what to do in place of ``body.name = value``."""
+    """Return what to do instead of ``body.name = value``."""
     setter = f"set_{name}"
     if setter in known:
         return f"a body's {name} cannot be assigned: use {setter}(...)"
@@ -101,13 +101,13 @@ def unsettable(name: str, known: Iterable[str]) -> str:
 
 
 def missing(what: str, name: str, elsewhere: Mapping[str, str], known: Iterable[str]) -> str:
-    """Return what is wrong with a name that is not here, with what to use in its place.
+    """Return the message for a missing name, with what to use instead.
 
     Args:
-        what: Whose name it would be, e.g. ``a body``.
+        what: Owner of the name, such as ``a body``.
         name: The name.
-        elsewhere: What to use for names of IR-SIM's.
-        known: The names that are here.
+        elsewhere: What to use for names of IR-SIM.
+        known: The existing names.
     """
     if name.startswith("plot_"):
         return f"{what} has no '{name}': {DRAWN}"

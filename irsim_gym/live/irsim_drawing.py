@@ -24,20 +24,20 @@ POINT_WORDS = {
 }  # fmt: skip
 ARROW_WORDS = {"color": "color", "alpha": "alpha", "zorder": "layer"}
 MARKER_EDGE = 1.0
-"""A point of matplotlib's is larger by the width of its edge [point]."""
+"""Width of the edge by which markers of matplotlib are larger [point]."""
 SHARE, FEWEST = 1.8, 10.0
-"""An arrow is so many times, times the root of how many there are and at least this, shorter than the world."""
+"""An arrow is shorter than the world by this factor times the root of the number of arrows, at least the second one."""
 THICK, THIN = 0.0075, 0.003
-"""Width of arrows' shafts as a share of the world's, and that of arrows along a trajectory."""
+"""Width of the shafts of arrows, and of those along a trajectory, relative to the width of the world."""
 ORIGIN_SIZE = 36.0
 
 
 class IrSimDrawing:
-    """Draws over a world as IR-SIM's scripts do, with its arguments and defaults; ``draw`` is the package's own way.
+    """Draws over a world with the names, arguments and defaults of IR-SIM. New scripts use ``draw``.
 
     Args:
-        session: The world's bodies.
-        drawing: Takes the marks.
+        session: Bodies of the world.
+        drawing: Receives the marks.
     """
 
     def __init__(self, session: Session, drawing: Drawing) -> None:
@@ -53,15 +53,15 @@ class IrSimDrawing:
         refresh: bool = False,
         **kwargs: Any,
     ) -> None:
-        """Draw a line through points, as ``draw.path``.
+        """Draw a line through points. New scripts use ``draw.path``.
 
         Args:
-            traj: A list of points, each a column or flat, or an array with a column for each point [m]: one of two,
-                three or four rows is read so. ``draw.path`` reads rows.
-            traj_type: Colour, form of the points and line style, such as ``"r--"``.
-            label: Shows nothing, as in IR-SIM.
-            show_direction: Draw an arrow at each point, in the direction of its third coordinate [rad].
-            refresh: Only for the next picture; otherwise it stays until ``draw.clear``.
+            traj: A list of points, each flat or a column, or an array with one column per point [m]. An array with two,
+                three or four rows is read as columns, while ``draw.path`` reads rows.
+            traj_type: Colour, marker and line style, such as ``"r--"``.
+            label: Ignored, as in IR-SIM.
+            show_direction: Whether to draw an arrow at each point, in the direction of its third coordinate [rad].
+            refresh: Whether only the next picture shows it; otherwise it stays until ``draw.clear``.
             **kwargs: ``color``, ``linewidth`` [point], ``linestyle``, ``marker``, ``markersize`` [point], ``alpha``,
                 ``zorder``, and their short names.
 
@@ -87,14 +87,14 @@ class IrSimDrawing:
     def draw_points(
         self, /, points: ArrayLike | None, s: float = 30.0, c: Colors | None = None, refresh: bool = True, **kwargs: Any
     ) -> None:
-        """Mark points, as ``draw.points``.
+        """Mark points. New scripts use ``draw.points``.
 
         Args:
-            points: A list of points, each a column or flat, or an array with a column for each point [m]; None for
+            points: A list of points, each flat or a column, or an array with one column per point [m]; None draws
                 nothing.
-            s: Their area, the square of their diameter [point^2].
-            c: Their colour, or a list with a colour for each.
-            refresh: Only for the next picture; otherwise they stay until ``draw.clear``.
+            s: Area of the markers, the square of their diameter [point^2].
+            c: Colour, or a list with a colour for each point.
+            refresh: Whether only the next picture shows them; otherwise they stay until ``draw.clear``.
             **kwargs: ``marker``, ``alpha``, ``zorder``, ``linewidths`` [point] of crosses.
 
         Raises:
@@ -110,11 +110,11 @@ class IrSimDrawing:
         self._drawing.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
 
     def draw_box(self, vertex: ArrayLike, refresh: bool = False, color: str = "-") -> None:
-        """Draw the edge of a polygon, as ``draw.polygon``.
+        """Draw the edge of a polygon. New scripts use ``draw.polygon``.
 
         Args:
-            vertex: Its corners: an array with a column for each, or a list of points, each a column or flat [m].
-            refresh: Only for the next picture; otherwise it stays until ``draw.clear``.
+            vertex: Corners: an array with one column per corner, or a list of points, each flat or a column [m].
+            refresh: Whether only the next picture shows it; otherwise it stays until ``draw.clear``.
             color: Colour and line style, such as ``"b--"``.
 
         Raises:
@@ -129,13 +129,14 @@ class IrSimDrawing:
         self._drawing.add(marks, refresh)
 
     def draw_quiver(self, /, point: ArrayLike | None, refresh: bool = False, **kwargs: object) -> None:
-        """Draw a dot and an arrow; all arrows of IR-SIM's have one length, an eighteenth of the world's width.
+        """Draw a dot and an arrow.
 
-        ``draw.arrows`` draws them as long as their vectors are.
+        As in IR-SIM, all such arrows have one length, an eighteenth of the width of the world. ``draw.arrows`` draws
+        arrows as long as their vectors.
 
         Args:
-            point: Its tail [m] and direction: x, y, u, v; None for nothing.
-            refresh: Only for the next picture; otherwise it stays until ``draw.clear``.
+            point: Tail and direction: x, y [m], u, v; None draws nothing.
+            refresh: Whether only the next picture shows it; otherwise it stays until ``draw.clear``.
             **kwargs: ``color``, ``alpha``, ``zorder``.
 
         Raises:
@@ -147,11 +148,11 @@ class IrSimDrawing:
             self._draw_quivers([np.asarray(point, np.float64).ravel()], given, refresh)
 
     def draw_quivers(self, /, points: ArrayLike, refresh: bool = False, **kwargs: object) -> None:
-        """Draw a dot and an arrow for each of some points, see ``draw_quiver``.
+        """Draw a dot and an arrow for each point; see ``draw_quiver``.
 
         Args:
             points: A list of x, y, u, v, or an array with a row for each.
-            refresh: Only for the next picture; otherwise they stay until ``draw.clear``.
+            refresh: Whether only the next picture shows them; otherwise they stay until ``draw.clear``.
             **kwargs: ``color``, ``alpha``, ``zorder``.
 
         Raises:
@@ -161,7 +162,7 @@ class IrSimDrawing:
         self._draw_quivers(points, looks.known_as("draw_quivers", kwargs, ARROW_WORDS), refresh)
 
     def set_title(self, title: str | None) -> None:
-        """Write a title above the world until the next reset, as ``draw.title``; None for what the file says."""
+        """Write a title above the world until the next reset, like ``draw.title``; None restores the usual one."""
         self._drawing.title(title)
 
     def _draw_quivers(self, points: ArrayLike, given: Mapping[str, Any], once: bool) -> None:
@@ -172,7 +173,7 @@ class IrSimDrawing:
             self._draw_arrows(row[None], THICK, given, once)
 
     def _draw_arrows(self, rows: Floats, width: float, given: Mapping[str, object], once: bool) -> None:
-        """Draw arrows of one length: the more there are, the shorter, as matplotlib has it."""
+        """Draw arrows of equal length. The more there are, the shorter they are, as in matplotlib."""
         x_min, _, x_max, _ = self._session.simulation.model.bounds.tolist()
         length = (x_max - x_min) / (SHARE * max(math.ceil(math.sqrt(len(rows))), FEWEST))
         size = {"length": length, "width": width * (x_max - x_min)}

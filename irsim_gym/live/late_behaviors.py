@@ -1,4 +1,4 @@
-"""Behaviours that a world's file names and a module registers later."""
+"""Behaviours that the file of a world names and that a module registers later."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irsim_gym.scenario.pending import resolve_pending, unknown_groups
 
 
 class LateBehaviors:
-    """Resolves behaviours that nobody had registered when the file was read; the first step needs them.
+    """Resolves behaviours that were not registered when the file was read. They are needed by the first step.
 
     Args:
         session: The world's bodies.
@@ -25,7 +25,7 @@ class LateBehaviors:
         self._has_warned = False
 
     def warn_of_unknown_groups(self) -> None:
-        """Warn, once, of groups whose behaviour nobody has registered."""
+        """Warn once of groups whose behaviour is not registered."""
         if self._has_warned:
             return
         self._has_warned = True
@@ -35,12 +35,12 @@ class LateBehaviors:
     def load_behavior(self, behaviors: str) -> None:
         """Import a module that registers behaviours, and give them to the bodies whose file names them.
 
-        The module registers them with ``irsim_gym.behavior``, or as for IR-SIM with ``irsim_gym.irsim``. A module that
-        is imported already is not run again. Nothing else of the world changes.
+        The module registers them with ``irsim_gym.behavior``, or with ``irsim_gym.irsim`` as for IR-SIM. A module that
+        was imported before does not run again. Nothing else in the world changes.
 
         Args:
-            behaviors: The module's name, as after ``import``. It is searched where Python searches, beside the running
-                script, and beside the world's file.
+            behaviors: Name of the module, as in ``import``. It is searched on Python's path, beside the running script,
+                and beside the file of the world.
 
         Raises:
             ModuleNotFoundError: There is none.
@@ -58,7 +58,7 @@ class LateBehaviors:
 
 
 def _import(name: str, folders: list[Path]) -> None:
-    """Import a module; where Python does not find it, from one of these folders."""
+    """Import a module. If Python does not find it, search these folders."""
     top = name.split(".")[0]
     if top not in sys.modules and importlib.util.find_spec(top) is None:
         found = (folder for folder in folders if (folder / f"{top}.py").is_file() or (folder / top).is_dir())

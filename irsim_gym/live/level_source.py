@@ -1,4 +1,4 @@
-"""The file of a world, and the level that it plays."""
+"""The file of a world, and its present level."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ ScenarioSource = str | Path | Mapping[str, Any]
 
 
 class LevelSource:
-    """Reads a file, and draws its levels in the order of one seed.
+    """Reads a file, and draws its levels in the order that a seed gives.
 
     Args:
-        source: The file; None for the YAML file beside the running script that is named as the script is.
-        seed: The first level.
-        strict: A key that nobody reads is an error.
+        source: The file; None for the YAML file with the name of the running script, in the same folder.
+        seed: Number of the first level.
+        strict: Whether unknown keys are errors.
         asked: Parameters of the scenario, and the step mode.
         columns: See ``Session``.
 
     Attributes:
-        session: The compiled scenario; the same object for the life of the world.
+        session: The compiled scenario; the same object throughout the life of the world.
 
     Raises:
         ScenarioError: The file cannot be used.
@@ -59,7 +59,7 @@ class LevelSource:
         self.begin()
 
     def reload(self, source: ScenarioSource | None) -> None:
-        """Read the file again, or another one, and begin its first level; an error leaves everything as it is."""
+        """Read the file again, or another one, and begin its first level. An error leaves everything unchanged."""
         chosen = self._source if source is None else source
         self.session.compile(self._read(chosen))
         self._source, self._episode = chosen, 0
@@ -67,7 +67,7 @@ class LevelSource:
         self.begin()
 
     def set_seed(self, seed: int) -> None:
-        """Draw from another stream from now on; ``begin_next`` begins with its first level."""
+        """Draw levels from another stream. ``begin_next`` begins with its first level."""
         self._seed, self._episode = _level(seed), -1
         simulation = self.session.simulation
         simulation.state.random[:] = simulation.streams(self._seed)
@@ -86,7 +86,7 @@ class LevelSource:
 
 
 def _beside_the_script() -> Path:
-    """Return the YAML file that is named as the running script is."""
+    """Return the YAML file with the name of the running script, in the same folder."""
     script = Path(sys.argv[0] or "script.py")
     for file in (script.with_suffix(".yaml"), Path(script.stem + ".yaml")):
         if file.is_file():
@@ -95,7 +95,7 @@ def _beside_the_script() -> Path:
 
 
 def _level(seed: object) -> int:
-    """Return the level that a seed stands for, as in environments."""
+    """Return the level of a seed, as in environments."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise TypeError(f"a seed is a whole number, got {seed!r}")
     if seed < 0:

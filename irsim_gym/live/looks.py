@@ -1,4 +1,4 @@
-"""How marks look, in the words of matplotlib: colours, format strings such as ``"g--"``, forms of points."""
+"""The look of marks in the terms of matplotlib: colours, format strings such as ``"g--"``, markers."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from irsim_gym.scenario.colors import as_text, color_problem
 LINES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 NO_LINE = ("", " ", "none", "None")
 Color = str | Sequence[float] | Floats
-"""A name or code, or red, green, blue and perhaps opacity from 0 to 1."""
+"""A name or code, or red, green, blue and optionally opacity, each from 0 to 1."""
 Colors = Color | Sequence[Color]
 
 T = TypeVar("T")
 
 STROKES = "+x|_"
-"""Forms of points that consist of lines."""
+"""Markers that consist of lines."""
 
 
 def _star(corners: int, inner: float = 1.0) -> Floats:
@@ -60,7 +60,7 @@ def _forms() -> dict[str, tuple[Floats, ...]]:
 
 FORMS = _forms()
 SHARES = {".": 0.5, ",": 0.15}
-"""Points with these names are discs of so much of the size."""
+"""Markers that are discs, with their diameter relative to the size."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,9 @@ class Format:
     """What a format string says.
 
     Attributes:
-        color: The colour; None where it names none.
-        style: Style of the line as ``LineMark`` has it; empty for no line.
-        marker: Form of the points; empty for none.
+        color: The colour; None if the string has none.
+        style: Line style as in ``LineMark``; empty for no line.
+        marker: Marker; empty for none.
     """
 
     color: str | None
@@ -82,8 +82,8 @@ def color(value: Color) -> str:
     """Return a colour as text.
 
     Args:
-        value: A name, a letter, ``C0`` to ``C9``, a grey from ``"0"`` to ``"1"``, ``#rrggbb``, or red, green, blue and
-            perhaps opacity from 0 to 1.
+        value: A name, a letter, ``C0`` to ``C9``, a grey from ``"0"`` to ``"1"``, ``#rrggbb``, or numbers from 0 to 1
+            for red, green, blue and optionally opacity.
 
     Raises:
         ValueError: There is no such colour.
@@ -98,7 +98,7 @@ def color(value: Color) -> str:
 
 
 def line_style(name: str) -> str:
-    """Return a line style as marks have it, of matplotlib's signs or names; empty for no line.
+    """Return the line style of a mark for a sign or name of matplotlib; empty for no line.
 
     Raises:
         ValueError: There is no such style.
@@ -111,7 +111,7 @@ def line_style(name: str) -> str:
 
 
 def marker(name: str) -> str:
-    """Return the form of points, empty for none.
+    """Return the marker of points, empty for none.
 
     Raises:
         ValueError: There is no such form.
@@ -141,7 +141,7 @@ def parsed(text: str) -> Format:
 
 
 def _next_part(rest: str) -> tuple[int, str, str]:
-    """Return how many letters the first part of a format has, what it is, and its value; 0 letters for none."""
+    """Return length, kind and value of the first part of a format string; length 0 if there is none."""
     if rest[:2] in LINES:
         return 2, "style", LINES[rest[:2]]
     if rest[0] in LINES:
@@ -167,12 +167,14 @@ def number(name: str, value: object, *, least: float = 0.0, most: float = math.i
 
 
 def known_as(caller: str, given: Mapping[str, T], names: Mapping[str, str]) -> dict[str, T]:
-    """Return keyword arguments of matplotlib's under our names; ``label`` is taken and shows nothing, as in IR-SIM.
+    """Return keyword arguments of matplotlib under our names.
+
+    ``label`` is accepted and has no effect, as in IR-SIM.
 
     Args:
-        caller: Who got them.
+        caller: Function that received them.
         given: The keyword arguments; None counts as not given.
-        names: Our name for each of matplotlib's.
+        names: Our name for each name of matplotlib.
 
     Raises:
         TypeError: One is not among them, or two mean the same.

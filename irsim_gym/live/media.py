@@ -1,4 +1,4 @@
-"""Pictures of a world in files: figures, films, pages, sheets."""
+"""Files with pictures of a world: figures, films, pages, sheets."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ ENDING_S = 3.0
 
 
 class MediaWriter:
-    """Keeps frames, and writes them and others to files.
+    """Keeps frames, and writes files.
 
     Args:
-        session: The world's bodies.
-        status: What pictures say.
+        session: Bodies of the world.
+        status: Status that pictures show.
         camera: Draws them.
         viewer: The window, which ``end`` closes.
-        record: Keep frames.
-        save_at_end: ``end`` writes a film.
+        record: Whether to keep frames.
+        save_at_end: Whether ``end`` writes a film.
         options: Defaults of ``end``.
     """
 
@@ -47,7 +47,7 @@ class MediaWriter:
 
     @property
     def save_ani(self) -> bool:
-        """``end`` writes a film."""
+        """Whether ``end`` writes a film."""
         return self._save_at_end
 
     def note_moment(self) -> None:
@@ -63,24 +63,24 @@ class MediaWriter:
         return target(path, self._session.simulation.scenario.name + ending)
 
     def close(self, /, ending_time: float = 0.0, **film: object) -> None:
-        """Close the window and free the renderer; with ``save_ani`` write the film before, as ``end`` does.
+        """Close the window and free the renderer. With ``save_ani``, write the film first, as ``end`` does.
 
-        May be called twice; the world can still be used.
+        It may be called twice, and the world can still be used.
 
         Args:
-            ending_time: How long a window stays open before [s].
+            ending_time: Time for which a window stays open before [s].
             **film: As for ``end``.
         """
         self._finish(ending_time, film_options(film))
 
     def end(self, /, ending_time: float = ENDING_S, ani_name: str | Path | None = None, **film: object) -> Path | None:
-        """Write the film if frames were kept, and either ``save_ani`` or a name asks for it; then close.
+        """Write the film if ``save_ani`` or ``ani_name`` asks for it, then close.
 
-        Where a name is given but no frames were kept, a warning says so.
+        If a name is given but no frames were kept, it warns.
 
         Args:
-            ending_time: How long a window stays open before [s]; a person may close it sooner.
-            ani_name: The film's file, as for ``save_animation``.
+            ending_time: Time for which a window stays open before [s]. Closing the window ends it sooner.
+            ani_name: File of the film, as for ``save_animation``.
             **film: IR-SIM's other arguments: ``suffix=".gif"`` is that of a name without one; ``rm_fig_path`` and
                 ``last_frame_duration`` change nothing, others neither, but give a warning. What is not given here is
                 taken from ``load(ani_kwargs=...)``.
@@ -108,7 +108,7 @@ class MediaWriter:
         self._camera.close()
 
     def quit(self) -> NoReturn:
-        """Close, and end the program (``SystemExit``)."""
+        """Close everything, and end the program (``SystemExit``)."""
         self._viewer.quit = True
         self.end(ending_time=0.0)
         raise SystemExit(0)
@@ -126,10 +126,10 @@ class MediaWriter:
         """Write a picture to a file and return its path.
 
         Args:
-            path: ``.png``, ``.pdf``, ``.svg`` and so on; without a suffix the scenario's
-                ``plot.saved_figure.format`` is used, and without a path the world's name.
-            include_index: Put the number of the step behind the name.
-            save_gif: Keep the moment for the film as well.
+            path: ``.png``, ``.pdf``, ``.svg`` and so on. Without a suffix, that of the scenario's
+                ``plot.saved_figure.format`` is used; without a path, the name of the world.
+            include_index: Whether to append the number of the step to the name.
+            save_gif: Whether to keep the moment for the film, too.
             save_name: IR-SIM's name for ``path``.
             **options: Keys of ``plot.saved_figure`` in place of the scenario's, such as ``dpi=300``. Others change
                 nothing but give a warning.
@@ -149,11 +149,12 @@ class MediaWriter:
         return self._camera.save_figure(file, self._status.shown, figure_options(options))
 
     def save_animation(self, path: str | Path | None = None, fps: float | None = None) -> Path:
-        """Write the frames kept so far to a film, let go of them, and return its path.
+        """Write the frames kept so far to a film, remove them, and return its path.
 
         Args:
-            path: ``.mp4`` or ``.gif``; without a suffix it becomes an mp4, and without a path the world's name is used.
-            fps: Frames per second; by default as fast as the world's own time.
+            path: ``.mp4`` or ``.gif``. Without a suffix, it becomes an mp4; without a path, the name of the world is
+                used.
+            fps: Frames per second (default: the film plays in real time).
 
         Raises:
             ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
@@ -166,10 +167,12 @@ class MediaWriter:
         return film
 
     def save_html(self, path: str | Path | None = None) -> Path:
-        """Write a page that plays all episodes since the world was loaded, in any browser; return its path.
+        """Write a page that plays all episodes since the world was loaded, and return its path.
+
+        It opens in any browser.
 
         Args:
-            path: ``.html``, also without the suffix; by default the world's name.
+            path: ``.html``, with or without the suffix (default: name of the world).
 
         Raises:
             ValueError: Another suffix, or nothing was kept: a world keeps it when it is loaded with ``record=True``.
@@ -179,11 +182,13 @@ class MediaWriter:
         return page
 
     def save_sheet(self, path: str | Path | None = None, moments: int = 12) -> Path:
-        """Write one picture with moments, evenly spaced, of what ``save_animation`` writes or wrote; return its path.
+        """Write one picture with evenly spaced moments, and return its path.
+
+        They are those of the film that ``save_animation`` would write, or wrote last.
 
         Args:
-            path: ``.png`` or another picture of pixels; by default the world's name with ``-sheet``.
-            moments: How many; the first and the last are among them.
+            path: ``.png`` or another picture of pixels (default: name of the world with ``-sheet``).
+            moments: Number of moments, including the first and the last.
 
         Raises:
             ValueError: Another suffix, nothing was kept, or fewer than two moments.
@@ -193,10 +198,10 @@ class MediaWriter:
         return sheet
 
     def save_strobe(self, path: str | Path | None = None) -> Path:
-        """Write one picture with the ways of the robots in this episode, coloured by time; return its path.
+        """Write one picture with the paths of the robots in this episode, coloured by time, and return its path.
 
         Args:
-            path: ``.png``, ``.pdf``, ``.svg`` and so on; by default the world's name with ``-strobe``.
+            path: ``.png``, ``.pdf``, ``.svg`` and so on (default: name of the world with ``-strobe``).
 
         Raises:
             ValueError: Another suffix, or nothing was kept.

@@ -40,9 +40,9 @@ def scatter(
     Args:
         simulation: The world.
         bodies: Their indices.
-        low: Least x, y, heading [m, m, rad].
-        high: Greatest.
-        apart: Clear of all other bodies.
+        low: Minimum x, y, heading [m, m, rad].
+        high: Maximum x, y, heading [m, m, rad].
+        apart: Whether they must be clear of all other bodies.
 
     Raises:
         PlacementError: One of them found no place in 100 draws; none has moved.

@@ -1,4 +1,4 @@
-"""Names of the files that pictures, films and pages are written to."""
+"""Names of the files to which pictures, films and pages are written."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tif
 
 
 def target(path: str | Path | None, name: str) -> Path:
-    """Return the file that is meant: by default one of this name.
+    """Return the file of a path, by default one with this name.
 
     Raises:
         ValueError: It is a folder.
@@ -38,6 +38,6 @@ def with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
 
 
 def film_file(options: Mapping[str, object], name: str) -> Path:
-    """Return the file of a film: what is named, else the world's name, with a suffix where one is given."""
+    """Return the file of a film: the given one, else the name of the world, with the given suffix."""
     chosen, suffix = Path(str(options.get("ani_name") or name)), options.get("suffix")
     return chosen.with_name(f"{chosen.name}{suffix}") if suffix and chosen.suffix.lower() not in FILMS else chosen

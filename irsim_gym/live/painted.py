@@ -1,4 +1,4 @@
-"""Beams in colours that ``Body.set_laser_color`` sets."""
+"""Beams in the colours that ``Body.set_laser_color`` sets."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ Look = tuple[str, float] | None
 
 
 class PaintedBeams:
-    """Which beams have colours of their own, and the scans in pieces of one colour each, for a renderer.
+    """Beams with colours of their own. The renderer gets scans in pieces of one colour each.
 
     Attributes:
-        version: Another number after each change.
+        version: A number that differs after each change.
     """
 
     def __init__(self) -> None:
@@ -38,10 +38,10 @@ class PaintedBeams:
 
         Args:
             name: The body.
-            n_beams: How many beams there are.
-            beams: Which of them; there is no harm in others.
+            n_beams: Number of beams.
+            beams: Indices of the beams to paint; others than existing ones are ignored.
             colour: Their colour.
-            alpha: Their opacity; with 0 they are not seen.
+            alpha: Their opacity; 0 hides them.
 
         Raises:
             ValueError: There is no such colour, or the opacity is not between 0 and 1.

@@ -16,11 +16,11 @@ DEFAULT_CELL = 0.1
 
 
 class PathPlanner:
-    """Plans around everything that never moves: bodies without a drive, static ones, and the obstacle map.
+    """Plans around everything that never moves: bodies without a drive, static bodies, and the obstacle map.
 
     Args:
-        session: The world's bodies.
-        population: For maps, which name the obstacles.
+        session: Bodies of the world.
+        population: For maps, which list the obstacles.
     """
 
     def __init__(self, session: Session, population: Population) -> None:
@@ -29,19 +29,19 @@ class PathPlanner:
     def path(
         self, start: ArrayLike, goal: ArrayLike, radius: float | None = None, *, resolution: float = FINE
     ) -> Floats | None:
-        """Return a shortest way for a disc around everything that never moves, shape ``(n, 2)`` [m].
+        """Return a shortest path for a disc around everything that never moves, shape ``(n, 2)`` [m].
 
-        The way leads straight from point to point, from start to goal, and the disc touches nothing on it: that is
-        tested exactly. It is sought over cells and pulled tight, so that it is 0.1 % or so longer than the shortest
-        one, up to 3 % where ways on different sides of something are nearly equally long. Bodies that move, also
-        robots that wait for actions, are not in the way.
+        The path consists of straight lines from start to goal on which the disc touches nothing, which is tested
+        exactly. It is found over cells and pulled tight, so it is about 0.1 % longer than the shortest path, and up to
+        3 % if paths on different sides of an obstacle are nearly equally long. Bodies that can move are ignored, also
+        robots that wait for actions.
 
         Args:
-            start: x and y [m], and perhaps more, such as a state; flat or a column.
+            start: x and y [m]; further numbers are ignored, so a state will do; flat or a column.
             goal: Likewise.
-            radius: Radius of the disc [m]; by default that of the first robot, about its origin.
-            resolution: Side of the cells [m]. A gap that is hardly wider than the disc may be missed, the smaller the
-                cells the narrower; they are larger in a world with more than a million.
+            radius: Radius of the disc [m] (default: that of the first robot, about its origin).
+            resolution: Side of the cells [m]. A gap that is hardly wider than the disc may be missed; smaller cells
+                miss fewer. Cells are larger in a world with more than a million of them.
 
         Returns:
             The points, None where there is no way: also where the disc cannot stand at the start or at the goal.
@@ -64,11 +64,11 @@ class PathPlanner:
         return float(self._session.simulation.model.reach[0, first])
 
     def get_map(self, resolution: float | None = None) -> GridMap:
-        """Return the world as cells, for planners: occupied where something that never moves touches them.
+        """Return the world as cells for planners. Cells that something touches which never moves are occupied.
 
         Args:
-            resolution: Side of a cell [m]; by default the obstacle map's own cells, 0.1 m without one. Where the world
-                is no multiple of it, cells are a little larger or smaller.
+            resolution: Side of a cell [m] (default: that of the obstacle map, 0.1 m without one). If the size of the
+                world is no multiple of it, cells are slightly larger or smaller.
 
         Raises:
             ValueError: It is not positive, or there would be more than ten million cells.

@@ -8,19 +8,19 @@ from numpy.typing import ArrayLike
 from irsim_gym.arraytypes import Flags, Floats
 
 FEWEST, MOST = 2, 4
-"""A point has so many coordinates: x and y, perhaps a heading and one more; what is left over is not used."""
+"""Possible numbers of coordinates of a point: x and y, optionally a heading and one more. Others are ignored."""
 
 FARTHEST = 1e9
-"""A coordinate is smaller than this [m]."""
+"""Upper bound of coordinates [m]."""
 
 
 def rows(points: ArrayLike, *, columns: bool = False, least: int = FEWEST) -> Floats:
     """Return points as rows.
 
     Args:
-        points: An array with a row ``x, y, ...`` for each point; or a list of points, each flat or a column.
-        columns: Read an array with two, three or four rows as IR-SIM does: a column for each point.
-        least: So many coordinates are needed.
+        points: An array with a row ``x, y, ...`` per point, or a list of points, each flat or a column.
+        columns: Whether to read an array with two, three or four rows as IR-SIM does: with one column per point.
+        least: Number of coordinates that each point must have.
 
     Returns:
         Shape ``(n, d)``, where ``d`` is the least number of coordinates that a point has.
@@ -37,7 +37,7 @@ def rows(points: ArrayLike, *, columns: bool = False, least: int = FEWEST) -> Fl
 
 
 def _table(points: ArrayLike, columns: bool) -> Floats | None:
-    """Return points as rows; None where they have no shape of points."""
+    """Return points as rows; None if their shape is not that of points."""
     if isinstance(points, list | tuple) and any(np.ndim(point) for point in points):
         try:
             flat = [np.asarray(point, np.float64).ravel() for point in points]
@@ -66,17 +66,17 @@ def _table(points: ArrayLike, columns: bool) -> Floats | None:
 
 
 def _are_near(points: Floats) -> Flags:
-    """Return which points are numbers, and not so far away that nobody could draw them."""
+    """Return which points are finite and near enough to be drawn."""
     return np.asarray((np.abs(points[:, :2]) < FARTHEST).all(axis=1))
 
 
 def finite(points: Floats) -> Floats:
-    """Return the points that are somewhere, without further coordinates, shape ``(n, 2)``."""
+    """Return the finite points, without further coordinates, shape ``(n, 2)``."""
     return points[_are_near(points), :2].copy()
 
 
 def runs(points: Floats) -> list[Floats]:
-    """Return the parts of a way between points that are nowhere, each of shape ``(n, 2)``."""
+    """Return the pieces of a line between points that are not finite, each of shape ``(n, 2)``."""
     known = _are_near(points)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(np.int8), [0]])))
     return [points[first:end, :2].copy() for first, end in edges.reshape(-1, 2).tolist()]

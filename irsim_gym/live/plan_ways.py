@@ -1,4 +1,4 @@
-"""The shortest way in a scenario, or in a world by hand, in one call."""
+"""The shortest path in a scenario, or in a world by hand, in one call."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ def plan(
     resolution: float = FINE,
     seed: int | None = None,
 ) -> Floats:
-    """Return the way points of a shortest way around everything that never moves.
+    """Return the points of a shortest path around everything that never moves.
 
-    The way leads straight from point to point, and a disc about it touches nothing: that is tested exactly. It is that
-    of ``World.path``, some 0.1 % longer than the shortest. Bodies that can move are not in the way.
+    The path consists of straight lines on which a disc touches nothing, which is tested exactly. It is that of
+    ``World.path``, about 0.1 % longer than the shortest one. Bodies that can move are ignored.
 
     Args:
-        world_or_scenario: A world from ``irsim_gym.load``, as it stands now; or what that takes: a shipped name, an id,
-            the path of a YAML file, or the same as plain data.
-        start: x and y [m], and perhaps more, such as a state; flat or a column.
+        world_or_scenario: A world from ``irsim_gym.load`` at its present moment, or what ``load`` takes: a shipped
+            name, an id, the path of a YAML file, or the same as plain data.
+        start: x and y [m]; further numbers are ignored, so a state will do; flat or a column.
         goal: Likewise.
-        robot: Name or number of the body whose size is meant; by default the first robot.
-        radius: Radius of the disc [m] instead of a body's.
-        clearance: Distance that the disc keeps from all obstacles [m].
-        resolution: Side of the cells [m] in which ways are looked for; a gap hardly wider than the disc may be missed.
-        seed: Which level of a scenario that draws its levels; a world has one already.
+        robot: Name or number of the body that gives the radius (default: the first robot).
+        radius: Radius of the disc [m], instead of that of a body.
+        clearance: Distance of the disc from all obstacles [m].
+        resolution: Side of the cells of the search [m]. A gap that is hardly wider than the disc may be missed.
+        seed: Level of a scenario that draws its levels. A world has a level already.
 
     Returns:
         The points from start to goal [m], shape ``(n, 2)``, at least two.
@@ -72,7 +72,7 @@ def plan(
 
 
 def _why(world: World, radius: float, start: tuple[float, float], goal: tuple[float, float]) -> str:
-    """Return why a disc has no way."""
+    """Return why a disc has no path."""
     model, state = world.simulation.model, world.simulation.state
     for name, (x, y) in (("start", start), ("goal", goal)):
         found = blocking_bodies(model, state, 0, radius, (x, y), fixed_bodies(model, 0))

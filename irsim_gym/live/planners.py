@@ -15,29 +15,29 @@ from irsim_gym.paths.queries import cells_way
 
 @final
 class AStarPlanner:
-    """Shortest ways over the free cells of a map.
+    """Shortest paths over the free cells of a map.
 
-    The way is that of a point: for a robot of some size, ``world.path`` is what leaves room. It is found by spreading
-    from the goal, which gives what A* finds.
+    Paths are for a point; for a robot with a size, use ``world.path``. The search spreads from the goal, which finds
+    what A* finds.
 
     Args:
-        env_map: What ``world.get_map`` returns.
+        env_map: Result of ``world.get_map``.
     """
 
     def __init__(self, env_map: GridMap) -> None:
         self.env_map = env_map
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = False) -> Floats | None:
-        """Return the way from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].
+        """Return the path from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].
 
-        A step leads from the centre of a cell to that of one beside or across, or a knight's move away, so that
-        all of it lies in free cells; two occupied cells that meet at a corner alone do not stop it. The given points
-        come before the first centre and after the last.
+        A step leads from the centre of a cell to that of one of its eight neighbours or a knight's move away, through
+        free cells only. It may pass between two occupied cells that meet at a corner. The given points come before the
+        first centre and after the last.
 
         Args:
             start_pose: x, y and perhaps more [m], flat or a column.
             goal_pose: Likewise.
-            show_animation: Nothing is shown: there is no search to look at.
+            show_animation: Ignored: nothing is shown.
 
         Returns:
             The points, None where there is no way: also where start or goal is outside, or in an occupied cell.
@@ -58,4 +58,4 @@ class AStarPlanner:
 
 
 JPSPlanner = AStarPlanner
-"""Jump point search finds the same ways, so it is the same planner."""
+"""The same planner, because jump point search finds the same paths."""

@@ -1,4 +1,4 @@
-"""Records a world: frames for films and sheets, numbers for replays."""
+"""Records a world: frames for films and sheets, figures for replays."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ NOTHING_KEPT = "nothing was kept: load the world with record=True"
 class Reel:
     """Frames since the last film, and the numbers of all episodes.
 
-    Frames are packed, since flat colours shrink to a few percent. Those of the last film stay until the next one is
-    kept, so that a sheet can be made of them too.
+    Frames are compressed, as flat colours shrink to a few percent. Those of the last film remain until the next frame
+    is kept, so that a sheet can be made of them, too.
     """
 
     def __init__(self) -> None:
@@ -37,7 +37,7 @@ class Reel:
         self._is_begun = False
 
     def keep(self, frame: Bytes, scene: Scene, simulation: Simulation) -> None:
-        """Keep a moment: its picture, what that shows, and how the robots fare."""
+        """Keep a moment: its picture, its numbers, and the outcomes of the robots."""
         from irsim_gym.render.packing import PackedFrame
         from irsim_gym.render.replay_data import Recording
 
@@ -65,7 +65,7 @@ class Reel:
         self._recordings[-1].redraw(scene)
 
     def save_film(self, path: Path, fps: float) -> None:
-        """Write the frames to a film, and begin another one.
+        """Write the frames to a film, and start another one.
 
         Raises:
             ValueError: There are none.
@@ -90,7 +90,7 @@ class Reel:
         save_html(path, self._recordings)
 
     def save_sheet(self, path: Path, count: int) -> None:
-        """Write one picture with some of the frames of the film that is kept, or was written last.
+        """Write one picture with some frames of the present film, or of the last one written.
 
         Raises:
             ValueError: There are no frames, or fewer than two are asked for.
@@ -105,7 +105,7 @@ class Reel:
         save_sheet(contact_sheet([frames], [""]), path)
 
     def save_strobe(self, path: Path, layout: Layout) -> None:
-        """Write one picture with the ways of the robots in the last episode.
+        """Write one picture with the paths of the robots in the last episode.
 
         Raises:
             ValueError: There is none.
@@ -118,6 +118,6 @@ class Reel:
 
 
 def _outcome(simulation: Simulation, body: int) -> str:
-    """Return how a robot stands."""
+    """Return the outcome of a robot so far."""
     state = simulation.state
     return "arrived" if state.arrived[0, body] else "collision" if state.collided[0, body] else "running"

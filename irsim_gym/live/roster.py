@@ -11,7 +11,7 @@ Reference = int | str
 
 
 class Roster:
-    """The bodies of a world. A body keeps its number while others come and go.
+    """The bodies of a world. A body keeps its number while others are added or removed.
 
     Args:
         simulation: The world; at first a body's number is its index.
@@ -37,7 +37,7 @@ class Roster:
         self._numbers = {name: self._numbers[name] for name in self._index}
 
     def index(self, reference: Reference) -> int:
-        """Return where the body with some number or name stands in the arrays.
+        """Return the index of the body with a number or name in the arrays.
 
         Raises:
             UnknownNameError: There is none; the message offers the nearest name.

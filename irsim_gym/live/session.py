@@ -15,15 +15,15 @@ class Session:
 
     Args:
         scenario: What the file says.
-        columns: Vectors are returned as IR-SIM's columns, shape ``(n, 1)``, and points as ``(2, n)``.
+        columns: Whether vectors are returned as columns of shape ``(n, 1)``, and points as ``(2, n)``, as in IR-SIM.
 
     Attributes:
         scenario: What the file says; ``simulation.scenario`` has the bodies that are here now.
         simulation: The simulator; ``compile`` and ``replace`` exchange it.
         roster: Names and numbers of the bodies.
         goals: Writes goals, and restores those of the start.
-        track: Where bodies have been since the reset.
-        painted: Beams in colours of their own.
+        track: Poses of bodies since the reset.
+        painted: Beams with colours of their own.
     """
 
     simulation: Simulation
@@ -36,13 +36,13 @@ class Session:
         self.compile(scenario)
 
     def compile(self, scenario: Scenario) -> None:
-        """Take over a scenario; ``begin`` draws its level."""
+        """Compile a scenario. ``begin`` draws its level."""
         self.simulation = compile(scenario, check_starts=False)
         self.scenario = scenario
         self.roster, self.goals = Roster(self.simulation), GoalWriter()
 
     def replace(self, simulation: Simulation) -> None:
-        """Take over a simulation of the same moment with other bodies."""
+        """Continue with a simulation of the same moment that has other bodies."""
         self.simulation = simulation
         self.roster.follow(simulation)
         self.goals.follow(simulation)
@@ -54,7 +54,7 @@ class Session:
         self.track.begin(self.simulation)
 
     def begin_again(self) -> None:
-        """Begin the level once more, with the bodies that are here now."""
+        """Begin the level again, with the present bodies."""
         self.goals.bring_back(self.simulation)
         self.simulation.reset_to_start()
         self.track.begin(self.simulation)

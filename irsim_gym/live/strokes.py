@@ -15,7 +15,7 @@ from irsim_gym.world.marks import LineMark, Mark, PointsMark
 
 POINTS = "#CC79A7"
 MARKER_SIZE, MARKER_WIDTH = 6.0, 1.5
-"""Size of the forms along a line, and width of the lines of crosses [point]."""
+"""Size of markers along a line, and width of the lines of crosses [point]."""
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class StrokeInk:
 
 
 def line(points: Floats, look: looks.Format, ink: StrokeInk, width: object, size: object = MARKER_SIZE) -> list[Mark]:
-    """Return a line through points, and forms at them.
+    """Return a line through points, with markers at them.
 
     Args:
-        points: The points [m], shape ``(n, d)``; it is interrupted where they are not finite.
-        look: Its style and the form of its points.
-        ink: Its colour.
-        width: Its width [point].
-        size: Size of the forms [point].
+        points: The points [m], shape ``(n, d)``. Points that are not finite interrupt the line.
+        look: Line style and marker.
+        ink: Colour, opacity and layer.
+        width: Width of the line [point].
+        size: Size of the markers [point].
 
     Raises:
         ValueError: There is no such width or size.
@@ -67,14 +67,14 @@ def line(points: Floats, look: looks.Format, ink: StrokeInk, width: object, size
 
 
 def forms(points: Floats, ink: StrokeInk, marker: str, size: float, width: float = MARKER_WIDTH) -> list[Mark]:
-    """Return forms at points [m], shape ``(n, d)``; none where there are no points.
+    """Return markers at points [m], shape ``(n, d)``; an empty result without points.
 
     Args:
         points: The points.
-        ink: Their colour.
-        marker: Their form.
-        size: Its size [point].
-        width: Width of its lines [point], where it consists of lines.
+        ink: Colour, opacity and layer.
+        marker: Marker of the points.
+        size: Size of the markers [point].
+        width: Line width of markers that consist of lines [point].
     """
     chosen = places.finite(points)
     if not len(chosen):
@@ -87,7 +87,7 @@ def forms(points: Floats, ink: StrokeInk, marker: str, size: float, width: float
 def points(
     rows: Floats, color: Colors | None, marker: str, size: object, width: object, alpha: object, layer: object
 ) -> list[Mark]:
-    """Return forms at points, in one colour or in one for each.
+    """Return markers at points, in one colour or in one for each point.
 
     Raises:
         ValueError: There is no such look.
@@ -102,7 +102,7 @@ def points(
 
 
 def area(corners: Floats, edge: StrokeInk, fill: Color | None, style: str, width: object) -> list[Mark]:
-    """Return a polygon; nothing without corners.
+    """Return a polygon; an empty result without corners.
 
     Args:
         corners: Its corners [m], shape ``(n, d)``.

@@ -10,7 +10,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 
 GONE = ""
-"""Stands for the name of a body that is gone."""
+"""Replaces the name of a removed body."""
 
 
 class Track:
@@ -20,18 +20,18 @@ class Track:
         self._rows: list[tuple[int, tuple[str, ...], Floats]] = []
 
     def begin(self, simulation: Simulation) -> None:
-        """Clear the track, and note where the bodies start."""
+        """Clear the track, and note the starts of the bodies."""
         self._rows.clear()
         self.note(simulation)
 
     def note(self, simulation: Simulation) -> None:
-        """Note where the bodies are."""
+        """Note the present poses of the bodies."""
         state = simulation.state
         states = np.column_stack([state.pose[0], state.steering[0]])
         self._rows.append((int(state.step[0]), simulation.parts.names, states))
 
     def follow(self, simulation: Simulation) -> None:
-        """Note where the bodies are whose list has changed since the last step, and forget those that are gone."""
+        """Update to a list of bodies that changed since the last step, and note the present poses."""
         before = self._rows.pop()[1]
         gone = set(before).difference(simulation.parts.names)
         if gone:
@@ -39,7 +39,7 @@ class Track:
         self.note(simulation)
 
     def _forget(self, gone: Set[str]) -> None:
-        """Leave the poses of bodies without a name, so that others may have theirs."""
+        """Keep the poses of removed bodies without a name, so that others may use it."""
         names: tuple[str, ...] = ()
         kept: tuple[str, ...] = ()
         for i, (step, here, poses) in enumerate(self._rows):
@@ -48,7 +48,10 @@ class Track:
             self._rows[i] = step, kept, poses
 
     def states_of(self, name: str) -> Floats:
-        """Return a body's poses and steering angles while it was there [m, m, rad, rad], shape ``(n, 4)``."""
+        """Return poses and steering angles of a body [m, m, rad, rad], shape ``(n, 4)``.
+
+        The rows are the steps in which it existed.
+        """
         poses: list[Floats] = []
         names: tuple[str, ...] = ()
         b = -1
@@ -60,18 +63,21 @@ class Track:
         return np.array(poses).reshape(-1, 4)
 
     def poses_of(self, name: str) -> Floats:
-        """Return the poses of a body while it was there [m, m, rad], shape ``(n, 3)``."""
+        """Return the poses of a body [m, m, rad], shape ``(n, 3)``.
+
+        The rows are the steps in which it existed.
+        """
         return self.states_of(name)[:, :3]
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def since(self, first: int, names: tuple[str, ...]) -> Iterator[tuple[int, Floats]]:
-        """Yield step and poses of what was noted from number ``first`` on.
+        """Yield step and poses of the notes from number ``first`` on.
 
         Args:
-            first: How many notes are left out.
-            names: Whose poses and in which order; those of a body that was not there are NaN.
+            first: Number of notes to skip.
+            names: Names of the bodies, in the order of the poses. Poses of a body that did not exist are NaN.
         """
         for step, here, rows in self._rows[first:]:
             if here is names:

@@ -1,4 +1,4 @@
-"""Vectors that a world returns: flat and guarded, or as columns."""
+"""Vectors that a world returns: flat arrays that refuse columns, or columns."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ COLUMNS_HINT = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM
 
 
 class Vector(np.ndarray[Any, Any]):
-    """A flat array that refuses to meet a column.
+    """A flat array that refuses to be combined with a column.
 
-    NumPy would silently broadcast ``(n,)`` and ``(m, 1)`` to a matrix: a script that expects IR-SIM's columns
-    would go on with wrong numbers. In all else it is a NumPy array; what is computed from it is a plain one.
+    NumPy would silently broadcast ``(n,)`` and ``(m, 1)`` to a matrix, and a script that expects IR-SIM's columns would
+    go on with wrong numbers. Otherwise it is a NumPy array. Results of computations are plain arrays.
     """
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
@@ -46,7 +46,7 @@ def _plain(value: object) -> Any:
 
 
 def _refuse_columns(inputs: tuple[Any, ...]) -> None:
-    """Raise if one of the inputs is a flat array of ours, and another one a column.
+    """Raise if one input is a ``Vector`` and another one a column.
 
     Raises:
         ValueError: They would give a matrix.
@@ -64,6 +64,6 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
 
 
 def vector(values: Floats, columns: bool) -> Floats:
-    """Return a read-only copy of a row of numbers, flat and guarded or as a column ``(n, 1)``."""
+    """Return a read-only copy of numbers, as a ``Vector`` or as a column ``(n, 1)``."""
     copied = frozen(values)
     return copied.reshape(-1, 1) if columns else copied.view(Vector)

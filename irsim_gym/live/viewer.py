@@ -22,17 +22,17 @@ SHOW_S = 0.02
 
 
 class Viewer:
-    """Renders a world; with ``render_mode="human"`` in a window, and executes the commands of its keys.
+    """Renders a world. With ``render_mode="human"``, it shows it in a window and executes the commands of its keys.
 
     Args:
-        session: The world's bodies.
-        status: Whether it runs.
-        camera: Draws it.
+        session: Bodies of the world.
+        status: Status of the world.
+        camera: Draws the world.
         render_mode: None, ``rgb_array`` or ``human``.
-        commands: What the keys ``reset``, ``next``, ``reload`` and ``figure`` do.
+        commands: Functions of the keys ``reset``, ``next``, ``reload`` and ``figure``.
 
     Attributes:
-        quit: The person pressed esc or closed the window.
+        quit: Whether esc was pressed or the window was closed.
         driver: The open window; None before the first picture and after ``close``.
     """
 
@@ -73,7 +73,7 @@ class Viewer:
 
     @property
     def headless(self) -> bool:
-        """There is no window."""
+        """Whether there is no window."""
         return self.render_mode != "human"
 
     @property
@@ -90,27 +90,27 @@ class Viewer:
 
     @property
     def key_vel(self) -> Floats:
-        """What the held keys ask for: ahead [m/s], aside [rad/s], turning [rad/s]; shape ``(3,)``."""
+        """Velocity of the held keys: ahead [m/s], sideways [rad/s], turning [rad/s]; shape ``(3,)``."""
         return vector(np.zeros(3) if self.driver is None else self.driver.keyboard.key_vel, self._session.columns)
 
     @property
     def mouse_pos(self) -> Point | None:
-        """Where the mouse points to [m]; None outside of the world's drawing area, and without a window."""
+        """Position of the mouse [m]; None outside the drawing area of the world, and without a window."""
         return None if self.driver is None else self.driver.mouse.position
 
     @property
     def mouse_left_pos(self) -> Point | None:
-        """Where the left button was last pressed [m], rounded to 2 decimals; None if never."""
+        """Position at which the left button was last pressed [m], rounded to 2 decimals; None if it never was."""
         return None if self.driver is None else self.driver.mouse.left
 
     @property
     def mouse_right_pos(self) -> Point | None:
-        """Where the right button was last pressed, likewise."""
+        """Position at which the right button was last pressed [m], likewise."""
         return None if self.driver is None else self.driver.mouse.right
 
     @property
     def _chosen_robot(self) -> int | None:
-        """Index of the robot that the keys drive; None where there is none with that number and a drive."""
+        """Index of the robot that the keys drive; None if no robot with that number has a drive."""
         simulation = self._session.simulation
         robots = moves.robots(simulation)
         if self.key_id >= len(robots) or not simulation.model.movable[robots[self.key_id]]:
@@ -122,7 +122,7 @@ class Viewer:
         return names
 
     def key_commands(self) -> dict[int, Floats]:
-        """Return the command that the keys give to the chosen robot, by its index; none when they do not drive."""
+        """Return the command of the keys for the chosen robot, by its index; empty if keys do not drive."""
         chosen = self._chosen_robot
         is_driven = self._status.control_mode == "keyboard" and not self._session.simulation.parts.external
         if chosen is None or self.driver is None or not is_driven:
@@ -137,13 +137,13 @@ class Viewer:
         mode: str = "dynamic",
         **drawing: object,
     ) -> Bytes:
-        """Return a picture of the world, uint8, shape ``(height, width, 3)``; show it where there is a window.
+        """Return a picture of the world, uint8, shape ``(height, width, 3)``; show it if there is a window.
 
-        With a window, one picture for each ``sample_time`` is drawn, and the commands of the keys are executed.
+        With a window, one picture for each ``sample_time`` is drawn, and the commands of keys are executed.
 
         Args:
-            interval: Time to show the picture [s]; without a window nothing waits.
-            figure_kwargs: IR-SIM's; it changes nothing, and a warning says so.
+            interval: Time for which the picture is shown [s]. Without a window, there is no wait.
+            figure_kwargs: IR-SIM's argument; it has no effect and gives a warning.
             mode: IR-SIM's ``dynamic``, ``static`` or ``all``; all bodies are drawn in each.
             **drawing: Keys of the sections ``plot`` such as ``show_goal=True``: so all bodies are drawn in this
                 picture, and in the frames that are kept until the next call. Others change nothing but give a warning.
@@ -198,7 +198,7 @@ class Viewer:
             self.render(SHOW_S)
 
     def wait(self, seconds: float) -> None:
-        """Leave an open window for a time [s]."""
+        """Keep an open window for a time [s]."""
         if self.driver is not None and not self.quit:
             self.driver.show(self._camera.frame(self._status.shown))
             self.driver.wait(seconds)

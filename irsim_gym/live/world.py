@@ -356,4 +356,4 @@ class World:
 
 
 load = World
-"""Load a scenario, to step it from a script, without learning."""
+"""Load a scenario to step it from a script."""

@@ -21,7 +21,7 @@ class WorldParam:
         sample_time: Time between frames [s].
         step_mode: ``internal`` or ``external``.
         control_mode: ``auto`` or ``keyboard``.
-        collision_mode: What a collision does.
+        collision_mode: Effect of a collision.
     """
 
     time: float
@@ -34,11 +34,11 @@ class WorldParam:
 
 
 class WorldInfo:
-    """What a world is called, how large it is, and what time it is in it.
+    """Name, size and clock of a world.
 
     Args:
-        session: The world's bodies.
-        status: Who drives.
+        session: Bodies of the world.
+        status: Status, which knows who drives.
     """
 
     def __init__(self, session: Session, status: RunStatus) -> None:
@@ -70,32 +70,33 @@ class WorldInfo:
 
     @property
     def step_mode(self) -> str:
-        """``internal``, or ``external`` where ``set_state`` moves the bodies and steps do not."""
+        """``internal``, or ``external`` if only ``set_state`` moves bodies."""
         return self._scenario.world.step_mode
 
     @property
     def world_param(self) -> WorldParam:
-        """Clock and modes at the moment, in one record."""
+        """Present clock and modes, in one record."""
         world = self._scenario.world
         modes = self.step_mode, self._status.control_mode, world.collision_mode
         return WorldParam(self.time, self.count, self.step_time, world.sample_time, *modes)
 
     @property
     def x_range(self) -> tuple[float, float]:
-        """Least and greatest x of the world [m]."""
+        """Minimum and maximum x of the world [m]."""
         x_min, _, x_max, _ = map(float, self._session.simulation.model.bounds)
         return x_min, x_max
 
     @property
     def y_range(self) -> tuple[float, float]:
-        """Least and greatest y of the world [m]."""
+        """Minimum and maximum y of the world [m]."""
         _, y_min, _, y_max = map(float, self._session.simulation.model.bounds)
         return y_min, y_max
 
     @property
     def logger(self) -> logging.Logger:
-        """A logger for scripts, of Python's own; the package writes nothing to it.
+        """A logger for scripts, from Python's ``logging``. The package does not write to it.
 
-        By default Python shows warnings and errors, and the rest after ``logging.basicConfig(level="INFO")``.
+        By default, Python shows warnings and errors; after ``logging.basicConfig(level="INFO")``, it shows all
+        messages.
         """
         return logging.getLogger(f"irsim_gym.{self.name}")

@@ -41,7 +41,7 @@ class Obstacles(NamedTuple):
 
 @kernel
 def mark_standing(model: Model, w: int, own: int, blocks: Flags) -> None:
-    """Write which other bodies stand in the way of a body and never move.
+    """Write which other bodies are obstacles for a body because they never move.
 
     Reads: model (present, stands, unobstructed).
     Writes: blocks.
@@ -88,7 +88,7 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
 
 @kernel
 def room_at(obstacles: Obstacles, point: Point, limit: float) -> float:
-    """Return the distance [m] of a point from what is in the way, 0 within it, ``limit`` if nothing is nearer.
+    """Return the distance [m] of a point from the obstacles, 0 inside one, ``limit`` if none is nearer.
 
     Reads: obstacles (blocks, cells, model, state, w).
     """

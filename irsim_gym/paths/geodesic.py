@@ -22,10 +22,10 @@ def shortest_path(
 ) -> int:
     """Write a short free path and return its number of points, 0 if there is none.
 
-    The straight way if it is free; else the shortest over free cells, pulled tight. What is written is free all the
-    way (tested exactly), so its length is never below that of the true shortest path; it is above by 0.1 % or so,
-    unless ways on different sides of something are nearly equally long (then by up to 3 %) or a gap is too narrow for
-    the cells (see ``is_reachable``).
+    This is the straight path if it is free, else the shortest path over free cells, pulled tight. Every written path is
+    free (tested exactly), so it is never shorter than the true shortest path. It is usually about 0.1 % longer; up to 3
+    % if paths on different sides of an obstacle are nearly equally long, and more if a gap is too narrow for the cells
+    (see ``is_reachable``).
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: search, path.
@@ -60,9 +60,10 @@ def shortest_path(
 
 @kernel
 def best_gate(obstacles: Obstacles, radius: float, start: Point, grid: Grid, search: Search, settled: bool) -> int:
-    """Return the number of the cell near a point [m], straight from which the way on is shortest; -1 for none.
+    """Return the cell near a point [m] through which the path to the goal is shortest, -1 if there is none.
 
-    Unless the field is settled, any cell that can be reached straight will do.
+    The point must see the centre of the cell on a free straight line. If the field is not settled, the
+    nearest such cell is returned.
 
     Reads: obstacles (blocks, cells, model, state, w).
     """
@@ -83,9 +84,9 @@ def best_gate(obstacles: Obstacles, radius: float, start: Point, grid: Grid, sea
 
 @kernel
 def trace(cell_number: int, goal: Point, grid: Grid, queue: Ints, path: Floats) -> int:
-    """Write the cells' centres from a cell on to the source behind the path's first point; return how many points.
+    """Write the centres of the cells from a cell to the source of the path, and return the number of points.
 
-    Points within straight pieces are left out; the source itself comes last.
+    Points inside straight pieces are left out. The source itself comes last.
     """
     count, last_step = 1, 0
     here = cell_number
@@ -124,7 +125,7 @@ def search_ways(obstacles: Obstacles, radius: float, goal: Point, grid: Grid, se
 
 @kernel
 def distance_field(obstacles: Obstacles, radius: float, goal: Point, grid: Grid, search: Search) -> None:
-    """Write what ``search_ways`` writes, and go on with ``search.field`` into two rings of blocked cells.
+    """Write what ``search_ways`` writes, and extend ``search.field`` into two rings of blocked cells.
 
     So a body close to an obstacle reads a finite value.
 
@@ -138,9 +139,9 @@ def distance_field(obstacles: Obstacles, radius: float, goal: Point, grid: Grid,
 
 @kernel
 def add_ring(field: Floats, cell: float) -> None:
-    """Give cells without a distance one step more than the least of their eight neighbours.
+    """Give cells without a distance one step more than the smallest distance of their eight neighbours.
 
-    New values are kept negative until the end, so that the ring is one cell wide.
+    New values stay negative until the end, so that the ring is one cell wide.
     """
     rows, columns = field.shape
     for row in range(rows):
@@ -169,9 +170,9 @@ def known(distance: float) -> float:
 
 @kernel
 def field_at(field: Floats, grid: Grid, x: float, y: float) -> float:
-    """Return the distance [m] at a point, interpolated between the four cells around it that have one.
+    """Return the distance [m] at a point, interpolated between those of the four surrounding cells that have one.
 
-    Beyond the outermost centres the value at the nearest point between them holds; inf where no cell has a distance.
+    Beyond the outermost centres, it is the value at the nearest point between them; inf if no cell has a distance.
     """
     rows, columns = field.shape
     across = min(max((x - grid.origin_x) / grid.cell - 0.5, 0.0), columns - 1.0)

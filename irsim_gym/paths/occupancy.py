@@ -100,7 +100,7 @@ def touch_disc(centre: Point, radius_x: float, radius_y: float, touched: Flags) 
 
 @kernel
 def touch_segment(a: Point, b: Point, touched: Flags) -> None:
-    """Mark the cells that a segment ab touches: neither an edge of the cell nor the segment's line parts them."""
+    """Mark the cells that a segment ab touches, by separating axes: the edges of the cell, and the segment."""
     ax, ay, bx, by = a[0], a[1], b[0], b[1]
     columns, rows = touched.shape
     across_x, across_y = ay - by, bx - ax

@@ -57,7 +57,7 @@ def lay_outline(own: BodyOutline, pose: Pose, laid: BodyOutline) -> None:
 
 @kernel
 def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: float) -> float:
-    """Return the distance [m] of a body from what is in the way, 0 if they touch, ``limit`` if nothing is nearer.
+    """Return the distance [m] of a body from obstacles, 0 if they touch, ``limit`` if none is nearer.
 
     Reads: obstacles (blocks, cells, model, state, w).
 
@@ -65,7 +65,7 @@ def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: floa
         obstacles: What is in the way; points do not count.
         shape: The body's outline.
         pose: Where it is: x, y, heading [m, m, rad].
-        limit: Distances above it are reported as it [m].
+        limit: Upper bound of the result [m].
     """
     lay_outline(shape.own, pose, shape.laid)
     model, poses, w, best = obstacles.model, obstacles.state.pose[obstacles.w], obstacles.w, limit
@@ -83,9 +83,9 @@ def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: floa
 
 @kernel
 def largest_disc(model: Model, w: int, b: int) -> float:
-    """Return the radius of the largest disc about the origin of body b of world w within it [m].
+    """Return the radius [m] of the largest disc about the origin of body b of world w that lies inside the body.
 
-    It is 0 if the origin is not within; of an outline of several parts, the disc is the largest within one of them.
+    It is 0 if the origin lies outside. If the outline has several parts, the disc lies inside a single one.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
     """

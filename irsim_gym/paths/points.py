@@ -38,14 +38,14 @@ class PointMap(NamedTuple):
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
         side = max(side, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_POINT_CELLS)))
         columns, rows = int(np.ceil((x_max - x_min) / side)) + 1, int(np.ceil((y_max - y_min) / side)) + 1
-        # What lies on the world's edge is seen on either side of it.
+        # Points on the edge of the world may be measured on either side of it.
         places = np.full((*shape, columns, rows, 2), np.nan, np.float32)
         return cls(x_min - 0.5 * side, y_min - 0.5 * side, float(side), places)
 
 
 @kernel
 def add_point(points: PointMap, point: Point, eye: Point) -> None:
-    """Add a point [m] that is seen from another, unless its cell has a nearer one; none outside of the map."""
+    """Add a point [m] seen from another one, unless its cell has a point nearer to that one, or it is off the map."""
     x, y = point
     i, j = np.floor((x - points.x) / points.side), np.floor((y - points.y) / points.side)
     if not (0.0 <= i < points.places.shape[0] and 0.0 <= j < points.places.shape[1]):

@@ -25,11 +25,10 @@ def path_length(path: Floats, count: int) -> float:
 
 @kernel
 def pull(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
-    """Shorten a free path in place and return its new number of points; it stays free.
+    """Shorten a free path in place and return its new number of points. It stays free.
 
-    Points that can be left out are; then points are added on both sides of each corner, and all inner points drawn
-    towards the chord of their neighbours as far as both sides stay free, so that the path bends around what is in its
-    way.
+    Unneeded points are removed. Then points are added on both sides of each corner, and all inner points are drawn
+    towards the chord of their neighbours as far as both sides stay free. So the path bends around obstacles.
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: path.
@@ -54,7 +53,7 @@ def pull(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
 
 @kernel
 def skip_points(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
-    """Go from each kept point straight to the last one that can be reached so; return the new number of points.
+    """Connect each kept point to the last one that it reaches on a free straight line; return the number of points.
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: path.

@@ -97,7 +97,7 @@ def has_free_path(
 def blocking_bodies(
     model: Model, state: State, world: int, radius: float, place: Point, blocks: Flags
 ) -> list[int | None]:
-    """Return the bodies that a disc touches, None for the obstacle map; the arguments are those of ``free_path``."""
+    """Return the bodies that a disc touches, None for the obstacle map. Arguments are those of ``free_path``."""
     touched: list[int | None] = []
     for b in (*np.flatnonzero(blocks).tolist(), None):
         alone = np.zeros_like(blocks)
@@ -130,10 +130,10 @@ def touched_cells(
 
 
 def cells_way(blocked: Bytes, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]]:
-    """Return row and column of the cells on a shortest way over free cells, start and goal included; none without one.
+    """Return row and column of the cells on a shortest path over free cells, both ends included; none without one.
 
-    A step leads to a cell beside or across, or a knight's move away, through free cells alone; it may pass between two
-    blocked ones that meet at a corner.
+    A step leads to one of the eight neighbours or a knight's move away, through free cells only. It may pass between
+    two blocked cells that meet at a corner.
 
     Args:
         blocked: 1 for a blocked cell, shape ``(rows, columns)``.

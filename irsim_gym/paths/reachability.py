@@ -16,11 +16,11 @@ FIRST, LAST, PARENT, KEY = 0, 1, 2, 3
 def is_reachable(
     obstacles: Obstacles, radius: float, start: Point, goal: Point, grid: Grid, blocked: Bytes, runs: Ints
 ) -> bool:
-    """Return whether a body of some radius has a free way from start to goal within the grid.
+    """Return whether a disc has a free path from start to goal within the grid.
 
-    True is a proof: the way is straight, or leads through cells that are free (see ``grid``), which it enters and
-    leaves on straight lines that were tested exactly. False may be wrong where the only way leads through a gap less
-    than about 2 sqrt(r^2 + h^2 / 2) - 2 r + sqrt(2) h wider than the body, with the side h of a cell.
+    True is a proof: the straight path is free, or a path leads through free cells (see ``grid``) and enters and leaves
+    them on straight lines that are tested exactly. False may be wrong if every path leads through a gap that is less
+    than about 2 sqrt(r^2 + h^2 / 2) - 2 r + sqrt(2) h wider than the disc, where h is the side of a cell.
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: blocked, runs.
@@ -99,7 +99,7 @@ def join_runs(blocked: Bytes, runs: Ints) -> int:
 
 @kernel
 def root(runs: Ints, run: int) -> int:
-    """Return the run that stands for all joined with this one."""
+    """Return the run that represents all runs joined with this one."""
     while runs[run, PARENT] != run:
         runs[run, PARENT] = runs[runs[run, PARENT], PARENT]
         run = runs[run, PARENT]
@@ -108,16 +108,16 @@ def root(runs: Ints, run: int) -> int:
 
 @kernel
 def join(runs: Ints, one: int, other: int) -> None:
-    """Join two runs; the lower number stands for both."""
+    """Join two runs. The one with the lower index represents both."""
     one, other = root(runs, one), root(runs, other)
     runs[max(one, other), PARENT] = min(one, other)
 
 
 @kernel
 def find_run(runs: Ints, count: int, blocked: Bytes, row: int, column: int) -> int:
-    """Return what stands for the run that holds a cell, -1 for a cell that is blocked or outside of the grid.
+    """Return the representative of the run that holds a cell, -1 if the cell is blocked or outside the grid.
 
-    A negative KEY is the mark of a run from which the start can be reached.
+    A negative KEY marks a run that can be reached from the start.
     """
     rows, columns = blocked.shape
     if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:

@@ -40,7 +40,7 @@ class WayTables(NamedTuple):
 
 
 def way_tables(grid: Grid, n_slots: int, n_bodies: int) -> WayTables:
-    """Return tables for all slots. Memory that is never used is never claimed from the system."""
+    """Return tables for all slots. The system provides memory only for pages that are used."""
     blocked, labels = (np.zeros((n_slots, grid.rows, grid.columns), dtype) for dtype in (np.uint8, np.int32))
     runs = np.zeros((n_slots, *grid.runs().shape), np.int64)
     return WayTables(grid, blocked, runs, labels, np.zeros((n_slots, n_bodies + 1, 4)))
@@ -54,7 +54,7 @@ def of_slot(tables: WayTables, slot: int) -> WayTables:
 
 @kernel
 def way_exists(obstacles: Obstacles, radius: float, start: Point, goal: Point, tables: WayTables) -> bool:
-    """Return what ``is_reachable`` says; ``tables`` of one slot are changed.
+    """Return what ``is_reachable`` returns, with the cache in ``tables``, which are those of one slot.
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: tables.
@@ -78,7 +78,7 @@ def way_exists(obstacles: Obstacles, radius: float, start: Point, goal: Point, t
 
 @kernel
 def recall(known: Floats, obstacles: Obstacles, radius: float) -> float:
-    """Return what is known about bodies that block as these do; note these if that is nothing.
+    """Return what is cached for these obstacles and radius; if nothing is, remember this query.
 
     Reads: obstacles (blocks, state, w).
     Writes: known.

@@ -32,19 +32,19 @@ class GridEye(NamedTuple):
 
 
 class Line(NamedTuple):
-    """The cells that a beam passes: both beside each line between rows that it meets, and those of its ends.
+    """The cells that a beam passes: both cells beside each row boundary that it crosses, and those of its ends.
 
-    From one of these lines to the next it meets at most one line between columns. Where it is not steep, it is the
-    other way around: these are lines between columns.
+    Between two such crossings, the beam crosses at most one column boundary. If the beam is not steep, rows and columns
+    change places.
 
     Attributes:
-        first: Number of its first cell, without how far aside that is.
-        last: Number of its last cell.
-        lines: How many lines it meets.
-        jump: From a number to the next one along it.
-        aside: From a number to the next one across it.
-        meets: How far aside it meets the first line [cells].
-        each: How much farther aside it meets each other one [cells].
+        first: Index of the first cell, without its offset across.
+        last: Index of the last cell.
+        lines: Number of crossed boundaries.
+        jump: Step of the index along the beam.
+        aside: Step of the index across the beam.
+        meets: Offset across of the first crossing [cells].
+        each: Change of the offset from one crossing to the next [cells].
     """
 
     first: int
@@ -71,7 +71,7 @@ def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> GridEye:
 
 @kernel(inlined=True)
 def beam_end(scan: OwnScan, eye: GridEye, s: int, i: int, length: float) -> Point:
-    """Return the point [cells] so far [m] along beam i of sensor s.
+    """Return the point [cells] on beam i of sensor s at a distance [m].
 
     Reads: scan (beams_x, beams_y).
     """
@@ -87,9 +87,9 @@ def quarter(row: int, column: int) -> np.uint8:
 
 @kernel
 def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes) -> None:
-    """Mark the cells that the beams of a scan pass, those where they hit included.
+    """Mark the cells that the beams of a scan pass, including those in which they end.
 
-    Beams that are not valid, and those of a sensor outside of the grid, pass nothing.
+    Beams that are not valid, and all beams of a sensor outside the grid, mark nothing.
 
     Reads: scan (beams_x, beams_y, offset, range_min, ranges, sensors).
 
@@ -120,9 +120,9 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
 
 @kernel(inlined=True)
 def line_between(x: float, y: float, to_x: float, to_y: float, columns: int, rows: int, row: int) -> Line:
-    """Return the cells from a point in a grid to another one [cells], whose numbers grow by ``row`` from row to row.
+    """Return the cells between two points [cells] of a grid, whose indices grow by ``row`` from row to row.
 
-    What lies beyond the grid is left out.
+    Cells outside the grid are left out.
     """
     dx, dy = to_x - x, to_y - y
     if not (0.0 <= to_x < columns - EDGE and 0.0 <= to_y < rows - EDGE):
@@ -141,7 +141,7 @@ def line_between(x: float, y: float, to_x: float, to_y: float, columns: int, row
 
 @kernel(inlined=True)
 def part_within(x: float, y: float, dx: float, dy: float, high_x: float, high_y: float) -> float:
-    """Return how much of a beam from a point in the grid [cells] lies within it."""
+    """Return the share of a beam, from a point in the grid [cells], that lies in the grid."""
     part = 1.0
     if not 0.0 <= x + dx < high_x:
         part = ((high_x if dx > 0.0 else 0.0) - x) / dx
@@ -190,7 +190,7 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
 
 @kernel(inlined=True)
 def count_empty(line: Line, cells: Bytes) -> int:
-    """Return how many lines between cells a beam meets before one that has a cell beside it that is occupied."""
+    """Return the number of cell boundaries that a beam crosses before one beside an occupied cell."""
     states, number = cells.reshape(-1), line.first
     for n in range(line.lines):
         here = number + int(line.meets + n * line.each) * line.aside
@@ -202,7 +202,7 @@ def count_empty(line: Line, cells: Bytes) -> int:
 
 @kernel(inlined=True)
 def free_quarter(number: int, kept: int, cells: Bytes, doubted: Ints, count: int) -> int:
-    """Free a quarter unless it is the one to keep, and note it if it was occupied; return how many are noted then.
+    """Free a quarter, unless it is the one to keep; list it if it was occupied; return the length of the list.
 
     Writes: cells, doubted.
     """
@@ -248,7 +248,7 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
 
 @kernel
 def count_freed(cells: Bytes, doubted: Ints, count: int) -> int:
-    """Return how many of the quarters that were doubted no beam of the scan has hit."""
+    """Return how many of the doubted quarters the scan has not hit."""
     freed = 0
     for n in range(count):
         row, column = doubted[n] >> BITS, doubted[n] & (ROW - 1)

@@ -1,8 +1,8 @@
 """Distances over a grid of free cells from all sources at once (Dijkstra 1959).
 
-Steps lead to 16 neighbours: the eight around a cell and the eight a knight's move away, whose straight line passes
-between two cells that must be free too (``grid`` proves that it is free then). Without obstacles, the grid's distance
-is at most 2.8 % longer than the straight one.
+Steps lead to 16 neighbours: the eight around a cell and the eight a knight's move away. The straight line of a knight's
+move passes between two cells, which must be free, too (``grid`` proves that the line is free then). Without obstacles,
+distances over the grid are at most 2.8 % longer than straight ones.
 
 The queue keeps cells in buckets as wide as the shortest step (Dial 1969), so that any order within a bucket is valid.
 """
@@ -45,7 +45,7 @@ def clear_field(search: Search) -> None:
 
 @kernel
 def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, cell: float) -> None:
-    """Put a cell, by its number, into its bucket if this distance [m] is less than the one that is known."""
+    """Put a cell into its bucket if the distance [m] is less than the known one."""
     before_now = known[here]
     if distance >= before_now:
         return
@@ -60,7 +60,7 @@ def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, c
 
 @kernel
 def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, search: Search) -> None:
-    """Offer the free cells about a source [m] that can be reached straight from it; their PARENT is -1.
+    """Offer the free cells around a source [m] that it reaches on a free straight line; their PARENT is -1.
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: search.
@@ -79,7 +79,7 @@ def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, 
 
 @kernel
 def spread(cell: float, target: int, search: Search) -> None:
-    """Spread from the cells in the queue until nothing is left, or until the target's surroundings are settled.
+    """Spread from the cells in the queue until it is empty, or until the surroundings of the target are settled.
 
     Args:
         cell: Side of a cell [m].
@@ -106,7 +106,7 @@ def spread(cell: float, target: int, search: Search) -> None:
 
 @kernel
 def relax(walls: Bytes, rows: int, columns: int, cell: float, here: int, known: Floats, queue: Ints) -> None:
-    """Offer all neighbours of a cell; the distance is looked at first, because most neighbours are nearer already."""
+    """Offer all neighbours of a cell. Compares distances first, because most neighbours are nearer already."""
     row, column, reach = here // columns, here % columns, known[here]
     is_inner = 2 <= row < rows - 2 and 2 <= column < columns - 2
     for k in range(STEPS.shape[0]):

@@ -49,7 +49,7 @@ def block_border(levels: Bytes) -> None:
 
 @kernel
 def narrow(levels: Bytes, x: float, y: float, reach: float) -> None:
-    """Write which cells are blocked or tight for a body because of something at a point.
+    """Write which cells are blocked or tight for a body because of an obstacle at a point.
 
     Writes: levels.
 
@@ -74,7 +74,7 @@ def narrow(levels: Bytes, x: float, y: float, reach: float) -> None:
 
 @kernel
 def begin_costs(source: int, least: Labels) -> None:
-    """Write what ways to a cell cost if all cells are free.
+    """Write the costs of paths to a cell as if all cells were free.
 
     Writes: least.
     """
@@ -120,7 +120,7 @@ def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> Non
 
 @kernel(inlined=True)
 def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: Ints, costs: Labels) -> None:
-    """Put the neighbours of a cell, from which the way over it is the cheapest so far, into the queues.
+    """Put the neighbours of a cell whose cheapest path so far leads through it into the queues.
 
     Writes: costs, queues.
     """
@@ -143,10 +143,10 @@ def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: I
 
 @kernel
 def follow_costs(levels: Bytes, least: Labels, start: int, way: Labels) -> int:
-    """Write the numbers of the cells on a cheapest way from a cell; return how many, 0 without a way.
+    """Write the indices of the cells on a cheapest path from a cell; return their number, 0 without a path.
 
-    It gives up, and returns 0, after as many raises as a quarter of the cells. Where there is no way ``least`` becomes
-    ``NEVER`` at the start, unless it gives up before.
+    It gives up and returns 0 after as many raises as a quarter of the cells. If there is no path and it does not give
+    up, ``least`` becomes ``NEVER`` at the start.
 
     Writes: least, way.
 

@@ -131,9 +131,9 @@ def draw_in_cells(
     cells: CellMaps,
     failed: Ints,
 ) -> None:
-    """Place one member after the other in each world, until one finds no cell.
+    """Place the members of each world one after another, until one finds no cell.
 
-    Every free cell is as likely a start as any other, and so is every goal that can be reached from it.
+    Starts are drawn uniformly from the free cells, goals from the cells that the start reaches.
 
     Reads: tables (everyone, found, free, limits, members, needs_way, seen), model (disc_count, disc_start, drawn_goals,
         goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
@@ -163,7 +163,7 @@ def draw_in_cells(
 def draw_goals(
     w: int, slot: int, b: int, tables: CellTables, grids: WayGrids, model: Model, state: State, cells: CellMaps
 ) -> bool:
-    """Draw the goals of body b, each from the cells that can be reached from the one before; return if there are any.
+    """Draw the goals of body b, each from the cells that its predecessor reaches; return whether all were found.
 
     Reads: tables (found, limits, needs_way, seen), model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal,
         present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed,
@@ -186,7 +186,7 @@ def draw_goals(
 
 @kernel
 def cell_at(cells: CellMap, point: Point) -> int:
-    """Return the number of the cell that holds a point [m] of the map."""
+    """Return the index of the cell of the map that holds a point [m]."""
     column, row = (point[0] - cells.x) / cells.width, (point[1] - cells.y) / cells.height
     rows = int(cells.room.shape[1])
     return int(np.floor(column)) * rows + int(np.floor(row))
@@ -194,7 +194,7 @@ def cell_at(cells: CellMap, point: Point) -> int:
 
 @kernel
 def list_free(cells: CellMap, free: Ints) -> int:
-    """Write the free cells, numbered column by column; return their number."""
+    """Write the indices of the free cells, column by column; return their number."""
     rows, count = cells.room.shape[1], 0
     for i in range(cells.room.shape[0]):
         for j in range(rows):
@@ -206,7 +206,7 @@ def list_free(cells: CellMap, free: Ints) -> int:
 
 @kernel
 def take(numbers: Ints, last: int, w: int, state: State) -> int:
-    """Draw one of the first ``last + 1`` numbers, and put the last of them into its place.
+    """Draw one of the first ``last + 1`` numbers, and fill its place with the last of them.
 
     Reads: state (random).
     Writes: numbers, state (random).
@@ -232,13 +232,13 @@ def put_in_cell(cells: CellMap, cell: int, w: int, state: State, pose: Floats) -
 
 @kernel
 def find_reached(cells: CellMap, start: int, found: Ints, seen: Flags) -> int:
-    """Write the cells that a free cell is joined with by free cells that share sides; return how many there are.
+    """Write the cells connected to a free cell by free cells that share sides; return their number.
 
     Args:
         cells: The map.
-        start: The cell, which does not count itself.
-        found: Written: numbers of cells, nearest first.
-        seen: Scratch, a flag for each cell.
+        start: Index of the cell, which is not written itself.
+        found: Written: indices of cells, nearest first.
+        seen: Scratch: a flag for each cell.
     """
     columns, rows = cells.room.shape
     seen[:] = False

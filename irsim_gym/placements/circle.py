@@ -139,7 +139,7 @@ def _beyond_the_edge(center: Floats, extent: float, model: Model) -> str | None:
 def draw_shifted(
     worlds: Ints, members: Ints, circle: CircleTables, model: Model, state: State, cells: CellMaps | None, failed: Ints
 ) -> None:
-    """Turn the circle, then shift the start and the goal of one member after the other until they are free.
+    """Rotate the circle, then draw shifts of the start and the goal of one member after another until both are free.
 
     Reads: circle (angles, clearance, everyone, jitter, mirror, radius, scatter, turn, x, y), model (abreast,
         disc_count, disc_start, drawn_goals, goal_renewal, has_goal, leader, local_discs, local_segments, present,
@@ -166,7 +166,9 @@ def draw_shifted(
 def shift_start(
     w: int, b: int, angle: float, circle: CircleTables, model: Model, state: State, cells: CellMaps | None
 ) -> float:
-    """Draw a pose near body b's place on the circle, facing the centre; return the place's angle, NaN if none is free.
+    """Draw a pose near body b's place on the circle, facing the centre.
+
+    Return the angle of the place, NaN if no free pose was found.
 
     Reads: circle (clearance, everyone, jitter, mirror, radius, scatter, x, y), model (abreast, disc_count, disc_start,
         drawn_goals, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count,
@@ -194,7 +196,7 @@ def shift_start(
 
 @kernel
 def faces_nobody(w: int, b: int, circle: CircleTables, model: Model, state: State) -> bool:
-    """Return whether the mirror image of body b's start keeps the clearance from the bodies that are placed.
+    """Return whether the mirror image of body b's start keeps the clearance from all placed bodies.
 
     Reads: circle (clearance, everyone, x, y), model (present, reach, stands), state (placed, pose).
     """
@@ -220,7 +222,7 @@ def shift_goal(
     state: State,
     cells: CellMaps | None,
 ) -> bool:
-    """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
+    """Draw a goal opposite body b's place, heading away from the centre; return whether a free one was found.
 
     Reads: circle (clearance, jitter, mirror, radius, x, y), model (abreast, disc_count, disc_start, drawn_goals,
         goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints),
@@ -244,7 +246,7 @@ def shift_goal(
 
 @kernel
 def shifted(w: int, place: Point, jitter: float, state: State) -> Point:
-    """Draw a point evenly from a disc of radius ``jitter`` [m] around another one.
+    """Draw a point uniformly from a disc of radius ``jitter`` [m] around another point.
 
     Reads: state (random).
     Writes: state (random).
@@ -256,7 +258,7 @@ def shifted(w: int, place: Point, jitter: float, state: State) -> Point:
 
 @kernel
 def are_goals_apart(w: int, b: int, members: Ints, clearance: float, model: Model, state: State) -> bool:
-    """Return whether body b has room at its goal beside the other members that are placed, at theirs.
+    """Return whether body b at its goal keeps clear of the other placed members at theirs.
 
     Reads: model (present, reach, waypoints), state (placed).
     """

@@ -119,9 +119,9 @@ def is_spaced(
 def is_start_free(
     w: int, b: int, others: Ints, clearance: float, model: Model, state: State, cells: CellMaps | None
 ) -> bool:
-    """Return whether body b, where its outline stands, is clear of the map and of those of ``others`` that are placed.
+    """Return whether body b, at its present outline, is clear of the map and of the placed bodies among ``others``.
 
-    A body that will not move is clear of all placed bodies' goals too.
+    A body that never moves must be clear of all placed bodies' goals, too.
 
     Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
         segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
@@ -145,7 +145,7 @@ def is_start_free(
 
 @kernel
 def is_clear_of_goals(w: int, b: int, clearance: float, model: Model, state: State) -> bool:
-    """Return whether body b, where its outline stands, is clear of the goals of all placed bodies.
+    """Return whether body b, at its present outline, is clear of the goals of all placed bodies.
 
     Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
         segment_start, solid, waypoint_count, waypoints), state (discs, placed, segments).
@@ -165,7 +165,9 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: Model, state: Sta
 
 @kernel
 def kept_goals(w: int, b: int, model: Model) -> int:
-    """Return how many goals of body b others keep clear of: all; of a loop those that are drawn, or the first.
+    """Return the number of goals of body b from which others keep clear.
+
+    These are all of its goals; of a loop, those that are drawn, or only the first.
 
     Reads: model (drawn_goals, goal_renewal, waypoint_count).
     """
@@ -213,7 +215,7 @@ def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: 
 
 @kernel
 def leg_start(w: int, b: int, k: int, model: Model, state: State) -> Point:
-    """Return where body b comes from on the way to its goal k [m]: the goal before it, at first the start.
+    """Return the point [m] from which body b goes to its goal k: the goal before it, or the start.
 
     Reads: model (waypoints), state (pose).
     """
@@ -244,7 +246,7 @@ def has_way_of_length(
 
 @kernel
 def way_length(search: WaySearch | None, obstacles: Obstacles, radius: float, start: Point, goal: Point) -> float:
-    """Return the length of the shortest way that is found [m]: inf without one, 0 where there is no memory for it.
+    """Return the length of the shortest path found [m]: inf without a path, 0 if lengths are not measured.
 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: search.

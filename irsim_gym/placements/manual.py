@@ -37,7 +37,7 @@ class ManualPlacement:
 
 @kernel
 def put_on_start(worlds: Ints, members: Ints, model: Model, state: State) -> None:
-    """Copy starts to the poses of members that have no place yet.
+    """Copy starts to the poses of members that are not placed yet.
 
     Reads: model (start), state (placed).
     Writes: state (placed, pose).

@@ -22,7 +22,7 @@ MARGIN = 0.5
 WISHED_DISTANCE = 1.0
 """Default distance between members of an entry, if there is room for it [m]."""
 FULLEST = 0.45
-"""Share of a plane that discs put down at random cover without much searching; they never cover more than 0.547 of it
+"""Share of a plane that randomly placed discs cover without many draws; they never cover more than 0.547 of it
 (Feder, Journal of Theoretical Biology 87, 1980).
 """
 COARSE, FINE = 1.0, 0.5
@@ -31,7 +31,7 @@ COARSE, FINE = 1.0, 0.5
 
 @kind
 class RandomPlacement:
-    """Uniform draws without overlap; too many failed draws are an error that names the body."""
+    """Uniform draws without overlap. Too many failed draws raise an error that names the body."""
 
     only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
@@ -138,7 +138,7 @@ class RandomPlacement:
 
 
 def _has_room(count: int, low: Floats, high: Floats) -> bool:
-    """Return whether ``count`` points fit into a box at distances of ``WISHED_DISTANCE``."""
+    """Return whether ``count`` points with distances of ``WISHED_DISTANCE`` fit into a box."""
     width, height = high[:2] - low[:2] + WISHED_DISTANCE
     return bool(count * np.pi * (WISHED_DISTANCE / 2.0) ** 2 <= FULLEST * width * height)
 

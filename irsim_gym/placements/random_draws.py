@@ -65,7 +65,7 @@ class DrawTables(Struct):
 def draw_members(
     worlds: Ints, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None, failed: Ints
 ) -> None:
-    """Place one member after the other in each world, those that have no place yet, until one finds none.
+    """Place the members of each world that are not placed yet one after another, until one finds no place.
 
     Reads: tables (clearance, goal_high, goal_low, high, is_member, limits, low, members, min_distance,
         min_goal_distance, needs_way), model (bucket_frame, bucketed, disc_count, disc_start, drawn_goals, goal_renewal,
@@ -124,7 +124,7 @@ def put_placed(w: int, b: int, model: Model, state: State) -> None:
 
 @kernel
 def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
-    """Draw a pose for body b that is clear of everything placed so far; return whether there is one.
+    """Draw a pose for body b that is clear of everything placed so far; return whether one was found.
 
     Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
         drawn_goals, goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start,
@@ -160,7 +160,7 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
 def draw_next_goal(
     w: int, b: int, k: int, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
 ) -> bool:
-    """Draw goal k of body b, with a way from the goal before it if one is needed; return whether there is one.
+    """Draw goal k of body b, with a path from the goal before it if required; return whether one was found.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance, needs_way), model
         (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count, segment_start,
@@ -177,7 +177,7 @@ def draw_next_goal(
 
 @kernel
 def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
-    """Draw goal k of body b, which its footprint can stand on; return whether there is one.
+    """Draw goal k of body b, with room for its footprint; return whether one was found.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance), model (disc_count,
         disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands,
@@ -201,7 +201,7 @@ def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: S
 
 @kernel
 def is_goal_spaced(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State) -> bool:
-    """Return whether goal k of body b keeps its distance from all goals of the other members that are placed.
+    """Return whether goal k of body b keeps its distance from all goals of the other placed members.
 
     Reads: tables (members, min_distance), model (drawn_goals, goal_renewal, present, waypoint_count, waypoints), state
         (placed).

@@ -1,4 +1,4 @@
-"""Several goals for each body, to be reached one after another, in distributions."""
+"""Distributions with several goals for each body, which are to be reached one after another."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def goals_option() -> Any:
 
 
 def misfit_of_goals(group: Group, model: Model) -> str | None:
-    """Return why members cannot have several goals; None if they can, or have only one."""
+    """Return why members cannot have several goals; None if they can, or if they have only one."""
     goals = group.options[0].goals
     if goals == 1:
         return None

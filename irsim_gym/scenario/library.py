@@ -97,6 +97,10 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
 
     A name without folder and suffix is looked up among the shipped files first.
 
+    Args:
+        name: A name, or the path of a file, which need not exist.
+        section: Folder of the shipped files, such as ``"scenarios"`` or ``"tasks"``.
+
     Raises:
         UnknownNameError: If nothing is shipped under the name; the message suggests the nearest name, also of files in
             the working directory.

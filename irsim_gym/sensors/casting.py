@@ -32,7 +32,7 @@ from irsim_gym.world.state import State
 
 @kernel
 def cast_segments(segments: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
-    """Cast beams against segments, from both sides: turned in float64, then float32."""
+    """Cast beams against segments, from both sides. Coordinates are rotated in float64, then rounded to float32."""
     x, y, cosine, sine = eye
     for s in range(segments.shape[0]):
         ax, ay, bx, by = segments[s, 0] - x, segments[s, 1] - y, segments[s, 2] - x, segments[s, 3] - y
@@ -49,7 +49,7 @@ def cast_segments(segments: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inve
 
 @kernel
 def cast_discs(discs: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
-    """Cast beams against discs, from both sides: turned in float64, then float32."""
+    """Cast beams against discs, from both sides. Coordinates are rotated in float64, then rounded to float32."""
     x, y, cosine, sine = eye
     for d in range(discs.shape[0]):
         cx, cy, radius = discs[d, 0] - x, discs[d, 1] - y, np.float32(discs[d, 2])
@@ -112,9 +112,10 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
 def cast_chunk(
     n_sides: int, n_rounds: int, ends: Floats, eye: Eye, far: float, row: int, slot: int, tables: ScanTables
 ) -> int:
-    """Cast against segments, which may be seen edge-on, and discs, which may hold the sensor; return 0, what is left.
+    """Cast against a chunk of segments, which may be seen edge-on, and discs, which may contain the sensor.
 
-    All are prepared before the first is cast: the processor waits for the number of beams that each may meet.
+    All are prepared before the first is cast, because the processor waits for the number of beams that each may meet.
+    Return 0, the number of primitives left in the chunk.
 
     Reads: tables (beams_x, beams_y, density, discs, first, inverse, limits, rays, rounds, sides).
     Writes: tables (discs, inverse, rays, rounds, sides).

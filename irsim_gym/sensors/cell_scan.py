@@ -1,4 +1,4 @@
-"""Casts beams against the obstacle map, in a separate pass after that over bodies."""
+"""Casts beams against the obstacle map, in a pass of its own after the one over bodies."""
 
 from __future__ import annotations
 

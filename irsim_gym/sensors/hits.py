@@ -20,7 +20,7 @@ SAME = 1e-4
 
 @kernel
 def raise_ranges(worlds: Ints, tables: ScanTables) -> None:
-    """Report range_min for what is nearer.
+    """Raise ranges below range_min to range_min.
 
     Reads: tables (range_min, ranges).
     Writes: tables (ranges).
@@ -34,9 +34,9 @@ def raise_ranges(worlds: Ints, tables: ScanTables) -> None:
 
 @kernel
 def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: State) -> None:
-    """Cast against one body after the other and note for each beam which is nearest.
+    """Cast against one body after another, and note for each beam which one is nearest.
 
-    Ranges have no noise yet, and may be below range_min.
+    Call this before noise is added and before ranges are raised to range_min.
 
     Reads: tables (beams_x, beams_y, inverse, members, nearest, offset, range_max, ranges), model (disc_count,
         disc_start, map_frame, present, reach, segment_count, segment_start, unobstructed), state (discs, pose,
@@ -69,7 +69,7 @@ def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
 
 @kernel
 def note_nearer(b: int, inverse: Rays, nearest: Rays, hit: Ints) -> None:
-    """Note body b for the beams that it stops before all others."""
+    """Note body b for the beams that it stops before all other bodies."""
     for j in range(hit.shape[0]):
         if inverse[j] > nearest[j]:
             nearest[j], hit[j] = inverse[j], b
@@ -77,7 +77,7 @@ def note_nearer(b: int, inverse: Rays, nearest: Rays, hit: Ints) -> None:
 
 @kernel
 def name_hits(far: np.float32, map_body: int, ranges: Rays, nearest: Rays, hit: Ints) -> None:
-    """Forget the bodies of free beams, and name the map where it ends a beam before any body does."""
+    """Remove the bodies of free beams, and note the map where it ends a beam before any body does."""
     for j in range(hit.shape[0]):
         if ranges[j] >= far:
             hit[j] = -1
@@ -108,10 +108,10 @@ def write_velocity(worlds: Ints, tables: ScanTables, state: State, velocity: Flo
 def write_radial_velocity(
     worlds: Ints, params: Records, tables: ScanTables, state: State, radial_velocity: Floats
 ) -> None:
-    """Write how fast the range of each valid beam grows [m/s], 0 for the others.
+    """Write the rate of change of the range of each valid beam [m/s], 0 for the others.
 
-    The sensor's own velocity is that of its body's origin; what its turning adds at an offset is left out, as in
-    IR-SIM. With ``motion_compensate`` the sensor counts as standing still.
+    The velocity of the sensor is that of the origin of its body. The part due to rotation at an offset is ignored, as
+    in IR-SIM. With ``motion_compensate``, the sensor counts as standing still.
 
     Reads: tables (cast_angles, hit, members, offset, range_max, range_min, ranges), state (pose, random, twist).
     Writes: state (random), radial_velocity.

@@ -1,7 +1,7 @@
 """Noise of range sensors, in the directions of beams and in ranges.
 
-Each scan takes a fixed number of draws from the world's random stream, whatever the beams hit: first for the directions
-of all members, then for their ranges.
+Each scan draws a fixed number of random numbers from the stream of the world, whatever the beams hit: first for the
+directions of all members, then for their ranges.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def draw_directions(worlds: Ints, tables: ScanTables, state: State) -> None:
 
 @kernel
 def add_range_noise(worlds: Ints, tables: ScanTables, state: State) -> None:
-    """Blur the ranges below range_max, then clip them to [range_min, range_max].
+    """Add noise to the ranges below range_max, then clip them to [range_min, range_max].
 
     Reads: tables (range_max, range_min, range_std, ranges), state (random).
     Writes: tables (ranges), state (random).

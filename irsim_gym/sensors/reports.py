@@ -34,7 +34,7 @@ def scan_report(group: Group, member: int, world: int) -> dict[str, Any]:
 
 
 def read_ranges(group: Group, member: int, world: int) -> Floats:
-    """Return a copy of the ranges [m], shape ``(n_beams,)``; those at the ends of the band equal them exactly."""
+    """Return a copy of the ranges [m], shape ``(n_beams,)``, with range_min and range_max exactly as in the options."""
     options, found = group.options[member], group.arrays["ranges"][world, member]
     ranges: Floats = found.astype(np.float64)
     ranges[found <= np.float32(options.range_min)] = options.range_min
@@ -43,9 +43,9 @@ def read_ranges(group: Group, member: int, world: int) -> Floats:
 
 
 def is_valid(group: Group, member: int, world: int) -> Flags:
-    """Return which beams hit something within the sensor's band, shape ``(n_beams,)``.
+    """Return which beams hit something between range_min and range_max, shape ``(n_beams,)``.
 
-    A free beam reads range_max, and what is too near or pushed below the band reads range_min.
+    A free beam reads range_max. What is closer than range_min, also because of noise, reads range_min.
     """
     options, ranges = group.options[member], group.arrays["ranges"][world, member]
     valid: Flags = (ranges > np.float32(options.range_min)) & (ranges < np.float32(options.range_max))

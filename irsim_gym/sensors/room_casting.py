@@ -1,7 +1,7 @@
 """Casts beams in small worlds, in which all outlines together fit into one chunk, without copying them.
 
-The visible rows depend only on the sensor's body and on the present bodies, usually all, so they are computed once for
-many worlds. Searching for bodies in range first would take longer than preparing all rows with vector instructions.
+Which rows are visible depends only on the body of the sensor and on the present bodies, usually all, so it is computed
+once for many worlds. Preparing all rows with vector instructions is faster than searching for bodies in range first.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from irsim_gym.world.state import State
 
 
 def is_small(model: Model) -> bool:
-    """Return whether all outlines of a world fit into a chunk, and so do its bodies."""
+    """Return whether all outlines and all bodies of a world fit into a chunk."""
     sizes = model.local_segments.shape[1], model.local_discs.shape[1], len(model.role)
     return bool(max(sizes) <= CHUNK)
 
@@ -60,7 +60,9 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
                 if is_near and contains_point(rows, start, count, (eye.x, eye.y)):
                     limits[start : start + count], is_noted = np.inf, False
-            n_rounds: Any = np.int64(0)  # a literal would be a type of its own: cast_chunk would be compiled twice
+            n_rounds: Any = np.int64(
+                0
+            )  # a literal has a type of its own, for which cast_chunk would be compiled a second time
             for m in range(n_rings):
                 d = seen[m]
                 dx, dy, within = rings[d, 0] - eye.x, rings[d, 1] - eye.y, far + rings[d, 2]
@@ -76,7 +78,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
 
 @kernel
 def count_present(present: Flags) -> int:
-    """Return how many bodies there are."""
+    """Return the number of present bodies."""
     n = 0
     for b in range(present.shape[0]):
         n += present[b]

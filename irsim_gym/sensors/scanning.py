@@ -54,7 +54,7 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
             each beam, shape ``(n_members, n_beams)``, 0 where the sensor stands outside.
         model: The constants, allocated.
         n_slots: Number of shards, each with a scratch row of its own.
-        finds_hits: Find out which body each beam hits.
+        finds_hits: Whether to find which body each beam hits.
     """
     first, angles = group.options[0], beam_angles(group.options[0])
     n_worlds, n_members, n_beams = len(model.present), len(group.members), len(angles)
@@ -103,7 +103,7 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
 def own_extent(group: Group, k: int, outline: Outline) -> Rays:
     """Return the distance [m] from member k's sensor to its own outline along each beam, shape ``(n_beams,)``.
 
-    What most outlines do not have is not compiled for them: discs, or segments.
+    Code for discs and for segments is compiled only for outlines that have them.
     """
     x, y, turn = map(float, group.options[k].offset)
     eye = Eye(x, y, float(np.cos(turn)), float(np.sin(turn)))
@@ -119,7 +119,7 @@ def own_extent(group: Group, k: int, outline: Outline) -> Rays:
 
 
 def inside(outline: Outline, x: float, y: float) -> bool:
-    """Return whether a point of the body frame lies within the outline's area."""
+    """Return whether a point of the body frame lies inside the outline."""
     offsets = outline.discs[:, :2] - [x, y]
     if bool(np.any(np.sum(offsets * offsets, axis=1) <= outline.discs[:, 2] * outline.discs[:, 2])):
         return True
@@ -127,7 +127,7 @@ def inside(outline: Outline, x: float, y: float) -> bool:
 
 
 def scan(group: Group, model: Model, state: State, shard: Shard) -> None:
-    """Write the members' ranges, and which body each beam hits where ``prepare`` was asked for it."""
+    """Write the ranges of the members and, if ``prepare`` was told to find hits, which body each beam hits."""
     worlds, slot, tables = shard.worlds, shard.slot, group.tables
     is_noisy, finds_hits = group.options[0].noise, "hit" in group.arrays
     if is_noisy:

@@ -15,7 +15,14 @@ class _Fixed(BaseModel):
 
 
 class CardShare(_Fixed):
-    """A share of levels or robots, with its 95 % Wilson score interval."""
+    """A share of levels or robots, with its 95 % Wilson score interval.
+
+    Attributes:
+        count: Number of counted levels or robots.
+        value: Their share of all.
+        low: Lower end of the interval, a share.
+        high: Upper end of the interval, a share.
+    """
 
     count: int
     value: float
@@ -42,14 +49,25 @@ class CardScenario(_Fixed):
 
 
 class CardTerm(_Fixed):
-    """A term of the observation: its name in the task, and its shape."""
+    """A term of the observation.
+
+    Attributes:
+        name: Name of the term in the task.
+        shape: Shape of its numbers.
+    """
 
     name: str
     shape: tuple[int, ...]
 
 
 class CardAction(_Fixed):
-    """The action of a policy: its kind, its components, and the number of choices if it is discrete."""
+    """The action of a policy.
+
+    Attributes:
+        name: Kind of the action.
+        components: Names of its components.
+        choices: Number of choices; None for a continuous action.
+    """
 
     name: str
     components: tuple[str, ...]
@@ -57,14 +75,25 @@ class CardAction(_Fixed):
 
 
 class CardNetwork(_Fixed):
-    """The network of a policy: a description of each layer, and the number of weights."""
+    """The network of a policy.
+
+    Attributes:
+        layers: Description of each layer.
+        weights: Number of weights.
+    """
 
     layers: tuple[str, ...]
     weights: int
 
 
 class CardPart(_Fixed):
-    """One scenario of a mixture: its name, values of its parameters, and its weight among all."""
+    """One scenario of a mixture.
+
+    Attributes:
+        name: Name of the scenario.
+        parameters: Values of its parameters.
+        share: Its share of the worlds.
+    """
 
     name: str
     parameters: dict[str, Any]
@@ -110,8 +139,8 @@ class CardResult(_Fixed):
         individual_success: Share of robots that reach their goals; None for a single robot.
         collision: Share of robots that collide.
         timeout: Share of robots that run out of time.
-        spl: Success weighted by path length.
-        seeds: Success of each training seed on the same levels, by run.
+        spl: Success weighted by path length, a share.
+        seeds: Share of solved levels of each training seed on the same levels, by run.
         source: File or table that the figures come from.
         scenario: Scenario of the levels; None for the scenario of the card.
     """

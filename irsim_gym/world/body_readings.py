@@ -116,7 +116,7 @@ class BodyReadings(ABC):
     @property
     @abstractmethod
     def velocity(self) -> Floats:
-        """Velocity in the drive's coordinates [m/s or rad/s]."""
+        """Velocity in the drive's coordinates [m/s or rad/s], shape ``(2,)`` or ``(3,)``."""
 
     role = SpecField[str]("``robot`` or ``obstacle``.")
     group = SpecField[int]("Number of its group.")
@@ -163,9 +163,9 @@ class BodyReadings(ABC):
 
     @property
     def goal(self) -> Floats | None:
-        """The next goal: x, y [m], heading [rad]; None without one.
+        """The next goal: x, y [m], heading [rad], shape ``(3,)``; None without one.
 
-        The heading is NaN where any will do, and missing from a column.
+        The heading is NaN if the goal has none. In a world with ``columns``, it is left out then.
         """
         if not self._model.has_goal[self._b]:
             return None
@@ -244,7 +244,7 @@ class BodyReadings(ABC):
 
     @property
     def center(self) -> Floats:
-        """Centre of its area in the world frame: x, y [m]."""
+        """Centre of its area in the world frame: x, y [m], shape ``(2,)``."""
         return self._array(np.array(self._middle()))
 
     def _middle(self) -> tuple[float, float]:
@@ -283,7 +283,10 @@ class BodyReadings(ABC):
 
     @property
     def goal_vertices(self) -> Floats | None:
-        """``vertices`` where it stands on its next goal, with its present heading if any will do; None without one."""
+        """``vertices`` at its next goal, likewise of shape ``(n, 2)``; None without a goal.
+
+        If the goal has no heading, the body keeps its own.
+        """
         if not self._model.has_goal[self._b]:
             return None
         x, y, heading = map(float, self._state.goal[self._w, self._b])

@@ -53,7 +53,7 @@ class IrSimReadings(BodyReadings, ABC):
 
     @property
     def radius_extend(self) -> float:
-        """``radius`` and 0.1 m more, the disc that ``rvo`` keeps clear of others."""
+        """``radius`` plus 0.1 m [m]: radius of the disc that ``rvo`` keeps clear."""
         return self.radius + RVO_MARGIN
 
     @property
@@ -73,14 +73,17 @@ class IrSimReadings(BodyReadings, ABC):
 
     @property
     def acce(self) -> Floats:
-        """Greatest changes per second [m/s2 or rad/s2]; may be infinite."""
+        """Greatest changes per second [m/s2 or rad/s2], shape ``(2,)`` or ``(3,)``; may be infinite."""
         return self._limit(self._model.acceleration_limit)
 
     def _limit(self, limits: Floats) -> Floats:
         return self._vector(self._of(limits)[: self._command_size])
 
     def get_vel_range(self) -> tuple[Floats, Floats]:
-        """Return least and greatest velocities of the next step [m/s or rad/s], which acceleration limits narrow."""
+        """Return least and greatest velocities of the next step [m/s or rad/s], shape ``(2,)`` or ``(3,)`` each.
+
+        They are the limits of velocity, narrowed by those of acceleration.
+        """
         change = self._of(self._model.acceleration_limit) * self.step_time
         now, size = self._state.velocity[self._w, self._b], self._command_size
         least = np.maximum(self._of(self._model.velocity_min), now - change)
@@ -111,7 +114,7 @@ class IrSimReadings(BodyReadings, ABC):
 
     @property
     def desired_omni_vel(self) -> Floats:
-        """``get_desired_omni_vel()``."""
+        """``get_desired_omni_vel()`` [m/s], shape ``(2,)``."""
         return self.get_desired_omni_vel()
 
     def _desired(self, goal_threshold: float = NEAR_GOAL, normalized: bool = False) -> tuple[float, float]:
@@ -153,7 +156,7 @@ class IrSimReadings(BodyReadings, ABC):
 
     @property
     def state_dim(self) -> int:
-        """How many numbers ``state`` has."""
+        """Number of entries of ``state``."""
         return int(self.state.size)
 
     @property
@@ -163,7 +166,7 @@ class IrSimReadings(BodyReadings, ABC):
 
     @property
     def vel_dim(self) -> int:
-        """How many numbers a command of its drive has."""
+        """Number of entries of a command of its drive."""
         return self._command_size
 
     @property
@@ -186,7 +189,7 @@ class IrSimReadings(BodyReadings, ABC):
         return self.scan()
 
     def get_lidar_points(self) -> Floats | None:
-        """Return the points that its first range sensor hit; see ``scan_points``."""
+        """Return the points that its first range sensor hit [m], shape ``(2, n)``; see ``scan_points``."""
         return self.scan_points()
 
     def get_lidar_offset(self) -> tuple[float, float, float] | None:

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
+import re
+import sys
+import textwrap
+from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
-from builder import check, films, gallery, language, links, reference, source_pages, stage, tables
+from builder import check, films, gallery, language, links, reference, source_pages, stage, stand_ins, tables
+from reference_rules import documented
 
 import irsim_gym
+from irsim_gym import arraytypes
+from irsim_gym.errors import MissingExtraError
 from irsim_gym.scenario.library import every_scenario
 from irsim_gym.scenario.option_tables import option_tables
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"docs/a.md": "a.md", "agents/README.md": "agents.md", "docs/decisions/007-b.md": "decisions.md#decision-007"}
+RLLIB = "irsim_gym.rllib"
+MODULES = {section.module for section in reference.SECTIONS.values() if section.module}
+NOT_READ = {"Fused", "Overlay", "ScenarioSpec", "Struct", "Track", "WorldContext"}
+"""Classes that public functions return for other parts of the package, not for readers."""
 MOST_BYTES = 150_000
 """Of a notebook with its outputs."""
 
@@ -69,10 +83,69 @@ def test_every_option_is_on_a_page() -> None:
 
 def test_every_public_name_is_in_the_reference() -> None:
     pages = "\n".join(reference.pages().values())
-    modules = irsim_gym, irsim_gym.plugins, irsim_gym.sb3, irsim_gym.irsim, irsim_gym.errors
+    modules = irsim_gym, irsim_gym.plugins, irsim_gym.sb3, irsim_gym.irsim, irsim_gym.errors, stand_ins.module(RLLIB)
     wanted = [f"{module.__name__}.{name}" for module in modules for name in reference.public(module)]
     assert len(wanted) > 100
     assert [name for name in wanted if f":: {name}\n" not in pages and f"``{name}``" not in pages] == []
+
+
+def test_every_name_that_pages_use_is_in_the_reference() -> None:
+    shown = {name for section in reference.SECTIONS.values() for name, _ in reference.names(section)}
+    shown |= MODULES | {"irsim_gym.tasks"}
+    used = dict(item for file in pages_with_code() for item in names_used(file))
+    assert {"irsim_gym.make_vec", "irsim_gym.rllib", "irsim_gym.sb3.make_vec_env"} <= set(used)
+    assert {name: page for name, page in used.items() if name not in shown} == {}
+
+
+def test_every_class_that_a_public_function_returns_is_in_the_reference() -> None:
+    listed = list(documented())
+    shown = {one.value.__name__ for one in listed if inspect.isclass(one.value)} | NOT_READ
+    shown |= {alias for alias in vars(arraytypes) if not alias.startswith("_")}
+    own = {node.name for file in (ROOT / "irsim_gym").rglob("*.py") for node in classes(file)}
+    returned = {(word, one.name) for one in listed for word in re.findall(r"\b[A-Z]\w+", one.returned) if word in own}
+    assert len(returned) > 20
+    assert sorted(pair for pair in returned if pair[0] not in shown) == []
+
+
+def test_modules_with_stand_ins_leave_nothing_behind() -> None:
+    before = dict(sys.modules)
+    module = stand_ins.module(RLLIB)
+    assert module.configure.__module__ == RLLIB
+    assert issubclass(module.ArrayEnvRunner, object)
+    if find_spec("ray") is None:
+        assert RLLIB not in sys.modules
+        assert "ray" not in sys.modules
+        with pytest.raises(MissingExtraError, match=r"irsim_gym\.rllib needs the extra 'rllib'"):
+            irsim_gym.rllib  # noqa: B018
+    kept = {name for name, one in before.items() if sys.modules.get(name) is not one}
+    assert kept == set()
+
+
+def pages_with_code() -> list[Path]:
+    """Return the pages that show readers code."""
+    pages = [*(ROOT / "docs").rglob("*.md"), *(ROOT / "docs" / "lessons").glob("*.ipynb"), *ROOT.glob("*/README.md")]
+    return [ROOT / "README.md", *(file for file in pages if "decisions" not in file.parts)]
+
+
+def names_used(file: Path) -> Iterator[tuple[str, str]]:
+    """Yield the names of the package that the code on a page imports, with the page."""
+    text = file.read_text(encoding="utf-8")
+    if file.suffix == ".ipynb":
+        cells = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+        blocks = ["".join(line for line in cell["source"] if not line.startswith(("%", "!"))) for cell in cells]
+    else:
+        blocks = [textwrap.dedent(block) for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL)]
+    for block in blocks:
+        for node in ast.walk(ast.parse(block)):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("irsim_gym"):
+                yield from ((f"{node.module}.{one.name}", file.name) for one in node.names)
+            elif isinstance(node, ast.Attribute) and ast.unparse(node.value) in MODULES:
+                yield ast.unparse(node), file.name
+
+
+def classes(file: Path) -> Iterator[ast.ClassDef]:
+    """Yield the classes of a module."""
+    yield from (node for node in ast.parse(file.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef))
 
 
 def test_every_public_name_is_documented() -> None:
