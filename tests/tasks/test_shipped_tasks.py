@@ -5,6 +5,7 @@ from __future__ import annotations
 from irsim_gym.families import OBSERVATIONS, REWARDS
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Task, load_task
+from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
 
 
 def task(scenario: str, name: str | None) -> Task:
@@ -33,3 +34,12 @@ def test_pose_navigation_tells_where_the_goal_faces() -> None:
     names = [OBSERVATIONS.name_of(type(term)) for term in task("parking", "pose_navigation").observations]
     assert {"goal", "goal_heading", "velocity", "position", "heading", "scan"} <= set(names)
     assert task("parking", "pose_navigation").max_steps == task("parking", None).max_steps
+
+
+def test_the_way_of_wide_way_navigation_keeps_its_distance() -> None:
+    wide, seen = task("dense_room", "wide_way_navigation"), task("dense_room", "seen_navigation")
+    (own,) = (one for one in wide.observations if one not in seen.observations)
+    assert isinstance(own, WayOnSeenMap)
+    assert (own.cell, own.clearance) == (0.08, 0.04)
+    assert [type(one) for one in wide.observations] == [type(one) for one in seen.observations]
+    assert (wide.rewards, wide.endings, wide.deadlock_time) == (seen.rewards, seen.endings, seen.deadlock_time)
