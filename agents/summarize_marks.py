@@ -76,6 +76,7 @@ ELSEWHERE = (
     Elsewhere("maze_in_rooms", "maze", "rooms"),
     Elsewhere("maze_in_0.65", "maze", "maze_0.65"),
     Elsewhere("maze_in_1.0", "maze", "maze_1.0"),
+    Elsewhere("maze_in_cellular_cave", "maze", "cellular_cave"),
 )
 OVERVIEW = (
     *("scenario", "`--task`", "aim %", "median %", "interquartile mean % [95 % interval]", "lowest, highest %"),

@@ -10,6 +10,7 @@ from irsim_gym.evaluation.perception import perception_differences, perception_o
 from irsim_gym.families import OBSERVATIONS, REWARDS
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Task, load_task
+from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
 
 SINGLE = {"cluttered_room": {}, "rooms": {}, "maze": {}, "cellular_cave": {}, "jaxnav_single": {},
           "crowd_nav": {"goal_change": 0.5}}  # fmt: skip
@@ -70,3 +71,12 @@ def test_general_navigation_is_the_same_in_a_batch_as_alone(name: str) -> None:
             break
     batch.close()
     alone.close()
+
+
+def test_the_way_of_wide_way_navigation_keeps_its_distance() -> None:
+    wide, seen = task("dense_room", "wide_way_navigation"), task("dense_room", "seen_navigation")
+    (own,) = (one for one in wide.observations if one not in seen.observations)
+    assert isinstance(own, WayOnSeenMap)
+    assert (own.cell, own.clearance) == (0.08, 0.04)
+    assert [type(one) for one in wide.observations] == [type(one) for one in seen.observations]
+    assert (wide.rewards, wide.endings, wide.deadlock_time) == (seen.rewards, seen.endings, seen.deadlock_time)

@@ -33,6 +33,7 @@ class SeenWays(Struct):
         target: The goals [m] of ``least``; NaN before the first one, shape ``(n_worlds, n_agents, 2)``.
         queues: Scratch, see ``new_queues``; the first axis is the slot.
         way: Scratch for the cells of a path, shape ``(n_slots, n_cells)``.
+        clearance: Distance [m] that paths keep from obstacles.
     """
 
     seen: SeenGrid
@@ -41,10 +42,11 @@ class SeenWays(Struct):
     target: Floats
     queues: Ints
     way: Labels
+    clearance: float
 
     @classmethod
-    def over(cls, seen: SeenGrid, slots: int) -> Self:
-        """Return paths over empty maps, and scratch memory for ``slots`` slots."""
+    def over(cls, seen: SeenGrid, slots: int, clearance: float) -> Self:
+        """Return paths over empty maps that keep a distance [m] from obstacles, and scratch for ``slots`` slots."""
         shape, grid = seen.noted.shape, seen.grid
         return cls(
             seen=seen,
@@ -53,6 +55,7 @@ class SeenWays(Struct):
             target=np.full((*shape, 2), np.nan),
             queues=np.stack([new_queues(grid.rows, grid.columns)] * slots),
             way=np.zeros((slots, grid.rows * grid.columns), np.int32),
+            clearance=clearance,
         )
 
 
@@ -74,7 +77,7 @@ def clear_levels(worlds: Ints, ways: SeenWays, episode: EpisodeState) -> None:
 def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: Model, episode: EpisodeState) -> None:
     """Update the cells in which agents fit after a scan was added to their maps.
 
-    Reads: term (agents), ways (levels, seen), model (reach), episode (steps).
+    Reads: term (agents), ways (clearance, levels, seen), model (reach), episode (steps).
     Writes: ways (levels, target).
     """
     seen = ways.seen
@@ -83,7 +86,7 @@ def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: Model, episode
             if seen.noted[w, a] != episode.steps[w, a]:
                 continue
             fresh, levels = seen.fresh[w, a], ways.levels[w, a]
-            reach = model.reach[row_of(model.reach, w), term.agents[a]] / seen.grid.cell
+            reach = (model.reach[row_of(model.reach, w), term.agents[a]] + ways.clearance) / seen.grid.cell
             if seen.n_freed[w, a] > 0:
                 rebuild(levels, seen.cells[w, a], reach)
                 ways.target[w, a, 0] = np.nan

@@ -54,12 +54,19 @@ class WayOnSeenMap:
         consequence="Cells wider than the agent close gaps that it fits through.",
     )
     every: int = EVERY
+    clearance: float = option(
+        0.0,
+        ge=0.0,
+        unit="m",
+        meaning="Distance that the path keeps from obstacles.",
+        consequence="The way leads through gaps that the agent fits through by millimetres.",
+    )
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenWays:
         """Return the maps, the paths, and scratch memory."""
         seen = SeenGrid.over(self, simulation, agents, "way_on_seen_map", follows=False)
-        return SeenWays.over(seen, simulation.shards.n_slots)
+        return SeenWays.over(seen, simulation.shards.n_slots, self.clearance)
 
     def join(self, term: Term, earlier: Sequence[Term]) -> None:
         """Share the map of an earlier observation, if possible."""
