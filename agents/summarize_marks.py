@@ -34,12 +34,14 @@ class Mark:
         benchmark: Where they are trained and played.
         aim: Success that the median is to reach [%].
         planner: Whose row of docs/benchmarks.md stands beside them.
+        levels: Number of ``test`` levels that each seed plays.
     """
 
     name: str
     benchmark: str
     aim: float = 98.0
     planner: str = "seen"
+    levels: int = 1000
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ MARKS = (
     Mark("barn", "barn", 95.0),
     Mark("maze", "maze"),
     Mark("dense_room_memory", "dense_room", 99.0),
+    Mark("cluttered_room_memory", "cluttered_room", 99.5, levels=10_000),
     Mark("jaxnav_single", "jaxnav_single"),
 )
 ELSEWHERE = (

@@ -29,7 +29,7 @@ def test_the_tables_of_the_page_are_those_of_the_results() -> None:
 def test_five_seeds_play_the_test_levels(mark: Any) -> None:
     found = SCRIPT.read(mark.name)
     assert [seed["settings"]["seed"] for seed in found["seeds"]] == [0, 1, 2, 3, 4]
-    assert (found["conditions"]["split"], found["conditions"]["levels"]) == ("test", 1000)
+    assert (found["conditions"]["split"], found["conditions"]["levels"]) == ("test", mark.levels)
     member = shipped_suite().members[mark.benchmark]
     assert found["conditions"]["scenario"] == member.scenario
     assert all(found["conditions"]["parameters"][name] == value for name, value in member.parameters.items())
