@@ -42,6 +42,7 @@ EVERYTHING: dict[str, Any] = {
         "velocity",
         "last_action",
         "drive",
+        "own_body",
         {"name": "nearest_bodies", "count": 2},
         {"name": "neighbors", "count": 2},
         {"name": "exact_free_travel", "directions": 24},
