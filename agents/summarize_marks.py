@@ -71,6 +71,7 @@ MARKS = (
     Mark("dense_room_memory", "dense_room", 99.0),
     Mark("cluttered_room_memory", "cluttered_room", 99.5, levels=10_000),
     Mark("jaxnav_single", "jaxnav_single"),
+    Mark("parking", "parking", 95.0, "hybrid_astar"),
 )
 ELSEWHERE = (
     Elsewhere("narrow_door_in_1.15", "narrow_door", "narrow_door_1.15"),
