@@ -13,7 +13,7 @@ from irsim_gym.behaviors.pursuit_way import place_on_way
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
-from irsim_gym.paths.points import PointMap, add_point
+from irsim_gym.paths.points import PointMap, add_point, forget_points
 from irsim_gym.world.model import Model
 from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
@@ -43,13 +43,13 @@ def pursue_seen(
         for k in range(members.shape[0]):
             b, m = members[k], params[k].index
             clear_command(state, w, b)
-            points = PointMap(frame.x, frame.y, frame.side, frame.places[w, m])
+            points = PointMap(frame.x, frame.y, frame.side, frame.places[w, m], frame.filled[w, m])
             note_scan(scan, w, k, b, state, points, tables.hits[slot])
             if not is_under_way(model, state, w, b):
                 continue
             obstacles = Obstacles(model, state, w, nothing, None, points)
             if tables.count[w, m] == 0 and state.step[w] >= tables.retry[w, m]:
-                points.places[:] = np.nan
+                forget_points(points)
                 note_scan(scan, w, k, b, state, points, tables.hits[slot])
             elif way_is_blocked(obstacles, model.reach[row_of(model.reach, w), b], tables, w, m, b):
                 tables.goal[w, m, 0] = np.nan

@@ -139,6 +139,7 @@ def forget_ways(worlds: Ints, tables: PursuitTables) -> None:
             tables.goal[w, m, 0], tables.retry[w, m], tables.back[w, m] = np.nan, 0, 0
             if tables.seen.places.shape[0] > 0:
                 tables.seen.places[w, m, :, :, :] = np.nan
+                tables.seen.filled[w, m, :, :] = 0
 
 
 @kernel

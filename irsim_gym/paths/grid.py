@@ -22,7 +22,7 @@ from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.paths.points import PointMap
+from irsim_gym.paths.points import BLOCK, PointMap
 from irsim_gym.world.outline import outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
@@ -166,6 +166,8 @@ def block_around_points(points: PointMap | None, radius: float, grid: Grid, bloc
     places = points.places
     for i in range(places.shape[0]):
         for j in range(places.shape[1]):
+            if points.filled[i, j // BLOCK] == 0:
+                continue
             x, y = float(places[i, j, 0]) - grid.origin_x, float(places[i, j, 1]) - grid.origin_y
             if x == x:
                 block_capsule(x, y, x, y, radius, grid.cell, blocked)

@@ -7,11 +7,13 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Point, Rays
+from irsim_gym.arraytypes import Bytes, Floats, Point, Rays
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 
 MOST_POINT_CELLS = 4_000_000
+BLOCK = 8
+"""Number of cells of a column that are skipped at once where none of them has a point."""
 
 
 class PointMap(NamedTuple):
@@ -22,16 +24,19 @@ class PointMap(NamedTuple):
         y: Lower end of the first cell [m].
         side: Side of a cell [m].
         places: The points [m], NaN in cells without one, shape ``(columns, rows, 2)``.
+        filled: Number k of a column says whether one of its cells from k * BLOCK on, up to the next number's, has a
+            point; shape ``(columns, ceil(rows / BLOCK))``.
     """
 
     x: float
     y: float
     side: float
     places: Rays
+    filled: Bytes
 
     @classmethod
     def over(cls, bounds: Sequence[float] | Floats, side: float, shape: tuple[int, ...]) -> Self:
-        """Return empty maps over x_min, y_min, x_max, y_max [m]; ``shape`` gives further leading axes of ``places``.
+        """Return empty maps over x_min, y_min, x_max, y_max [m]; ``shape`` gives further leading axes of the arrays.
 
         Cells are larger than requested if there would be more than ``MOST_POINT_CELLS`` of them.
         """
@@ -40,7 +45,18 @@ class PointMap(NamedTuple):
         columns, rows = int(np.ceil((x_max - x_min) / side)) + 1, int(np.ceil((y_max - y_min) / side)) + 1
         # Points on the edge of the world may be measured on either side of it.
         places = np.full((*shape, columns, rows, 2), np.nan, np.float32)
-        return cls(x_min - 0.5 * side, y_min - 0.5 * side, float(side), places)
+        filled = np.zeros((*shape, columns, -(-rows // BLOCK)), np.uint8)
+        return cls(x_min - 0.5 * side, y_min - 0.5 * side, float(side), places, filled)
+
+
+@kernel
+def forget_points(points: PointMap) -> None:
+    """Remove all points.
+
+    Writes: points (filled, places).
+    """
+    points.places[:] = np.nan
+    points.filled[:] = 0
 
 
 @kernel
@@ -54,6 +70,7 @@ def add_point(points: PointMap, point: Point, eye: Point) -> None:
     dx, dy, old_x, old_y = x - eye[0], y - eye[1], place[0] - eye[0], place[1] - eye[1]
     if not (old_x * old_x + old_y * old_y <= dx * dx + dy * dy):
         place[0], place[1] = x, y
+        points.filled[int(i), int(j) // BLOCK] = 1
 
 
 @kernel
@@ -87,14 +104,17 @@ def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float,
             low, high = ay + one * (by - ay), ay + two * (by - ay)
             low, high = min(low, high), max(low, high)
         below, above = cells_between(low - reach, high + reach, points.y, side, places.shape[1])
-        for j in range(below, above):
-            x, y = float(places[i, j, 0]), float(places[i, j, 1])
-            if x == x:
-                distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
-                if distance2 <= reach * reach and distance2 < best:
-                    best = distance2
-                    if best <= enough:
-                        return best
+        for k in range(below // BLOCK, (above + BLOCK - 1) // BLOCK):
+            if points.filled[i, k] == 0:
+                continue
+            for j in range(max(below, k * BLOCK), min(above, (k + 1) * BLOCK)):
+                x, y = float(places[i, j, 0]), float(places[i, j, 1])
+                if x == x:
+                    distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
+                    if distance2 <= reach * reach and distance2 < best:
+                        best = distance2
+                        if best <= enough:
+                            return best
     return best
 
 

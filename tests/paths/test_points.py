@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.geometry.segments import point_segment_distance2
-from irsim_gym.paths.points import PointMap, add_point, capsule_meets_points, points_distance
+from irsim_gym.paths.points import PointMap, add_point, capsule_meets_points, forget_points, points_distance
 
 
 def drawn(seed: int) -> tuple[PointMap, np.ndarray]:
@@ -37,3 +37,12 @@ def test_distances_are_those_of_all_points(seed: int) -> None:
             assert capsule_meets_points(points, ax, ay, bx, by, max(radius, 0.0)) == (least <= max(radius, 0.0))
         alone = np.sqrt(((places - [ax, ay]) ** 2).sum(axis=1).min())
         assert points_distance(points, (ax, ay), 0.4) == pytest.approx(min(alone, 0.4))
+
+
+def test_forgotten_points_are_in_nobodys_way_and_new_ones_are() -> None:
+    points, _ = drawn(0)
+    assert capsule_meets_points(points, 0.0, 0.0, 4.0, 4.0, 1.0)
+    forget_points(points)
+    assert not capsule_meets_points(points, 0.0, 0.0, 4.0, 4.0, 1.0)
+    add_point(points, (3.95, 3.95), (2.0, 2.0))  # in the last cells, which are fewer than a block
+    assert points_distance(points, (3.0, 3.95), 2.0) == pytest.approx(0.95)
