@@ -52,10 +52,13 @@ class OrcaGroup(RenewsMembersGoals):
         is_member[group.members] = True
         deciding = group.members[group.arrays["decides"]]
         plans[deciding] = True
+        # Members that never move are walls to the others, even if `unobstructed`: they cannot take half of the effort.
         is_wall, seen = ~model.movable & (is_member | ~model.unobstructed), is_member & model.movable
+        # Bounds for the rows of the tables: what `map_parts` can find within SIGHT, here from the edges of discs.
         members, n_sides = np.flatnonzero(seen | plans), most_map_walls(model, SIGHT)
         n_discs = most_map_discs(model, SIGHT + model.map_disc[0])
         most = min(group.options[0].maxNeighbors, len(group.members))
+        # With fewer members than `maxNeighbors` there are no more neighbours than members.
         squares = lay_squares(model.bounds, len(members), group.options[0].neighborDist, most)
         n_planes = n_parts + n_sides + n_discs + most
         group.tables = [
