@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Floats, Record, Records
-from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap
+from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap, cost_without_obstacles
 from irsim_gym.behaviors.pose_moves import MOST_MOVES, lay_moves
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
 from irsim_gym.behaviors.pose_search import PoseTask, move_to, search_poses
@@ -96,12 +96,18 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
         tables.costs[tables.table[m]],
     )
     padding = min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0))
-    cell, costs_cell = tables.cell[m], COARSE * tables.cell[m]
-    for _ in range(ATTEMPTS):
+    cell, costs_cell, beyond = tables.cell[m], COARSE * tables.cell[m], np.inf
+    for attempt in range(2 * ATTEMPTS):
+        if attempt == ATTEMPTS:
+            # A body with wide turns may have to leave the table of costs, and come back, for a goal close by. Searches
+            # that include such ways take much longer, so they come last, and only where the body is in the table.
+            if cost_without_obstacles(aim, costs, costs_cell, start) == 0.0:
+                return
+            cell, beyond = tables.cell[m], greatest_of(costs)
         moves = tables.moves[slot][: lay_moves(moving, cell, tables.moves[slot])]
         task = PoseTask(
             obstacles, shape, padding, aim, moves, tables.moves[slot][MOST_MOVES - 1], fastest_of(moves), cell, costs,
-            costs_cell, grid.grid, search.field, options,
+            costs_cell, beyond, grid.grid, search.field, options,
         )  # fmt: skip
         end = search_poses(task, start, nodes)
         if end != NOBODY:
@@ -124,6 +130,15 @@ def fastest_of(moves: Records) -> float:
         move = moves[k]
         fastest = max(fastest, np.sqrt(move.ahead * move.ahead + move.left * move.left) / move.seconds)
     return fastest
+
+
+@kernel
+def greatest_of(costs: Floats) -> float:
+    """Return the greatest finite cost in a table [s]."""
+    greatest = 0.0
+    for cost in costs.flat:
+        greatest = max(greatest, cost if cost < np.inf else 0.0)
+    return greatest
 
 
 @kernel

@@ -56,6 +56,7 @@ class PoseTask(NamedTuple):
         cell: Cell size of the search [m].
         costs: Costs of paths to the goal without obstacles, see ``pose_costs``.
         costs_cell: Cell size of ``costs`` [m].
+        beyond: Cost of poses from which no way stays within the table of ``costs`` [s]; inf to leave such poses out.
         grid: The grid of ``field``.
         field: Distance of a disc within the body from the goal [m].
         options: Those of ``HybridAstar``.
@@ -71,6 +72,7 @@ class PoseTask(NamedTuple):
     cell: float
     costs: Floats
     costs_cell: float
+    beyond: float
     grid: Grid
     field: Floats
     options: Record
@@ -78,13 +80,17 @@ class PoseTask(NamedTuple):
 
 @kernel
 def cost_to_go(task: PoseTask, pose: Pose) -> float:
-    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s]."""
+    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s].
+
+    It is at least ``beyond`` where no way stays within the table of costs without obstacles.
+    """
     far = field_at(task.field, task.grid, pose[0], pose[1])
     if not far < np.inf:
         dx, dy = pose[0] - task.aim.x, pose[1] - task.aim.y
         far = np.sqrt(dx * dx + dy * dy)
     around = max(far - task.aim.radius, 0.0) / task.fastest
-    return max(around, cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose))
+    alone = cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose)
+    return max(around, alone if alone < np.inf else task.beyond)
 
 
 @kernel
