@@ -38,7 +38,7 @@ PADDING = 0.02
 TIGHT = 0.999
 """Share of its distance from an obstacle that a body keeps if it starts closer."""
 ATTEMPTS = 2
-"""If no path is found, the search is repeated with cells of half the size."""
+"""Number of cell sizes that are tried, each half of the previous one, until a path is found."""
 
 
 @kernel
@@ -83,10 +83,13 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     for axis in range(3):
         tables.goal[w, m, axis] = state.goal[w, b, axis]
     tables.count[w, m], tables.piece[w, m], tables.share[w, m] = 0, 0, 0.0
+    # A body that cannot turn never arrives with another heading than it has now.
     if not (turns(moving) or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
         return
     grid = tables.grid
     search = Search(grid.blocked[slot], grid.field[slot], grid.queue[slot])
+    # The field is that of the body's inner disc less half a cell's diagonal: wherever the body fits, that disc fits at
+    # the centre of the cell. `radius` makes it the disc that mark_blocked tests there, see paths.grid.
     open_radius = max(inner_radius_of(model, w, b) - np.sqrt(0.5) * grid.grid.cell, 0.0)
     radius = np.sqrt(max(open_radius * open_radius - 0.5 * grid.grid.cell * grid.grid.cell, 0.0))
     search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
@@ -95,6 +98,7 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
         nodes_of(tables.nodes, slot),
         tables.costs[tables.table[m]],
     )
+    # A body that begins closer than PADDING has to get away.
     padding = min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0))
     cell, costs_cell, beyond = tables.cell[m], COARSE * tables.cell[m], np.inf
     for attempt in range(2 * ATTEMPTS):
@@ -150,6 +154,7 @@ def write_way(task: PoseTask, nodes: PoseNodes, end: int, tables: PoseTables, w:
     count, node = 0, end
     while node != NOBODY and nodes.parent[node] != NOBODY:
         count, node = count + 1, nodes.parent[node]
+    # From the end to the start; pieces beyond the memory are passed over.
     tables.count[w, m], node, k = min(count, MOST_PIECES), end, count
     while k > 0:
         k -= 1

@@ -78,6 +78,7 @@ def push(nodes: PoseNodes, size: int, key: float, node: int) -> int:
     """
     keys, items, k = nodes.key, nodes.item, size
     while k > 0:
+        # Binary heap: the entries below k are 2 k + 1 and 2 k + 2, with keys no smaller than its own.
         above = (k - 1) // 2
         if keys[above] <= key:
             break
@@ -95,6 +96,7 @@ def pop(nodes: PoseNodes, size: int) -> int:
     """
     keys, items = nodes.key, nodes.item
     first, last = items[0], size - 1
+    # The last entry fills the gap at the top and sinks to its place.
     key, item, k = keys[last], items[last], 0
     while 2 * k + 1 < last:
         below = 2 * k + 1
@@ -111,6 +113,7 @@ def pop(nodes: PoseNodes, size: int) -> int:
 @kernel
 def is_closed(closed: Ints, cell: int) -> bool:
     """Return whether a cell is done."""
+    # Open addressing: from the place of its hash on, a cell is in the first free place that it found.
     place = cell * SCATTER % PLACES
     while closed[place] != NOBODY:
         if closed[place] == cell:

@@ -84,10 +84,12 @@ def cost_to_go(task: PoseTask, pose: Pose) -> float:
 
     It is at least ``beyond`` where no way stays within the table of costs without obstacles.
     """
+    # Where the field knows no way, as in cells beside obstacles, the straight line is a lower bound.
     far = field_at(task.field, task.grid, pose[0], pose[1])
     if not far < np.inf:
         dx, dy = pose[0] - task.aim.x, pose[1] - task.aim.y
         far = np.sqrt(dx * dx + dy * dy)
+    # The goal is an area: arriving at its edge is enough.
     around = max(far - task.aim.radius, 0.0) / task.fastest
     alone = cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose)
     return max(around, alone if alone < np.inf else task.beyond)
@@ -98,6 +100,7 @@ def cell_of(task: PoseTask, pose: Pose) -> int:
     """Return the number of the cell that holds a pose; -1 outside of the world."""
     grid = task.grid
     across, up = (pose[0] - grid.origin_x) / task.cell, (pose[1] - grid.origin_y) / task.cell
+    # The search's own cells over the same rectangle; one more where they do not divide it.
     columns = int(grid.columns * grid.cell / task.cell) + 1
     rows = int(grid.rows * grid.cell / task.cell) + 1
     if not (0.0 <= across < columns and 0.0 <= up < rows):
@@ -122,6 +125,7 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
         room: The distance there [m].
         move: The move.
     """
+    # How far any point of the body moves at most: the way of the origin, and the turn at the distance `reach`.
     travel = np.sqrt(move.ahead * move.ahead + move.left * move.left) + np.abs(move.turn) * task.shape.reach
     limit = max(task.options.clearance, travel + task.padding)
     share, least = 0.0, limit
@@ -145,6 +149,7 @@ def move_to(task: PoseTask, nodes: PoseNodes, node: int) -> Record:
     if nodes.move[node] < task.moves.shape[0]:
         found: Record = task.moves[nodes.move[node]]
         return found
+    # The straight move to the goal is not in the list: it is computed again, and its number is one past the list.
     parent = nodes.pose[nodes.parent[node]]
     lay_last(task.aim, task.moves, LAST_CELLS * task.cell, (parent[0], parent[1], parent[2]), task.last)
     return task.last
@@ -180,14 +185,18 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
     nodes.closed[:] = NOBODY
     note_pose(nodes, 0, start, 0.0, NOBODY, NOBODY)
     nodes.room[0] = room_at_pose(task.obstacles, task.shape, start, 1.0)
+    # count: poses in memory; size: entries in the queue.
     count, size, n_closed = 1, push(nodes, 0, 0.0, 0), 0
     while size > 0 and n_closed < MOST_CLOSED and count + task.moves.shape[0] < nodes.cost.shape[0]:
         node = pop(nodes, size)
         size -= 1
         here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
+        # A pose that a last move leads to may lie in a closed cell: it ends at the goal, not anywhere in the cell.
         cell, is_last = cell_of(task, here), nodes.move[node] == task.moves.shape[0]
         if not is_last and is_closed(nodes.closed, cell):
             continue
+        # Only now, first in the queue, is the move tested. If nearness to obstacles makes it cost more, it queues
+        # again.
         if nodes.room[node] == UNKNOWN:
             cost = nodes.cost[node]
             if not look_at(task, nodes, node):
@@ -201,6 +210,7 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
             close_cell(nodes.closed, cell)
             n_closed += 1
             count, size = expand(task, nodes, node, count, size)
+        # Also after a last move: a body that has arrived at the position may still have to turn to the heading.
         if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
             there = pose_after(here, (task.last.ahead, task.last.left, task.last.turn), 1.0)
             note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
@@ -216,6 +226,7 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
     Writes: nodes.
     """
     here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
+    # The start has no move before it.
     gear, turn = 0, 0.0
     if nodes.move[node] != NOBODY:
         gear, turn = task.moves[nodes.move[node]].gear, task.moves[nodes.move[node]].turn
@@ -225,6 +236,7 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
         cell = cell_of(task, there)
         if cell < 0 or is_closed(nodes.closed, cell):
             continue
+        # Untested: the move may still turn out to be blocked.
         rest = cost_to_go(task, there)
         if not rest < np.inf:
             continue

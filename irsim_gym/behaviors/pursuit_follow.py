@@ -72,11 +72,15 @@ def follow(
     """
     here, way, count = (moving.pose[0], moving.pose[1]), course.points, course.n_points
     side, near = place_on_way(way, count, course.side, here)
-    if abs(near[0] - here[0]) > WINDOW or abs(near[1] - here[1]) > WINDOW:  # it was put elsewhere
+    # So far away only a body that was put elsewhere can be.
+    if abs(near[0] - here[0]) > WINDOW or abs(near[1] - here[1]) > WINDOW:
         return False, side, 0, braking_command(moving)
     remaining = np.inf if course.goes_on else remaining_length(way, count, side, near)
     room = room_at(everything, here, reach + max(options.proximity, SIGHT)) - reach
+    # The body grown by half of what the way keeps away, or of what there is now; one that touches already must not get
+    # nearer.
     radius = reach + 0.5 * min(course.margin, room) if room > 0.0 else TIGHT * (reach + room)
+    # Moving by less than this, the grown body touches nothing: can_stop need not look.
     slack = max(room + reach - radius, 0.0)
     speed = np.abs(moving.velocity[0])
     if moving.drive not in (DIFFERENTIAL, ACKERMANN):
@@ -96,6 +100,7 @@ def follow(
     if not found:
         return False, side, 0, braking_command(moving)
     backs, command = careful_command(everything, options, radius, slack, moving, target, room, remaining)
+    # A count of steps: it goes on driving back while it counts, see wants_back.
     more = back - 1 if back > 0 else BACK_STEPS
     return True, side, more if backs else 0, command
 
@@ -140,6 +145,7 @@ def careful_command(
         command = command_to(options, moving, target, room, remaining, -0.5)
         if can_stop(obstacles, radius, slack, moving, command):
             return True, command
+    # The full share has been tried by the caller.
     share = 0.5
     while share >= SLOWEST:
         command = command_to(options, moving, target, room, remaining, share)

@@ -53,6 +53,7 @@ class Recorded:
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Compute the position of each person at each step."""
         ways = [sampled(options, float(model.step_time[0])) for options in group.options]
+        # One row more than the longest way: NaN, so that everybody is absent after the last step.
         points = np.full((len(ways), max(map(len, ways)) + 1, 2), np.nan)
         for row, way in zip(points, ways, strict=True):
             row[: len(way)] = way
@@ -88,11 +89,14 @@ def come_and_go(worlds: Ints, members: Ints, ahead: int, model: Model, state: St
     Writes: model (present), state (collided, hit, pose, stopped, twist, velocity).
     """
     for w in worlds:
+        # The last row holds from then on.
         step = min(state.step[w] + ahead, tables.points.shape[1] - 1)
         for k in range(members.shape[0]):
             b, x, y = members[k], tables.points[k, step, 0], tables.points[k, step, 1]
             if np.isnan(x):
                 model.present[w, b] = False
+            # Who is there already walks by itself, see decide_recorded; only at the start, and on coming, is it put in
+            # place.
             elif not model.present[w, b] or step == 0:
                 model.present[w, b] = True
                 state.pose[w, b, 0], state.pose[w, b, 1] = x, y

@@ -17,6 +17,7 @@ from irsim_gym.world.outline import Outline
 from irsim_gym.world.state import State
 
 LEAST_SIZE = 1e-3
+"""Lower bound of random radii [m]."""
 
 
 @kind
