@@ -72,8 +72,8 @@ def dash_differential(worlds: Ints, members: Ints, params: Any, model: Model, st
             if not model.has_goal[b] or np.sqrt(dx * dx + dy * dy) < near:
                 continue
             fastest = model.velocity_max[row_of(model.velocity_max, w), b]
-            # A negative cosine drives the body backwards while it turns to a goal behind it.
             error = wrap_below(np.arctan2(dy, dx) - state.pose[w, b, 2])
+            # A negative cosine drives the body backwards while it turns to a goal behind it.
             state.command[w, b, 0] = fastest[0] * np.cos(error)
             if np.abs(error) >= params[k].angle_tolerance:
                 state.command[w, b, 1] = turn_rate(model, w, b, 1, error, params[k].angle_tolerance)

@@ -19,11 +19,11 @@ from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
 
 LANES = 16
-"""Number of rows that are treated at once: a loop of fixed length without branches becomes vector instructions."""
+"""Number of rows per pass: the compiler turns a loop of fixed length without branches into vector instructions."""
 
 ROWS = record_type("x low high below above nearest", LANES)
-"""What is known of LANES rows: their velocity along x [m/s]; the samples that are taken, from ``low`` on, up to
-``high`` without it; squared distances from the wanted velocity of the free ones next to them, and the smaller [m2/s2].
+"""LANES rows: velocity along x [m/s]; the interval of samples that are taken, from number ``low`` to before ``high``;
+squared distance of the free samples below and above it from the wanted velocity, and the smaller of both [m2/s2].
 """
 
 SPAN = record_type("low high", LANES)
@@ -73,8 +73,7 @@ def rough_cones(mode: int, ego: Ego, rounds: Records, cones: Records) -> None:
         if mode == HRVO or left_x == 0.0 or right_x == 0.0 or not distance > 0.0:
             disc_cone(mode, ego, disc, cone)
             continue
-        # VO: the apex is the other body's velocity. RVO: the mean of both velocities (van den Berg, Lin and Manocha
-        # 2008).
+        # The apex is the other body's velocity (VO), or the mean of both (RVO, van den Berg et al. 2008).
         apex_x, apex_y = disc.vx, disc.vy
         if mode != VO:
             apex_x, apex_y = (ego.vx + apex_x) / 2.0, (ego.vy + apex_y) / 2.0
@@ -83,7 +82,7 @@ def rough_cones(mode: int, ego: Ego, rounds: Records, cones: Records) -> None:
 
 @kernel
 def cut_rows(cone: Record, axis: Axis, rows: Record, span: Record) -> int:
-    """Write which samples of each row a cone holds; return for how many rows that is in doubt.
+    """Write which samples of each row a cone holds; return the number of rows for which this is doubtful.
 
     Args:
         cone: The cone.
@@ -126,7 +125,7 @@ def cut_rows(cone: Record, axis: Axis, rows: Record, span: Record) -> int:
 
 @kernel
 def take(above: float, n_cones: int, spans: Records, rows: Record) -> None:
-    """Write the connected samples about a place in each row that cones hold.
+    """Write for each row the interval of samples in cones that holds or touches a place.
 
     Writes: rows.
 
@@ -154,7 +153,7 @@ def take(above: float, n_cones: int, spans: Records, rows: Record) -> None:
 
 @kernel
 def measure_free(base: int, along_x: Axis, along_y: Axis, rows: Record) -> float:
-    """Write how far the free samples next to those that are taken lie from the wanted velocity, squared, else inf.
+    """Write the squared distances of the free samples beside the taken ones from the wanted velocity; inf for none.
 
     Returns:
         The smallest of these.

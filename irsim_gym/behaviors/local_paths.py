@@ -29,7 +29,7 @@ SHARES = (1.0, 0.5, 0.0)
 
 
 def find_paths(group: Group, model: Model, state: State, shard: Shard, tables: LocalTables) -> None:
-    """Find the paths of members that follow one, where there is a new goal or the known one is no good."""
+    """Compute the paths of members that need one: the goal is new, or the path can no longer be followed."""
     paths = {options.path for options in group.options}
     if "seen" in paths:
         note_scans(shard.worlds, group.members, group.params, group.scan, model, state, tables.hits, tables.ways)
@@ -41,7 +41,7 @@ def find_paths(group: Group, model: Model, state: State, shard: Shard, tables: L
 def note_scans(
     worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, state: State, hits: Floats, ways: LocalWays
 ) -> None:
-    """Write what the scans show, and the paths of members that go by it, where the known one is blocked.
+    """Write what the scans show, and new paths for members that follow path ``seen`` and whose path is blocked.
 
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (has_goal, present, reach,
         step_time), state (goal, pose, step), ways (blocked, count, field, goal, grid, path, points, queue, row, seen,
@@ -80,7 +80,7 @@ def note_scans(
 
 @kernel
 def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
-    """Keep the points of a path that was found, but for those that are close to the one before.
+    """Store the points of a path, without those that are closer than ``CELL`` to the one before.
 
     Reads: ways (path, points).
     Writes: ways (count, goal, points, side).

@@ -98,7 +98,7 @@ def forget_ways(worlds: Ints, ways: LocalWays) -> None:
 
 @kernel
 def advance_on_way(ways: LocalWays, w: int, m: int, place: Point) -> float:
-    """Write beside which side of its path a member is at its place [m], and return how far from it [m].
+    """Update which side of its path a member is nearest to, and return its distance from the path [m].
 
     Reads: ways (count, points, side).
     Writes: ways (side).
@@ -139,8 +139,7 @@ def lay_way(state: State, ways: LocalWays, w: int, b: int, length: float, way: F
     # The straight line begins at the body.
     way[0, 0], way[1, 0] = 0.0, 0.0
     if count > 1:
-        # A stored path begins at its point nearest to the body, so that off_way measures how far along it a motion
-        # gets.
+        # A stored path begins at its point nearest to the body: from there on, off_way measures progress.
         dx, dy = nearest_on_side(points, side, (x, y))
         way[0, 0], way[1, 0] = cosine * dx + sine * dy, cosine * dy - sine * dx
         driven = 0.0
@@ -159,7 +158,7 @@ def lay_way(state: State, ways: LocalWays, w: int, b: int, length: float, way: F
 
 @kernel
 def nearest_on_side(points: Floats, side: int, place: Point) -> Vector:
-    """Return where the point of a side of a path nearest to a body is, relative to the body [m]."""
+    """Return the vector from a body to the nearest point on a side of its path [m]."""
     x, y = place
     ax, ay, dx, dy = points[side, 0], points[side, 1], points[side + 1, 0], points[side + 1, 1]
     dx, dy = dx - ax, dy - ay

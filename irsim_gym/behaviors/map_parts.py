@@ -60,8 +60,7 @@ def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides:
         return n_sides
     frame, squares = model.map_frame[0], model.map_squares[row_of(model.map_squares, w)]
     for axis in range(2):
-        # Axis 0: lines along x between rows of cells; axis 1: lines along y between columns. `across` runs along the
-        # line.
+        # Axis 0: lines along x, between rows of cells; axis 1: lines along y. `across` is where the line begins.
         low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
         pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)
         height, place = (y, x) if axis == 0 else (x, y)
@@ -84,7 +83,6 @@ def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides:
                     border = int(is_occupied(squares, axis, cell, line)) - int(
                         is_occupied(squares, axis, cell, line - 1)
                     )
-                # The wall goes on.
                 if border == going:
                     continue
                 if going != 0:
@@ -103,7 +101,7 @@ def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides:
 
 @kernel
 def is_occupied(squares: Bytes, axis: int, cell: int, line: int) -> bool:
-    """Return whether a cell is occupied, given by its place along a row (axis 0) or column (axis 1) and the line's."""
+    """Return whether a cell is occupied: number ``cell`` along row (axis 0) or column (axis 1) number ``line``."""
     if line < 0 or line >= squares.shape[2 - axis]:
         return False
     # Layer 0 is as good as any: in all of them, 0 says that the cell is occupied.
@@ -137,8 +135,7 @@ def map_discs(model: Model, w: int, x: float, y: float, threshold: float, discs:
         cx, j = frame.x + (i + 0.5) * frame.width, first_j
         while j <= last_j:
             if squares[0, i, j] > 0:
-                # The cell is the lower left corner of a free square of this side, so the next cells of the column are
-                # free too.
+                # The side of a free square with this cell in its lower left: as many cells of the column are free.
                 j += int(squares[0, i, j])
                 continue
             cy = frame.y + (j + 0.5) * frame.height

@@ -167,8 +167,7 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
     for t in range(n_steps):
         k = t % LANES
         if k == 0:
-            # The next LANES poses, which `find_nearest` compares with the hits at once; beyond the horizon the last is
-            # repeated.
+            # The next LANES poses, which find_nearest compares with the hits; beyond the horizon the last is repeated.
             for j in range(LANES):
                 if t + j < n_steps:
                     one = executed(motion, 0, asked[t + j, 0], one)
@@ -194,8 +193,7 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
         path, reached = off_way(tables.way, task.n_way, front, driven + task.forward)
         away = options.path_weight * path + options.goal_weight * (task.length - reached)
         if gap < task.bearable:
-            # The earlier the contact the worse: once to twice the cost, and the rest of the horizon as if it stood
-            # there.
+            # Early contacts cost more, up to twice as much; the rest of the horizon costs as if the body stood there.
             return float(total + options.collision_cost * (2.0 - t / n_steps) + away * (n_steps - t) * motion.step)
         total += (away + options.obstacle_weight * obstacle_cost(options, gap)) * motion.step
     return float(total)

@@ -54,11 +54,10 @@ class OrcaGroup(RenewsMembersGoals):
         plans[deciding] = True
         # Members that never move are walls to the others, even if `unobstructed`: they cannot take half of the effort.
         is_wall, seen = ~model.movable & (is_member | ~model.unobstructed), is_member & model.movable
-        # Bounds for the rows of the tables: what `map_parts` can find within SIGHT, here from the edges of discs.
+        # Upper bounds of what map_parts finds: walls within SIGHT of the body, and discs whose edges are.
         members, n_sides = np.flatnonzero(seen | plans), most_map_walls(model, SIGHT)
         n_discs = most_map_discs(model, SIGHT + model.map_disc[0])
         most = min(group.options[0].maxNeighbors, len(group.members))
-        # With fewer members than `maxNeighbors` there are no more neighbours than members.
         squares = lay_squares(model.bounds, len(members), group.options[0].neighborDist, most)
         n_planes = n_parts + n_sides + n_discs + most
         group.tables = [

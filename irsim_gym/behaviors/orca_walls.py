@@ -175,7 +175,7 @@ def wall_plane(edge: Edge, ego: Ego, horizon: float, plane: Record) -> bool:
         return bool(convex_a)
     if past_b and gap_b2 <= radius2:
         nx, ny = away((-bx, -by), (bx, by))
-        # Likewise. A convex corner on whose other side the body is belongs to the edge behind, as that edge's start.
+        # Likewise. If the edge behind faces the body too, the corner is left to it, as its start.
         set_plane(plane, nx, ny, 0.0)
         return bool(convex_b and bx * edge.behind_y - by * edge.behind_x >= 0.0)
     if height <= radius and not before_a and not past_b:
@@ -198,7 +198,6 @@ def cone_plane(edge: Edge, front: Front, ego: Ego, horizon: float, plane: Record
     Legs are tangents from the body's centre. At a reflex corner the leg runs along the edge, and one that would run
     into the edge beside it runs along that one; a velocity nearest to such a leg is left to that edge.
     """
-    # As in section 5 of the paper, the cone is that of a moving disc with an edge in place of the centre.
     ax, ay, bx, by, convex_a, convex_b, is_point = front
     dx, dy, radius = edge.along_x, edge.along_y, ego.radius
     # At a reflex corner, the leg continues the edge.
@@ -240,8 +239,7 @@ def cone_plane(edge: Edge, front: Front, ego: Ego, horizon: float, plane: Record
     left2 = far if up_left < 0.0 else to_left * to_left
     right2 = far if up_right < 0.0 else to_right * to_right
     if front2 <= left2 and front2 <= right2:
-        # Normals point out of the cone: to the right of the front, to the left of the left leg, to the right of the
-        # right.
+        # Normals point out of the cone: to the right of the front and of the right leg, to the left of the left leg.
         nx, ny, x, y, mine = dy, -dx, ax, ay, True
     elif left2 <= right2:
         nx, ny, x, y, mine = -left_y, left_x, ax, ay, not left_foreign

@@ -55,7 +55,7 @@ def aim_gap(aim: Aim, pose: Pose) -> float:
 
 @kernel
 def seconds_of(options: Record, move: Record, gear: int, turn: float) -> float:
-    """Return the cost of a move [s] beside another one: a change of gear costs something, and so does steering.
+    """Return the cost of a move [s] next to another one: a change of gear costs something, and so does steering.
 
     Args:
         options: Those of ``HybridAstar``.

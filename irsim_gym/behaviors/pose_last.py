@@ -60,7 +60,7 @@ def lay_turn(moves: Records, turn: float, last: Record) -> bool:
     """
     gear = SPIN if turn > 0.0 else -SPIN
     for k in range(moves.shape[0]):
-        # turn is NaN or 0 if nothing is asked for; the time grows with the angle.
+        # No move for no angle. The time is in proportion to the angle.
         if moves[k].gear == gear and turn != 0.0:
             last.ahead, last.left, last.turn, last.gear = 0.0, 0.0, turn, gear
             last.seconds = moves[k].seconds * turn / moves[k].turn

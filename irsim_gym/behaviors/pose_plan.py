@@ -43,7 +43,7 @@ ATTEMPTS = 2
 
 @kernel
 def aim_of(model: Model, state: State, w: int, b: int) -> Aim:
-    """Return where a way is to lead a body, a little nearer to the goal than where it has arrived.
+    """Return the goal of a search: that of the body, with less tolerance than arrival has.
 
     Reads: model (arrive_mode, goal_threshold), state (goal).
     """

@@ -33,9 +33,9 @@ from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 
 NEAR = 2.0
-"""Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
+"""Extra cost of time spent at an obstacle, as a multiple of the time; it falls to 0 at the distance ``clearance``."""
 GREED = 1.3
-"""What is left counts so many times: ways cost little more than the least, and are found much sooner."""
+"""Weight of the estimated remaining cost (weighted A*): paths cost little more than the least, and are found sooner."""
 LAST_CELLS = 6.0
 """Maximum distance from which a move may lead straight to the goal [cells]."""
 LEAST_STEP = 1e-3
@@ -195,8 +195,7 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
         cell, is_last = cell_of(task, here), nodes.move[node] == task.moves.shape[0]
         if not is_last and is_closed(nodes.closed, cell):
             continue
-        # Only now, first in the queue, is the move tested. If nearness to obstacles makes it cost more, it queues
-        # again.
+        # Only now is the move tested. If nearness to obstacles makes it cost more, it goes back into the queue.
         if nodes.room[node] == UNKNOWN:
             cost = nodes.cost[node]
             if not look_at(task, nodes, node):

@@ -32,7 +32,7 @@ FIELD_CELL = 0.3
 """Side of the cells over which a disc within the body is led, as a share of that radius: none of the gaps through which
 the body fits is missed, see ``paths.reachability``."""
 NEARER = 0.6
-"""Ways lead so much nearer to the goal than where the body has arrived."""
+"""Share of the arrival threshold within which paths end."""
 
 
 class PoseWay(NamedTuple):

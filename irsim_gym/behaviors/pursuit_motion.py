@@ -106,8 +106,7 @@ def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, c
         # The second number of those that roll is a turn rate or a steering angle, which moves no body at rest.
         if one == 0.0 and (two == 0.0 or moving.drive in (DIFFERENTIAL, ACKERMANN)):
             return True
-        # From the second step on it brakes. Those that are commanded by a turn rate lower it in proportion to the
-        # speed.
+        # From the second step on it brakes. A commanded turn rate falls in proportion to the speed.
         first, third = 0.0, 0.0
         if turns:
             second = two / one * executed(moving, 0, 0.0, one) if one != 0.0 else two
@@ -128,7 +127,7 @@ def roll(
     if moving.drive == DIFFERENTIAL:
         return x + one * cosine * step, y + one * sine * step, heading + two * step, steering
     if moving.drive == ACKERMANN:
-        # The wheels stand as after the previous step, and stand at `two` after this one.
+        # This step rolls at the angle of the previous one; after it, the wheels stand at `two`.
         rate = two if moving.by_rate else one * np.tan(steering) / moving.wheelbase
         turn = rate * step if one != 0.0 or not moving.by_rate else 0.0
         return x + one * cosine * step, y + one * sine * step, heading + turn, steering if moving.by_rate else two

@@ -180,8 +180,7 @@ def find_way(
     for attempt in range(HALVINGS):
         if count > 0:
             break
-        # The coarse cells have left half of the last margin; the first try takes it, the next halves it, the last has
-        # none.
+        # The coarse cells have left a halved margin. The first try takes it, the next halves it, the last has none.
         margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
         margin = 0.0 if attempt == HALVINGS - 1 else margin
         count = way_between(obstacles, reach + margin, ends, fine.grid, search, path)

@@ -95,8 +95,7 @@ def come_and_go(worlds: Ints, members: Ints, ahead: int, model: Model, state: St
             b, x, y = members[k], tables.points[k, step, 0], tables.points[k, step, 1]
             if np.isnan(x):
                 model.present[w, b] = False
-            # Who is there already walks by itself, see decide_recorded; only at the start, and on coming, is it put in
-            # place.
+            # Bodies are put in place when they come, or at the start; then they walk, see decide_recorded.
             elif not model.present[w, b] or step == 0:
                 model.present[w, b] = True
                 state.pose[w, b, 0], state.pose[w, b, 1] = x, y

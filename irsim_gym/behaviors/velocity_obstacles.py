@@ -85,8 +85,7 @@ def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
             opening = 0.01
         # Law of sines: how far along the right edge of the one cone the line of the other cone's left edge lies.
         shift = np.sqrt(off_x * off_x + off_y * off_y) * np.sin(left - np.arctan2(off_y, off_x)) / np.sin(opening)
-        # The velocity is to the right of the axis: RVO's right edge and VO's left one, so that passing on the left
-        # costs more.
+        # To the right of the axis: RVO's right edge and VO's left one, so that passing on the left costs more.
         if dx * (vy - apex_y) - (vx - apex_x) * dy <= 0.0:
             apex_x, apex_y = apex_x - shift * np.cos(right), apex_y - shift * np.sin(right)
         else:
@@ -109,8 +108,7 @@ def side_cones(ego: Ego, sides: Floats, cones: Records, n_cones: int) -> int:
             continue
         first, second = np.arctan2(ay, ax), np.arctan2(by, bx)
         before, after = widening(ax, ay, ego.radius), widening(bx, by, ego.radius)
-        # The angle from the first end to the second, wrapped: the left edge belongs to the end that is farther to the
-        # left.
+        # The angle from the first end to the second, wrapped; its sign says which end is to the left.
         turn = np.arctan2(np.sin(second - first), np.cos(second - first))
         if turn >= 0.0:
             write_cone(cones[n_cones], (0.0, 0.0), second + after, first - before)

@@ -222,8 +222,7 @@ def block_capsule(ax: float, ay: float, bx: float, by: float, radius: float, cel
         if room_b >= 0.0:
             half = np.sqrt(room_b)
             left, right = min(left, bx - half), max(right, bx + half)
-        # The rectangle: x for which the projection on ab is from 0 to its length, and the distance from its line is
-        # small.
+        # The rectangle: x whose projection on ab is from 0 to its length, and whose distance from its line is small.
         near, far = band(y - ay, along_x, along_y, 0.0, length)
         near_side, far_side = band(y - ay, -along_y, along_x, -radius, radius)
         near, far = max(near, near_side), min(far, far_side)

@@ -114,8 +114,7 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
             states[line.last] |= PASSED
             number = line.first
             for n in range(line.lines):
-                # `number` counts along the beam; the offset across, where it crosses the n-th boundary, selects the
-                # cell.
+                # `number` counts along the beam. The offset across is that of the n-th crossing.
                 here = number + int(line.meets + n * line.each) * line.aside
                 number += line.jump
                 states[here] |= PASSED

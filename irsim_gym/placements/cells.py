@@ -94,7 +94,7 @@ class CellPlacement:
             return misfit
         n_bodies, n_cells = len(model.role), int(np.prod(model.map_room.shape[1:]))
         options = group.options[0]
-        # No maximum is infinite.
+        # None means no maximum.
         limits = np.array([options.min_way_length, options.max_way_length or np.inf])
         needs_way = bool((model.stands & ~model.unobstructed).any() or limits[0] > 0.0 or limits[1] < np.inf)
         # Where no way is searched for, grids of a few cells save memory.

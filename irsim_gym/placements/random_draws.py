@@ -149,8 +149,7 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
         for axis in range(3):
             pose[b, axis] = uniform(state.random, w, tables.low[axis], tables.high[axis])
         if frame.columns > 0:
-            # All that can be too near: by the distance between origins, or by outlines that reach out `frame.reach` at
-            # most.
+            # What can be too near by origins, or by outlines, which reach out `frame.reach` at most.
             within = max(tables.min_distance, own + tables.clearance + frame.reach)
             count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
             peers, others = found[:count], found[:count]
