@@ -19,6 +19,7 @@ from irsim_gym.geometry.linear_program import set_plane
 from irsim_gym.jit import kernel
 
 ROUNDING = 1e-9
+"""Margin with which a half-plane covers an edge [m]."""
 
 
 class Edge(NamedTuple):
@@ -52,6 +53,7 @@ class Edge(NamedTuple):
 
 
 UNSEEN = Edge(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""An edge whose front does not face the body."""
 
 
 class Front(NamedTuple):

@@ -19,6 +19,7 @@ COARSE = 2
 """Ratio of the table's resolution to that of the search: cells are so many times as wide, headings so many times fewer.
 """
 N_TURNS = N_HEADINGS // COARSE
+"""Number of headings in the table."""
 LEAST_HALF, FARTHEST = 1, 16
 """Minimum and maximum number of cells from the goal to the edge of the table."""
 STEERING = 0.3

@@ -15,6 +15,7 @@ from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WO
 N_HEADINGS = 72
 """Number of headings that the search tells apart."""
 BIN = 2.0 * np.pi / N_HEADINGS
+"""Angle between neighbouring headings [rad]."""
 MOVE = record_type("ahead left turn seconds", gear=np.int64)
 """How far a move leads ahead and to the left, as it begins [m], how far it turns [rad], its duration at full speed [s]
 and its gear. Speed ahead, speed to the left and turn rate are in the same proportion all the time."""

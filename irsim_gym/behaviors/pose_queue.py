@@ -10,13 +10,17 @@ from irsim_gym.arraytypes import Floats, Ints, Pose
 from irsim_gym.jit import kernel
 
 MOST_NODES = 1 << 19
+"""Maximum number of poses that a search may find."""
 MOST_CLOSED = 1 << 17
+"""Maximum number of cells that a search may close."""
 PLACES = 262_139
 """Places of the table of cells that are done: a prime, twice as many as are ever taken."""
 SCATTER = 7919
 """Distance between the entries of neighbouring cells."""
 NOBODY = -1
+"""No pose, move or cell."""
 UNKNOWN = -1.0
+"""Distance from obstacles on a move that has not been tested."""
 
 
 class PoseNodes(NamedTuple):

@@ -24,6 +24,7 @@ from irsim_gym.world.rows import row_of
 MOST_PIECES = 256
 """Maximum number of stored moves of a path; a longer path is planned again at their end."""
 X, Y, HEADING, AHEAD, LEFT, TURN, GEAR = 0, 1, 2, 3, 4, 5, 6
+"""Columns of ``PoseWay.pieces``."""
 CELL = 0.75
 """Side of the cells of the search, as a share of the radius of the largest disc about the origin within the body."""
 THIN = 0.25

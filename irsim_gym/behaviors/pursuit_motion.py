@@ -17,6 +17,7 @@ MOST_STEPS = 100
 """Number of steps up to which a stop is predicted."""
 
 Command = tuple[float, float, float]
+"""The numbers of a command, as the drive has them [m/s, rad/s or rad]; unused ones are 0."""
 
 
 class Moving(NamedTuple):

@@ -78,6 +78,7 @@ class SocialForceGroup(RenewsMembersGoals):
 
     def without_member(self, member: int) -> Self:
         """Return these options for a group that has lost a member; later members move up by one."""
+        # Members are named by their numbers: those behind the lost one move up.
         parties = (tuple(one - (one > member) for one in party if one != member) for party in self.social_groups)
         return replace(self, social_groups=tuple(party for party in parties if party))
 

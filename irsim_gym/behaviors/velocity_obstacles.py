@@ -16,6 +16,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
 
 RVO, HRVO, VO = 0, 1, 2
+"""Modes, in the order of the option ``mode``."""
 
 CONE = record_type("apex_x apex_y left_x left_y right_x right_y left_slope right_slope", is_exact=np.int64)
 """A cone of forbidden velocities: its apex [m/s], the unit vectors along its left and right edge, their slopes, and

@@ -74,5 +74,6 @@ def read_dark(file: Path) -> Flags:
 def _single_channel(pixels: Floats) -> Floats:
     if pixels.dtype == np.bool_:
         return pixels.astype(np.float64)
+    # Images of 16 and 32 bits count up to 65535.
     greatest = 255.0 if pixels.dtype == np.uint8 else 65535.0
     return np.asarray(pixels / greatest, np.float64)

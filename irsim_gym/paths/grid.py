@@ -26,6 +26,7 @@ from irsim_gym.paths.points import PointMap
 from irsim_gym.world.outline import outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
+"""Whether a cell is blocked."""
 MOST_PATH_CELLS = 1_000_000
 """Maximum number of cells of a grid."""
 CELL_MARGIN = 1e-9
