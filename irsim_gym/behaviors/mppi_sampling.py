@@ -183,7 +183,6 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
         here_x, here_y = poses.x[k], poses.y[k]
         gap = gap_at(task.outline, task.reach, limit, tables.hits, task.n_hits, poses, k)
         dx, dy = task.goal_x - here_x, task.goal_y - here_y
-        # Arrived: nothing costs any more.
         if gap >= task.bearable and dx * dx + dy * dy < task.goal_radius * task.goal_radius:
             break
         front = here_x + task.forward * poses.cosine[k], here_y + task.forward * poses.sine[k]

@@ -123,7 +123,6 @@ def push_of_map(model: Model, state: State, w: int, b: int, options: Any, tables
     r = model.radius[row_of(model.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
     for way in range(4):
-        # Nothing found yet.
         nearest[way].gap2 = reach * reach
     find_nearest_walls(model, w, x, y, reach, tables)
     find_nearest_discs(model, w, x, y, reach, tables)
