@@ -16,6 +16,7 @@ from irsim_gym.scenario.options import make_kind, more_options, option_fields
 F = TypeVar("F", bound=Callable[..., Any])
 
 _HANDLER = "what register_behavior_class made"
+"""Key in a body's memory under which the instance is kept that a factory has made."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,7 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
 
     def register(function: F) -> F:
         made = registry.entry(name).kind if name in registry else None
+        # The first drive of this name makes the kind; a built-in kind of the name makes `register` raise.
         if made is None or not hasattr(made, "by_drive"):
             made = _make_kind(registry, name, function)
             registry.register(name, made)
@@ -127,6 +129,7 @@ def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -
 
     def own_options(chosen: object) -> dict[str, Any]:
         given = {key: getattr(chosen, key) for key, field in option_fields(base).items()}
+        # IR-SIM passes only the options that the file has, so common options at their defaults are left out.
         given = {key: value for key, value in given.items() if value != option_fields(base)[key].default}
         return {"name": name, **given, **more_options(chosen)}
 

@@ -19,6 +19,7 @@ from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, Model
 from irsim_gym.world.state import State
 
+# In the order of the option's choices; -1 stands for every role.
 ROLES = (-1, ROBOT, OBSTACLE)
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -50,7 +51,9 @@ class PythonBehavior(RenewsGoals):
                 state.command[w, b] = 0.0
                 if not model.present[w, b] or state.stopped[w, b]:
                     continue
+                # The index of the choice, as in every table of options.
                 role = ROLES[group.params["target_roles"][k]]
+                # A slice of one body: `others` leaves out the bodies of an array.
                 seen = others(group, model, state, int(w), group.members[k : k + 1], role)
                 ego = ego_view(group, model, state, int(w), int(b))
                 with noting(group.kind, f"'{ego.name}'", state, int(w)):
@@ -80,6 +83,7 @@ class PythonGroupBehavior(RenewsMembersGoals):
         for w in shard.worlds:
             here = model.present[w, group.members]
             members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[here]]
+            # Group behaviours have no option `target_roles`: they see every role.
             seen = others(group, model, state, int(w), group.members, -1)
             with noting(group.kind, f"the group of '{name_of(group, int(group.members[0]))}'", state, int(w)):
                 answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
@@ -98,6 +102,7 @@ def noting(kind: Any, whose: str, state: State, world: int) -> Iterator[None]:
     except Exception as error:
         if isinstance(error, AttributeError):
             tell_missing(error)
+        # `state.step` counts completed steps, and this one is under way.
         step = int(state.step[world]) + 1
         error.add_note(f"in {kind.called} for {whose}, step {step} of world {world}")
         raise
@@ -169,6 +174,7 @@ def write_command(group: Group, model: Model, body: int, answer: Any, command: F
         numbers = np.asarray(answer, np.float64).ravel()
     except (TypeError, ValueError):
         numbers = np.zeros(0)
+    # A body without a drive of ours has a command of up to three numbers, whose meaning its plugin knows.
     fits = 1 <= len(numbers) <= 3 if drive == NO_DRIVE else len(numbers) == size
     if not fits or not np.isfinite(numbers).all():
         raise BehaviorError(

@@ -73,6 +73,7 @@ def dash_differential(worlds: Ints, members: Ints, params: Any, model: Model, st
                 continue
             fastest = model.velocity_max[row_of(model.velocity_max, w), b]
             error = wrap_below(np.arctan2(dy, dx) - state.pose[w, b, 2])
+            # A negative cosine drives the body backwards while it turns to a goal behind it.
             state.command[w, b, 0] = fastest[0] * np.cos(error)
             if np.abs(error) >= params[k].angle_tolerance:
                 state.command[w, b, 1] = turn_rate(model, w, b, 1, error, params[k].angle_tolerance)
@@ -92,6 +93,7 @@ def dash_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: Sta
             clear_command(state, w, b)
             dx, dy = goal_offset(state, w, b)
             near = model.goal_threshold[row_of(model.goal_threshold, w), b]
+            # At the threshold itself this drive stands, as in IR-SIM; those that roll still drive there.
             if not model.has_goal[b] or np.sqrt(dx * dx + dy * dy) <= near:
                 continue
             fastest = model.velocity_max[row_of(model.velocity_max, w), b]
@@ -116,6 +118,7 @@ def dash_omni_angular(worlds: Ints, members: Ints, params: Any, model: Model, st
                 continue
             dx, dy = goal_offset(state, w, b)
             fastest = model.velocity_max[row_of(model.velocity_max, w), b]
+            # Within the threshold, the body turns to the goal's own heading, NaN if the goal has none.
             target = state.goal[w, b, 2]
             if np.sqrt(dx * dx + dy * dy) > model.goal_threshold[row_of(model.goal_threshold, w), b]:
                 target = np.arctan2(dy, dx)
@@ -166,6 +169,7 @@ def turn_rate(model: Model, w: int, b: int, turn: int, error: float, tolerance: 
         error: The bearing [rad].
         tolerance: Bearings up to this need no turn [rad].
     """
+    # A negative limit is read as its magnitude, as in IR-SIM.
     rate = float(np.abs(model.velocity_max[row_of(model.velocity_max, w), b, turn]))
     acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b, turn]
     rate = braked_rate(rate, acceleration, model.step_time[0], np.abs(error) - tolerance)

@@ -92,6 +92,7 @@ class Dwa(LocalPlanner):
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for the members' scans, paths and turns."""
         shape = len(model.present), len(group.members)
+        # All slots share these rows: a shard touches those of its own worlds only.
         turns = Turns(np.full((*shape, 2), np.nan), np.zeros(shape, np.int64))
         group.tables = [(tables, turns) for tables in LocalTables.reserve(group, model, n_slots)]
 

@@ -82,6 +82,7 @@ def decide_dwa(
             clear_command(state, w, b)
             if not is_under_way(model, state, w, b):
                 continue
+            # k counts the members that decide now, m all members of the group, whose paths and turns are kept.
             m, command = tables.ways.row[b], state.command[w, b]
             note_move(turns, w, m, state.pose[w, b], options.oscillation_distance)
             task = task_of(w, b, see_hits(scan, w, k, options, tables.hits), options, model, state, tables)
@@ -115,6 +116,7 @@ def note_move(turns: Turns, w: int, m: int, pose: Floats, distance: float) -> No
     """
     origin = turns.origin[w, m]
     dx, dy = pose[0] - origin[0], pose[1] - origin[1]
+    # NaN, the origin of a member that has just begun, fails every comparison and so counts as far away.
     if not dx * dx + dy * dy <= distance * distance:
         origin[0], origin[1], turns.turned[w, m] = pose[0], pose[1], 0
 
@@ -163,14 +165,18 @@ def best_command(
     drive, (low, high, least, most) = task.wheels.drive, window
     rolls, spot = drive in (DIFFERENTIAL, ACKERMANN), drive == DIFFERENTIAL and low <= 0.0 <= high
     if rolls:
+        # If a step cannot reach the minimum speed, only that speed is tried.
         low = max(low, options.min_speed)
         high = max(low, high)
+    # What remains if no way is admissible: back off straight, or stand.
     best, first, second = np.inf, options.escape_speed if rolls else 0.0, 0.0
     n_first, n_second = options.samples[0], options.samples[1]
+    # Rows of speeds first. One more row, i == n_first, is the turns on the spot of a differential drive.
     for i in range(n_first + int(spot)):
         if i == n_first and abs(turned) == BOTH and best < np.inf:
             break
         one = spread_over(low, high, i, n_first) if i < n_first else 0.0
+        # Standing turns are that last row for a differential drive, and impossible for a car.
         if rolls and one == 0.0 and i < n_first:
             continue
         for j in range(n_second):
@@ -179,7 +185,9 @@ def best_command(
                 continue
             needed = options.free_time
             if np.isnan(needed):
+                # A steering angle need not be undone to stop.
                 turning = 0.0 if drive == ACKERMANN else stop_time(two, limits[1])
+                # The command is executed for a step before braking can begin.
                 needed = step + max(stop_time(one, limits[0]), turning)
             cost = way_cost(task, options, twist_of(task.wheels, one, two), needed, tables)
             if cost < best:
@@ -190,6 +198,7 @@ def best_command(
 @kernel
 def too_slow(rate: float, least: float, most: float, min_rate: float) -> bool:
     """Return whether a turn on the spot is slower than it has to be [rad/s], though a faster one can be reached."""
+    # The fastest turn to this side that a step can reach: one that is slower than the minimum may be all there is.
     reached = most if rate > 0.0 else -least
     return abs(rate) < min_rate and (abs(rate) < reached or rate == 0.0)
 
@@ -202,10 +211,10 @@ def turns_back(rate: float, turned: int) -> bool:
 
 @kernel
 def stop_time(speed: float, deceleration: float) -> float:
-    """Return for how long the way of stopping could be driven at full speed [s].
+    """Return how long a body would take for its braking distance at its present speed [s].
 
-    A speed v is admissible (Fox et al., section 4) if v <= sqrt(2 d a), with the distance d up to a contact and the
-    deceleration a: if that is not nearer in time than v / (2 a).
+    A speed v is admissible (Fox et al. 1997, section 4) if v <= sqrt(2 d a), with the distance d up to a contact and
+    the deceleration a. Divided by v, this says that the contact is at least v / (2 a) away in time.
     """
     return abs(speed) / (2.0 * deceleration) if deceleration > 0.0 else np.inf
 
@@ -221,28 +230,36 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
     limit = options.footprint_padding + options.inflation_radius
     least, end, obstacle, saved = limit, horizon, 0.0, 0.0
     speed = np.sqrt(twist[0] * twist[0] + twist[1] * twist[1])
+    # Pose i is where the body is after i + 1 steps of granularity. CLOSE keeps rounding from adding one more.
     for i in range(int(np.ceil(max(horizon, needed) / step - CLOSE))):
         k = i % LANES
+        # Poses are computed and compared with the hits LANES at a time.
         if k == 0:
             lay_poses(twist, i, step, poses)
             find_nearest(tables.hits, task.n_hits, poses)
         gap = gap_at(task.outline, task.reach, limit, tables.hits, task.n_hits, poses, k)
         if gap < task.bearable:
+            # The last free pose is the one before, at the time i * step: too early to stop.
             if i * step < needed - CLOSE:
                 return np.inf
             if i * step < horizon:
+                # The arc ends there, at a cost from 253 (at the horizon) to 506 (at once).
                 end, obstacle = i * step, LETHAL * (2.0 - i * step / horizon)
             break
+        # Beyond the horizon, poses decide whether the way is admissible, and cost nothing.
         if (i + 1) * step > horizon + CLOSE:
             continue
         least = min(least, gap)
         dx, dy = task.goal_x - poses.x[k], task.goal_y - poses.y[k]
         if dx * dx + dy * dy < task.goal_radius * task.goal_radius:
             end = (i + 1) * step
+            # An early arrival is credited with the distance that it could still have driven.
             saved = (horizon - end) * speed
             break
     x, y, cosine, sine = place_at(twist, end)
+    # The end is measured ahead of a body that rolls: there, where it points changes the distance from the path.
     x, y = x + task.forward * cosine, y + task.forward * sine
+    # Projecting onto no more of the path than the arc is long keeps it from skipping to a later part of the path.
     path, reached = off_way(tables.way, task.n_way, (x, y), speed * end + task.forward)
     obstacle = max(obstacle, obstacle_cost(options, least))
     goal = task.length - reached - saved

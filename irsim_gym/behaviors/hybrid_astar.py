@@ -96,6 +96,7 @@ def drive_all_poses(
             clear_command(state, w, b)
             if not is_under_way(model, state, w, b):
                 continue
+            # The plan avoids what stands; whether the body may go on is tested against what moves as well.
             mark_standing(model, w, b, standing)
             mark_moving(model, w, b, params[k].target_roles, standing, everything)
             fixed = Obstacles(model, state, w, standing, cells, None)

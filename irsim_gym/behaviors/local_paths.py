@@ -29,7 +29,7 @@ SHARES = (1.0, 0.5, 0.0)
 
 
 def find_paths(group: Group, model: Model, state: State, shard: Shard, tables: LocalTables) -> None:
-    """Find the paths of members that follow one, where there is a new goal or the known one is no good."""
+    """Compute the paths of members that need one: the goal is new, or the path can no longer be followed."""
     paths = {options.path for options in group.options}
     if "seen" in paths:
         note_scans(shard.worlds, group.members, group.params, group.scan, model, state, tables.hits, tables.ways)
@@ -41,7 +41,7 @@ def find_paths(group: Group, model: Model, state: State, shard: Shard, tables: L
 def note_scans(
     worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, state: State, hits: Floats, ways: LocalWays
 ) -> None:
-    """Write what the scans show, and the paths of members that go by it, where the known one is blocked.
+    """Write what the scans show, and new paths for members that follow path ``seen`` and whose path is blocked.
 
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (has_goal, present, reach,
         step_time), state (goal, pose, step), ways (blocked, count, field, goal, grid, path, points, queue, row, seen,
@@ -55,6 +55,7 @@ def note_scans(
             if options.path != SEEN or not model.has_goal[b] or not model.present[w, b]:
                 continue
             here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            # Steps count from 1, as 0 means in the tables that a cell was never found blocked.
             hard, soft, now = ways.seen.hard[w, m], ways.seen.soft[w, m], state.step[w] + 1
             reach, oldest = model.reach[row_of(model.reach, w), b], now - int(options.memory / model.step_time[0])
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
@@ -62,12 +63,15 @@ def note_scans(
                 x = here[0] + cosine * hits[0, j] - sine * hits[1, j]
                 y = here[1] + sine * hits[0, j] + cosine * hits[1, j]
                 note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
+            # The goal NaN of a member without a path equals no goal.
             is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
             if is_known and advance_on_way(ways, w, m, here) <= ASTRAY:
                 free = is_still_free(ways.points[w, m], ways.side[w, m], ways.count[w, m], grid, soft, max(oldest, 0))
+                # A blocked path, or none, is computed again, but not before the time in `since`.
                 if (ways.count[w, m] > 1 and free) or now < ways.since[w, m]:
                     continue
             count = find_seen_way(here, end, grid, soft, max(oldest, 0), search, ways.path)
+            # No path keeps the wished distance: any path on which the body itself fits will do.
             if count == 0:
                 count = find_seen_way(here, end, grid, hard, max(oldest, 0), search, ways.path)
             ways.since[w, m] = now + int(PATIENCE / model.step_time[0])
@@ -76,7 +80,7 @@ def note_scans(
 
 @kernel
 def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
-    """Keep the points of a path that was found, but for those that are close to the one before.
+    """Store the points of a path, without those that are closer than ``CELL`` to the one before.
 
     Reads: ways (path, points).
     Writes: ways (count, goal, points, side).
@@ -84,10 +88,12 @@ def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
     points, kept, most = ways.points[w, m], 0, ways.points.shape[2]
     for i in range(count):
         x, y = ways.path[i, 0], ways.path[i, 1]
+        # The first and the last point are always kept.
         if kept > 0 and i < count - 1:
             dx, dy = x - points[kept - 1, 0], y - points[kept - 1, 1]
             if kept == most or dx * dx + dy * dy < CELL * CELL:
                 continue
+        # If the memory is full, the last point replaces the one before it.
         kept = min(kept + 1, most)
         points[kept - 1, 0], points[kept - 1, 1] = x, y
     ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m], ways.count[w, m] = goal[0], goal[1], 0, kept
@@ -110,6 +116,7 @@ def find_ways(
             if params[k].path != MAP or not model.has_goal[b] or not model.present[w, b]:
                 continue
             here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            # The goal NaN of a member without a path equals no goal.
             is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
             if is_known and advance_on_way(ways, w, m, here) <= ASTRAY:
                 continue

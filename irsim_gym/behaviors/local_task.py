@@ -111,6 +111,7 @@ def task_of(w: int, b: int, n_hits: int, options: Any, model: Model, state: Stat
     n_way = lay_way(state, tables.ways, w, b, options.lookahead, tables.way)
     rolls = wheels.drive == DIFFERENTIAL or wheels.drive == ACKERMANN
     bearable = bearable_gap(outline, reach, n_hits, options.footprint_padding, tables)
+    # Into the body's frame, in which hits, path and rollouts are.
     goal_x, goal_y = wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx
     forward = min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0
     length = way_length(tables.way, n_way)
@@ -140,7 +141,7 @@ def see_hits(scan: OwnScan, w: int, k: int, options: Any, hits: Floats) -> int:
 
 @kernel
 def bearable_gap(outline: BodyOutline, reach: float, n_hits: int, padding: float, tables: LocalTables) -> float:
-    """Return nearer to something than what a way touches it [m]: the padding, or less if the body is nearer now.
+    """Return the distance below which a way counts as touching [m]: the padding, or less if the body is nearer now.
 
     A body that touches something already may go anywhere.
 
@@ -148,9 +149,11 @@ def bearable_gap(outline: BodyOutline, reach: float, n_hits: int, padding: float
     Writes: tables (poses).
     """
     poses = tables.poses[0]
+    # A twist and a time of 0 leave every lane at the body's present pose.
     lay_poses((0.0, 0.0, 0.0), 0, 0.0, poses)
     find_nearest(tables.hits, n_hits, poses)
     gap = gap_at(outline, reach, padding + CLOSE, tables.hits, n_hits, poses, 0)
+    # -CLOSE: no distance is below it, so that nothing counts as touched.
     return max(min(gap, padding) - CLOSE, CLOSE) if gap > 0.0 else -CLOSE
 
 

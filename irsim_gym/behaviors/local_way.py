@@ -73,6 +73,7 @@ class LocalWays(Struct):
         goal, points = np.full((*shape, 2), np.nan), np.zeros((*shape, n_points, 2))
         count, side, since = (np.zeros(shape, np.int64) for _ in range(3))
         side_length = max(float(model.bounds[2] - model.bounds[0]), float(model.bounds[3] - model.bounds[1]))
+        # A single cell, where nobody needs the grid.
         unused = Grid(0.0, 0.0, 1.0, 1, 1)
         grid = unused if kinds == {"straight"} else Grid.over(model.bounds, max(CELL, side_length / FINEST))
         seen = SeenCells.reserve(*shape, grid if "seen" in kinds else unused)
@@ -97,12 +98,13 @@ def forget_ways(worlds: Ints, ways: LocalWays) -> None:
 
 @kernel
 def advance_on_way(ways: LocalWays, w: int, m: int, place: Point) -> float:
-    """Write beside which side of its path a member is at its place [m], and return how far from it [m].
+    """Update which side of its path a member is nearest to, and return its distance from the path [m].
 
     Reads: ways (count, points, side).
     Writes: ways (side).
     """
     best2, found, points, gone = np.inf, ways.side[w, m], ways.points[w, m], 0.0
+    # From the known side onwards, a stretch of 2 ASTRAY: the path may come near again behind a wall.
     for i in range(ways.side[w, m], ways.count[w, m] - 1):
         ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
         distance2 = point_segment_distance2(place[0], place[1], ax, ay, bx, by)
@@ -134,11 +136,14 @@ def lay_way(state: State, ways: LocalWays, w: int, b: int, length: float, way: F
     cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
     points, count, side = ways.points[w, m], ways.count[w, m], ways.side[w, m]
     n_points = 1
+    # The straight line begins at the body.
     way[0, 0], way[1, 0] = 0.0, 0.0
     if count > 1:
+        # A stored path begins at its point nearest to the body: from there on, off_way measures progress.
         dx, dy = nearest_on_side(points, side, (x, y))
         way[0, 0], way[1, 0] = cosine * dx + sine * dy, cosine * dy - sine * dx
         driven = 0.0
+        # Without the last point, which is the goal; that is appended below.
         for i in range(side + 1, count - 1):
             dx, dy = points[i, 0] - x, points[i, 1] - y
             way[0, n_points], way[1, n_points] = cosine * dx + sine * dy, cosine * dy - sine * dx
@@ -153,7 +158,7 @@ def lay_way(state: State, ways: LocalWays, w: int, b: int, length: float, way: F
 
 @kernel
 def nearest_on_side(points: Floats, side: int, place: Point) -> Vector:
-    """Return where the point of a side of a path nearest to a body is, relative to the body [m]."""
+    """Return the vector from a body to the nearest point on a side of its path [m]."""
     x, y = place
     ax, ay, dx, dy = points[side, 0], points[side, 1], points[side + 1, 0], points[side + 1, 1]
     dx, dy = dx - ax, dy - ay
@@ -186,13 +191,16 @@ def off_way(way: Floats, n_points: int, point: Point, most: float) -> tuple[floa
         if length == 0.0:
             continue
         from_x, from_y = x - way[0, i], y - way[1, i]
+        # The projection on this side, no farther than its end and than the body gets.
         along = min((from_x * dx + from_y * dy) / length, length, most - driven)
+        # Only the first side extends backwards without end.
         if i > 0:
             along = max(along, 0.0)
         from_x, from_y = from_x - along / length * dx, from_y - along / length * dy
         if from_x * from_x + from_y * from_y < best2:
             best2, reached = from_x * from_x + from_y * from_y, driven + along
         driven += length
+    # The way has no side with a length: a single place.
     if best2 == np.inf:
         return float(np.hypot(x - way[0, 0], y - way[1, 0])), 0.0
     return float(np.sqrt(best2)), reached

@@ -16,6 +16,7 @@ def most_map_walls(model: Model, threshold: float) -> int:
     if (chart := model.cells) is None or chart.radius > 0.0:
         return 0
     columns, rows = _most_cells(chart, threshold)
+    # In each of rows + 1 lines at most `columns` walls, in each of columns + 1 lines at most `rows`; 1 for rounding.
     return int(2.0 * (columns + 1.0) * (rows + 1.0)) + 1
 
 
@@ -59,21 +60,26 @@ def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides:
         return n_sides
     frame, squares = model.map_frame[0], model.map_squares[row_of(model.map_squares, w)]
     for axis in range(2):
+        # Axis 0: lines along x, between rows of cells; axis 1: lines along y. `across` is where the line begins.
         low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
         pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)
         height, place = (y, x) if axis == 0 else (x, y)
+        # Axis 1 of `squares` is the column and axis 2 the row.
         lines, cells = squares.shape[2 - axis], squares.shape[1 + axis]
         first = int(max(np.ceil((height - threshold - low) / pitch), 0.0))
         last = int(min(np.floor((height + threshold - low) / pitch), float(lines)))
         for line in range(first, last + 1):
             level = low + line * pitch
+            # Half the chord that the disc about the point cuts from the line.
             half = np.sqrt(max(threshold * threshold - (level - height) * (level - height), 0.0))
             begin = int(max(np.floor((place - half - across) / width), 0.0))
             end = int(min(np.floor((place + half - across) / width), cells - 1.0))
             start, going = begin, 0
+            # One cell beyond the end closes the last wall.
             for cell in range(begin, end + 2):
                 border = 0
                 if cell <= end:
+                    # 1: occupied beyond the line only; -1: before it only; 0: no border.
                     border = int(is_occupied(squares, axis, cell, line)) - int(
                         is_occupied(squares, axis, cell, line - 1)
                     )
@@ -83,6 +89,7 @@ def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides:
                     if n_sides == sides.shape[0]:
                         return n_sides
                     along0, along1 = across + start * width, across + cell * width
+                    # The direction in which the free cells lie to the left; x and y swap the sense of turning.
                     if (going > 0) == (axis == 0):
                         along0, along1 = along1, along0
                     sides[n_sides, axis], sides[n_sides, 1 - axis] = along0, level
@@ -94,9 +101,10 @@ def map_walls(model: Model, w: int, x: float, y: float, threshold: float, sides:
 
 @kernel
 def is_occupied(squares: Bytes, axis: int, cell: int, line: int) -> bool:
-    """Return whether a cell is occupied, given by its place along a row (axis 0) or column (axis 1) and the line's."""
+    """Return whether a cell is occupied: number ``cell`` along row (axis 0) or column (axis 1) number ``line``."""
     if line < 0 or line >= squares.shape[2 - axis]:
         return False
+    # Layer 0 is as good as any: in all of them, 0 says that the cell is occupied.
     return bool((squares[0, cell, line] if axis == 0 else squares[0, line, cell]) == 0)
 
 
@@ -127,6 +135,7 @@ def map_discs(model: Model, w: int, x: float, y: float, threshold: float, discs:
         cx, j = frame.x + (i + 0.5) * frame.width, first_j
         while j <= last_j:
             if squares[0, i, j] > 0:
+                # The side of a free square with this cell in its lower left: as many cells of the column are free.
                 j += int(squares[0, i, j])
                 continue
             cy = frame.y + (j + 0.5) * frame.height

@@ -64,6 +64,7 @@ class Mppi(LocalPlanner):
         """Allocate memory for the members' scans, paths, plans and samples."""
         n_steps = max(1, round(max(options.horizon for options in group.options) / float(model.step_time[0])))
         n_samples = max(options.samples for options in group.options)
+        # All slots share the plans; the samples are scratch of each.
         nominal = np.zeros((len(model.present), len(group.members), n_steps, 2))
         group.tables = [
             (tables, Samples(nominal, np.zeros((n_samples, n_steps, 2)), np.zeros(n_samples)))

@@ -87,6 +87,7 @@ def decide_mppi(
     """
     for w in worlds:
         for k in range(members.shape[0]):
+            # A member keeps its row of plans, whoever else decides in the same call.
             b, options, nominal = members[k], params[k], samples.nominal[w, tables.ways.row[members[k]]]
             clear_command(state, w, b)
             if not is_under_way(model, state, w, b):
@@ -98,7 +99,8 @@ def decide_mppi(
             for i in range(options.samples):
                 samples.cost[i] += rollout_cost(task, options, motion, samples.asked[i], tables)
             best = average(options.temperature, options.samples, samples, nominal)
-            # The average of ways to both sides of something leads into it.
+            # The average of ways that pass something on either side leads into it: then the best sample is taken.
+            # A way that touches something costs at least `collision_cost`, see rollout_cost.
             if rollout_cost(task, options, motion, nominal, tables) >= options.collision_cost:
                 copy_plan(samples.asked[best], nominal)
             state.command[w, b, 0], state.command[w, b, 1] = nominal[0, 0], nominal[0, 1]
@@ -111,7 +113,7 @@ def motion_of(model: Model, state: State, w: int, b: int) -> Motion:
 
     Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min), state (steering, twist, velocity).
     """
-    # Drives of plugins are shown as omnidirectional; what they execute is in coordinates of their own.
+    # A plugin's drive gets its command like an omnidirectional one, but `velocity` is in coordinates of its own.
     now = state.twist[w, b] if model.drive[b] == OMNI_WORLD else state.velocity[w, b]
     return Motion(
         now, model.velocity_min[row_of(model.velocity_min, w), b], model.velocity_max[row_of(model.velocity_max, w), b],
@@ -121,9 +123,10 @@ def motion_of(model: Model, state: State, w: int, b: int) -> Motion:
 
 @kernel
 def draw_samples(w: int, state: State, options: Any, motion: Motion, nominal: Floats, samples: Samples) -> None:
-    """Write sequences about the nominal one, itself and a stop among them, and their cost from noise.
+    """Write sequences about the nominal one, itself and a stop among them, and what their noise costs.
 
-    With u the nominal commands, e the noise and s its standard deviation, that is gamma times the sum of u e / s^2.
+    With u the nominal commands, e the noise and s its standard deviation, that is gamma times the sum of u e / s^2
+    (Williams et al. 2017: the control cost u^T Sigma^-1 e, from importance sampling).
 
     Reads: state (random).
     Writes: state (random), samples (asked, cost).
@@ -134,11 +137,13 @@ def draw_samples(w: int, state: State, options: Any, motion: Motion, nominal: Fl
         for t in range(nominal.shape[0]):
             for axis in range(2):
                 deviation = 0.5 * options.noise * (motion.high[axis] - motion.low[axis])
+                # Sample 0 is the nominal sequence, sample 1 a stop.
                 drawn = normal(state.random, w, 0.0, deviation) if i > 1 else 0.0
                 wanted = 0.0 if i == 1 else nominal[t, axis] + drawn
                 wanted = min(max(wanted, motion.low[axis]), motion.high[axis])
                 asked[i, t, axis] = wanted
                 if deviation > 0.0:
+                    # The noise after clamping; 0 for an axis that cannot vary.
                     total += nominal[t, axis] * (wanted - nominal[t, axis]) / (deviation * deviation)
         samples.cost[i] = options.gamma * total
 
@@ -157,15 +162,18 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
     x, y, cosine, sine, heading, steering = 0.0, 0.0, 1.0, 0.0, 0.0, motion.steering
     one, two, total, n_steps = motion.now[0], motion.now[1], 0.0, asked.shape[0]
     driven, last_x, last_y = 0.0, 0.0, 0.0
+    # The wheels of a car with a steering angle follow one step later: a step rolls at the angle before it.
     steers = task.wheels.drive == ACKERMANN and not task.wheels.by_rate
     for t in range(n_steps):
         k = t % LANES
         if k == 0:
+            # The next LANES poses, which find_nearest compares with the hits; beyond the horizon the last is repeated.
             for j in range(LANES):
                 if t + j < n_steps:
                     one = executed(motion, 0, asked[t + j, 0], one)
                     two = executed(motion, 1, asked[t + j, 1], two)
                     ahead, left, rate = twist_of(task.wheels, one, steering if steers else two)
+                    # Euler's step with the heading before it, as the drives themselves move.
                     x += (cosine * ahead - sine * left) * motion.step
                     y += (sine * ahead + cosine * left) * motion.step
                     heading, steering = heading + rate * motion.step, two
@@ -180,9 +188,11 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
         front = here_x + task.forward * poses.cosine[k], here_y + task.forward * poses.sine[k]
         driven += np.sqrt((here_x - last_x) * (here_x - last_x) + (here_y - last_y) * (here_y - last_y))
         last_x, last_y = here_x, here_y
+        # Only as much of the path counts as the body has driven, so that the projection does not skip to a later part.
         path, reached = off_way(tables.way, task.n_way, front, driven + task.forward)
         away = options.path_weight * path + options.goal_weight * (task.length - reached)
         if gap < task.bearable:
+            # Early contacts cost more, up to twice as much; the rest of the horizon costs as if the body stood there.
             return float(total + options.collision_cost * (2.0 - t / n_steps) + away * (n_steps - t) * motion.step)
         total += (away + options.obstacle_weight * obstacle_cost(options, gap)) * motion.step
     return float(total)
@@ -206,6 +216,7 @@ def average(temperature: float, count: int, samples: Samples, nominal: Floats) -
     for i in range(1, count):
         if samples.cost[i] < samples.cost[best]:
             best = i
+    # Costs count from the least one (as in Williams et al. 2017): the best weight is 1, and the sum cannot vanish.
     least, whole = samples.cost[best], 0.0
     nominal[:, :] = 0.0
     for i in range(count):

@@ -52,7 +52,9 @@ class OrcaGroup(RenewsMembersGoals):
         is_member[group.members] = True
         deciding = group.members[group.arrays["decides"]]
         plans[deciding] = True
+        # Members that never move are walls to the others, even if `unobstructed`: they cannot take half of the effort.
         is_wall, seen = ~model.movable & (is_member | ~model.unobstructed), is_member & model.movable
+        # Upper bounds of what map_parts finds: walls within SIGHT of the body, and discs whose edges are.
         members, n_sides = np.flatnonzero(seen | plans), most_map_walls(model, SIGHT)
         n_discs = most_map_discs(model, SIGHT + model.map_disc[0])
         most = min(group.options[0].maxNeighbors, len(group.members))

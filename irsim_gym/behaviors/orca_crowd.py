@@ -104,6 +104,7 @@ class Crowd(Struct):
             moves=np.zeros(n_members, MOVE),
             body=np.zeros(n_members, np.int64),
             square=np.zeros(n_members, np.int64),
+            # Two more than squares, see sort_members.
             starts=np.zeros(squares.columns * squares.rows + 2, np.int64),
             found=np.zeros(n_members, np.int64),
             gap2=np.zeros(n_members),
@@ -124,11 +125,15 @@ def lay_squares(bounds: Floats, n_members: int, reach: float, most: int) -> Squa
     """
     x0, y0, x1, y1 = bounds.tolist()
     width, height = x1 - x0, y1 - y0
+    # A square holds (most + 1) / 2 members on average, so the first ring of 3 x 3 squares mostly holds enough.
     side = min(reach, np.sqrt(0.5 * (most + 1.0) * width * height / max(n_members, 1)))
+    # A single square: every ring holds all members.
     if n_members < FEW or most == 0 or side == 0.0:
         return Squares(x0, y0, max(width, height), 1, 1, reach)
+    # No more squares than members.
     columns = min(max(1, int(width / side)), n_members)
     rows = min(max(1, int(height / side)), max(1, n_members // columns))
+    # Rounding must not put a member one square too far away for its distance.
     side = max(side, width / columns, height / rows) * ROUNDING
     return Squares(x0, y0, side, columns, rows, side / ROUNDING)
 
@@ -154,6 +159,8 @@ def sort_members(model: Model, state: State, w: int, crowd: Crowd) -> None:
             if n_squares > 1:
                 column = square_of(pose[b, 0], squares.x, squares.side, squares.columns)
                 place = square_of(pose[b, 1], squares.y, squares.side, squares.rows) * squares.columns + column
+            # A counting sort, counted two places ahead: after the sums, starts[place + 1] is the square's first row,
+            # and the second pass below moves it on to the end of the square, which is where the next one begins.
             starts[place + 2] += 1
         square[k] = place
     for place in range(2, n_squares + 2):
@@ -165,9 +172,11 @@ def sort_members(model: Model, state: State, w: int, crowd: Crowd) -> None:
         m = starts[place + 1]
         starts[place + 1] += 1
         crowd.body[m] = b
+        # At infinity, no search finds a member that only looks.
         crowd.x[m], crowd.y[m] = pose[b, 0] if crowd.seen[b] else np.inf, pose[b, 1]
         move = crowd.moves[m]
         move.vx, move.vy, move.radius = state.twist[w, b, 0], state.twist[w, b, 1], radius[b]
+        # Planning members are known by the velocities that they chose, which a drive may not have reached.
         if crowd.plans[b]:
             move.vx, move.vy = state.plan[w, b, 0], state.plan[w, b, 1]
 
@@ -191,10 +200,12 @@ def find_nearest(model: Model, ego: Ego, m: int, place: int, reach: float, crowd
     """
     ring, n_found, squares, most = 1, 0, crowd.squares, crowd.nearest.shape[0]
     while True:
+        # A ring of n squares to each side holds all that is nearer than n sides, wherever in its square the body is.
         within = reach if ring >= max(squares.columns, squares.rows) else min(reach, ring * squares.first_ring)
         n_found = gather(ego, m, place, within, ring, crowd)
         if model.watchers.shape[0] > 1:
             n_found = keep_visible(model, crowd.body[m], n_found, crowd)
+        # Members outside of the circle are farther away than all in it, so enough of these are the nearest.
         if n_found >= most or within >= reach:
             return keep_nearest(n_found, crowd)
         ring *= 2
@@ -221,11 +232,13 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
     column = place - row * columns
     left, right = max(column - ring, 0), min(column + ring, columns - 1)
     for other_row in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
+        # The squares of a row lie one behind the other, and so do their members.
         for q in range(starts[other_row * columns + left], starts[other_row * columns + right + 1]):
             dx, dy = xs[q] - ego.x, ys[q] - ego.y
             distance2 = dx * dx + dy * dy
             gap2[count], found[count] = distance2, q
-            count += int(distance2 < limit2) & int(q != m)  # without a branch that nobody can foresee
+            # Always written, and kept only if it counts: a branch here would be mispredicted too often.
+            count += int(distance2 < limit2) & int(q != m)
     return count
 
 
@@ -257,6 +270,7 @@ def keep_nearest(n_found: int, crowd: Crowd) -> int:
     count, most = 0, nearest.shape[0]
     for i in range(n_found):
         m, key, k = found[i], gap2[i], count - 1
+        # Insertion sort: a free row at the end, or that of the last one if the new one comes before it.
         if count < most:
             count, k = count + 1, count
         elif most == 0 or not comes_first(key, body[m], nearest_gap[k], body[nearest[k]]):

@@ -16,7 +16,7 @@ HALF, WHOLE = 0.5, 1.0
 """Share of a change of velocity that a body takes: among equals, and if the other body does not yield."""
 
 LANES = 16
-"""Number of discs that are treated at once: a loop of fixed length without branches becomes vector instructions."""
+"""Number of discs per pass: the compiler turns a loop of fixed length without branches into vector instructions."""
 
 DISC_LANES = record_type("x y vx vy radius nx ny least", LANES)
 """LANES discs, as ``Other`` has them, and the half-planes of velocities that avoid them."""
@@ -57,25 +57,34 @@ def disc_plane(ego: Ego, other: Other, horizon: float, share: float, side: float
         plane: Written.
     """
     x, y, radius = other.x, other.y, other.radius
+    # The obstacle is that of relative velocities: a disc p / horizon of radius r / horizon, and the cone behind it.
     wx, wy = ego.vx - other.vx, ego.vy - other.vy
     distance2 = x * x + y * y
+    # From the centre of the disc that cuts off the cone to the relative velocity.
     cut_x, cut_y = wx - x / horizon, wy - y / horizon
     ahead = cut_x * x + cut_y * y
     cut2 = cut_x * cut_x + cut_y * cut_y
     overlap = distance2 <= radius * radius
+    # Nearest to the arc, not to a leg: that is so within the angle arccos(r / d) of the direction back to the apex.
     if overlap or (ahead < 0.0 and ahead * ahead > radius * radius * cut2):
         length = np.sqrt(cut2)
         nx, ny = away((cut_x, cut_y), (x, y))
+        # Two bodies at one place with one velocity: nothing but their order tells them apart.
         if length == 0.0 and distance2 == 0.0:
             nx = side
+        # n . u, the distance to the border; negative where the velocity is free already.
         change = radius / horizon - length
     else:
+        # Legs are the tangents from the apex to the disc, of length sqrt(d^2 - r^2).
         leg = np.sqrt(distance2 - radius * radius)
+        # To the left of the axis, the left leg is the nearer one. The normals point out of the cone.
         if x * cut_y - y * cut_x > 0.0:
             nx, ny = -(x * radius + y * leg) / distance2, (x * leg - y * radius) / distance2
         else:
             nx, ny = -(x * radius - y * leg) / distance2, -(x * leg + y * radius) / distance2
+        # The legs run through the apex, the relative velocity 0.
         change = -(wx * nx + wy * ny)
+    # n . (v - (v_now + share u)) >= 0, with u = change n.
     set_plane(plane, nx, ny, nx * ego.vx + ny * ego.vy + share * change)
 
 
@@ -95,6 +104,7 @@ def standing_plane(ego: Ego, disc: Floats, horizon: float, plane: Record) -> Non
     gap2 = dx * dx + dy * dy
     if gap2 <= both * both:
         nx, ny = away((-dx, -dy), (dx, dy))
+        # Only the direction towards the disc is forbidden; disc_plane would ask for a way out at once.
         set_plane(plane, nx, ny, 0.0)
     else:
         disc_plane(ego, Other(dx, dy, 0.0, 0.0, both), horizon, WHOLE, 1.0, plane)
@@ -137,6 +147,7 @@ def disc_planes(ego: Ego, step_time: float, horizon: float, share: float, lanes:
         ahead = cut_x * x + cut_y * y
         cut2 = cut_x * cut_x + cut_y * cut_y
         is_round = overlap | ((ahead < 0.0) & (ahead * ahead > radius * radius * cut2))
+        # NaN for discs that overlap, where the leg is not used.
         length, leg = np.sqrt(cut2), np.sqrt(distance2 - radius * radius)
         is_left = x * cut_y - y * cut_x > 0.0
         leg_x = -(x * radius + y * leg) if is_left else -(x * radius - y * leg)

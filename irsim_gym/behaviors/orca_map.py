@@ -41,6 +41,7 @@ def add_map(
     """
     order = obstacles.map_order
     for i in range(near_walls(model, w, ego, within, obstacles)):
+        # An outline of one row: the wall has no neighbours. It is solid, so it is seen from its free side only.
         count = add_edge(
             see_edge(obstacles.sides, order[i], 1, order[i], True, ego.x, ego.y), ego, horizon, planes, count
         )
@@ -59,7 +60,7 @@ def near_walls(model: Model, w: int, ego: Ego, within: float, obstacles: OrcaObs
     """
     x, y, sides, n_seen = ego.x, ego.y, obstacles.sides, 0
     for s in range(map_walls(model, w, x, y, within, sides, 0)):
-        # Here a wall is seen from its right.
+        # map_walls has the free cells to the left of a wall; see_edge expects them to the right.
         sides[s, 0], sides[s, 2] = sides[s, 2], sides[s, 0]
         sides[s, 1], sides[s, 3] = sides[s, 3], sides[s, 1]
         distance2 = point_segment_distance2(x, y, sides[s, 0], sides[s, 1], sides[s, 2], sides[s, 3])
@@ -76,6 +77,7 @@ def near_discs(model: Model, w: int, ego: Ego, within: float, obstacles: OrcaObs
     Writes: obstacles (map_discs, map_gap, map_order).
     """
     discs, n_seen = obstacles.map_discs, 0
+    # map_discs measures to centres, `within` is to edges.
     for d in range(map_discs(model, w, ego.x, ego.y, within + model.map_disc[0], discs)):
         dx, dy = discs[d, 0] - ego.x, discs[d, 1] - ego.y
         gap = max(np.sqrt(dx * dx + dy * dy) - discs[d, 2], 0.0)

@@ -71,6 +71,7 @@ def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -
     """Insert an item into a list sorted by key, then number, of which ``items`` holds the first; return its length."""
     if count < items.shape[0]:
         count += 1
+    # The list is full: an item that comes after the last is left out.
     elif count == 0 or key > keys[count - 1] or (key == keys[count - 1] and item > items[count - 1]):
         return count
     k = count - 1
@@ -105,8 +106,9 @@ def find_walls(model: Model, state: State, w: int, b: int, within: float, obstac
         state.segments[w],
         state.discs[w],
     )
-    n_segments, n_discs = row_of(model.segment_count, w), row_of(model.disc_count, w)
+    segment_row, disc_row = row_of(model.segment_count, w), row_of(model.disc_count, w)
     parts, gap2, n_found = obstacles.parts, obstacles.parts_gap, obstacles.walls.shape[0]
+    # Without columns there are no buckets.
     few = n_found <= FEW_WALLS or model.bucket_frame[0].columns == 0
     if not few:
         n_found = find_around(model, state, w, b, within, obstacles.nearby)
@@ -119,15 +121,16 @@ def find_walls(model: Model, state: State, w: int, b: int, within: float, obstac
         if not obstacles.is_wall[q] or not model.present[w, q] or np.sqrt(dx * dx + dy * dy) >= far:
             continue
         start, first = model.segment_start[q], model.disc_start[q]
-        for s in range(start, start + model.segment_count[n_segments, q]):
+        for s in range(start, start + model.segment_count[segment_row, q]):
             distance2 = point_segment_distance2(x, y, segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3])
             if distance2 < limit2:
                 obstacles.owners[s] = q
                 count = put_in_order(s, distance2, parts, gap2, count)
-        for d in range(first, first + model.disc_count[n_discs, q]):
+        for d in range(first, first + model.disc_count[disc_row, q]):
             dx, dy = discs[d, 0] - x, discs[d, 1] - y
             gap = max(np.sqrt(dx * dx + dy * dy) - discs[d, 2], 0.0)
             if gap < within:
+                # Discs are numbered behind all segments, so that one list holds both.
                 row = segments.shape[0] + d
                 obstacles.owners[row] = q
                 count = put_in_order(row, gap * gap, parts, gap2, count)

@@ -62,6 +62,7 @@ def speed_cap(model: Model, w: int, b: int, most: float) -> float:
     """
     fastest = model.velocity_max[row_of(model.velocity_max, w), b]
     speed = fastest[0] if model.drive[b] == DIFFERENTIAL else min(fastest[0], fastest[1])
+    # `most == most` is False for NaN.
     return float(max(min(speed, most) if most == most else speed, 0.0))
 
 
@@ -83,6 +84,7 @@ def preferred_velocity(model: Model, state: State, w: int, b: int, speed: float)
     distance, fastest = np.sqrt(dx * dx + dy * dy), model.velocity_max[row_of(model.velocity_max, w), b]
     if distance <= AT_GOAL:
         return 0.0, 0.0
+    # The ratio of the axes' limits sets the direction, and `speed` the length.
     vx, vy = fastest[0] * dx / distance, fastest[1] * dy / distance
     length = np.sqrt(vx * vx + vy * vy)
     if length < 1e-9:
@@ -110,6 +112,7 @@ def plan_velocities(worlds: Ints, params: Any, model: Model, state: State, table
     for w in worlds:
         sort_members(model, state, w, crowd)
         for place in range(crowd.squares.columns * crowd.squares.rows):
+            # In the order of the squares; any order gives the same, as plans are kept only once all have chosen.
             for m in range(crowd.starts[place], crowd.starts[place + 1]):
                 if crowd.plans[crowd.body[m]]:
                     plan_velocity(model, state, w, m, place, params[0], tables)
@@ -126,6 +129,7 @@ def plan_velocity(model: Model, state: State, w: int, m: int, place: int, option
     """
     b = tables.crowd.body[m]
     pose, planned, radius = state.pose[w, b], state.plan[w, b], model.radius[row_of(model.radius, w), b]
+    # By its plan, as the others see it too: a drive that has not reached its plan yet would break the reciprocity.
     ego = Ego(pose[0], pose[1], planned[0], planned[1], radius + options.safe_radius)
     n_near = 0
     if not model.heedless[row_of(model.heedless, w), b]:
@@ -135,6 +139,7 @@ def plan_velocity(model: Model, state: State, w: int, m: int, place: int, option
     add_members(ego, m, n_near, n_hard, options, model.step_time[0], tables)
     wanted_x, wanted_y = preferred_velocity(model, state, w, b, speed)
     if options.sidestep and is_held(ego, speed):
+        # A quarter turn to the right.
         wanted_x, wanted_y = wanted_y, -wanted_x
     state.command[w, b, 0], state.command[w, b, 1] = choose(
         tables.planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, tables.spare
@@ -156,14 +161,17 @@ def add_members(ego: Ego, m: int, n_near: int, n_hard: int, options: Any, step_t
             q = nearest[first + j]
             lanes.x[j], lanes.y[j] = crowd.x[q] - ego.x, crowd.y[q] - ego.y
             lanes.vx[j], lanes.vy[j] = moves[q].vx, moves[q].vy
+            # Both bodies keep the safe radius; that of the own body is in ego.radius.
             lanes.radius[j] = ego.radius + moves[q].radius + options.safe_radius
         disc_planes(ego, step_time, horizon, HALF, lanes)
         for j in range(n_lanes):
             plane = planes[n_hard + first + j]
             set_plane(plane, lanes.nx[j], lanes.ny[j], lanes.least[j])
+            # The relative velocity is the centre of the cut-off disc: disc_plane chooses a direction.
             if np.isnan(plane.nx):
                 other = Other(lanes.x[j], lanes.y[j], lanes.vx[j], lanes.vy[j], lanes.radius[j])
                 overlap = other.x * other.x + other.y * other.y <= other.radius * other.radius
+                # Opposite for the two, so that they part to different sides.
                 side = 1.0 if crowd.body[m] < crowd.body[nearest[first + j]] else -1.0
                 disc_plane(ego, other, step_time if overlap else horizon, HALF, side, plane)
 
@@ -180,6 +188,7 @@ def add_obstacles(
     Writes: tables (obstacles, planes).
     """
     obstacles, planes, count = tables.obstacles, tables.planes, 0
+    # No wall farther away can be touched within the horizon.
     within = horizon * speed + ego.radius
     if obstacles.walls.shape[0] > 0:
         n_parts = find_walls(model, state, w, b, within, obstacles)
@@ -201,6 +210,7 @@ def add_walls(model: Model, state: State, w: int, ego: Ego, horizon: float, n_pa
         s = tables.obstacles.parts[i]
         q = tables.obstacles.owners[s]
         if s < segments.shape[0]:
+            # Rows beyond the segments are discs.
             n_segments = model.segment_count[row_of(model.segment_count, w), q]
             edge = see_edge(segments, model.segment_start[q], n_segments, s, model.solid[q], ego.x, ego.y)
             count = add_edge(edge, ego, horizon, planes, count)
@@ -218,6 +228,7 @@ def command_plans(worlds: Ints, model: Model, state: State, tables: OrcaTables) 
     Writes: state (command, plan).
     """
     for w in worlds:
+        # A loop of its own, because all members choose by each other's earlier plans.
         for b in tables.deciding:
             if not model.present[w, b]:
                 continue

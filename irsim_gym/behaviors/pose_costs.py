@@ -16,8 +16,10 @@ from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, note_pose, pop, pu
 from irsim_gym.jit import kernel
 
 COARSE = 2
-"""The cells of the table are so many times as large as those of the search, and as many times fewer headings differ."""
+"""Ratio of the table's resolution to that of the search: cells are so many times as wide, headings so many times fewer.
+"""
 N_TURNS = N_HEADINGS // COARSE
+"""Number of headings in the table."""
 LEAST_HALF, FARTHEST = 1, 16
 """Minimum and maximum number of cells from the goal to the edge of the table."""
 STEERING = 0.3
@@ -47,13 +49,14 @@ def aim_gap(aim: Aim, pose: Pose) -> float:
     """Return how far a pose is from a goal [m], where radians count like metres."""
     dx, dy, turn = pose[0] - aim.x, pose[1] - aim.y, 0.0
     if aim.heading == aim.heading:
+        # The heading NaN, which does not equal itself, admits any.
         turn = (pose[2] - aim.heading + np.pi) % (2.0 * np.pi) - np.pi
     return float(np.sqrt(dx * dx + dy * dy + turn * turn))
 
 
 @kernel
 def seconds_of(options: Record, move: Record, gear: int, turn: float) -> float:
-    """Return the cost of a move [s] beside another one: a change of gear costs something, and so does steering.
+    """Return the cost of a move [s] next to another one: a change of gear costs something, and so does steering.
 
     Args:
         options: Those of ``HybridAstar``.
@@ -61,6 +64,7 @@ def seconds_of(options: Record, move: Record, gear: int, turn: float) -> float:
         gear: The gear of the other one; 0 if there is none.
         turn: How far the other one turns [rad].
     """
+    # Within a gear, steering has its price; a change of gear has its own, and comes with any steering.
     if gear == move.gear:
         return float(move.seconds + STEERING * np.abs(move.turn - turn))
     return float(move.seconds + (options.change_cost if gear != 0 else 0.0))
@@ -82,20 +86,25 @@ def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: Pos
             middle.
     """
     costs[:] = np.inf
+    # count: poses in `nodes`; size: entries in the queue.
     half, count, size = costs.shape[0] // 2, 0, 0
     for i in range(-half, half + 1):
         for j in range(-half, half + 1):
             for k in range(N_TURNS):
+                # All cells that count as arrived are goals, at no cost.
                 pose = (i * cell, j * cell, 2.0 * np.pi * k / N_TURNS)
                 if aim_gap(aim, pose) < aim.radius:
                     count, size = offer_pose(nodes, costs, cell, pose, 0.0, NOBODY, count, size)
+    # As long as there is room for every successor of another pose.
     while size > 0 and count + moves.shape[0] <= nodes.cost.shape[0]:
         node = pop(nodes, size)
         size -= 1
         here, cost = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2]), nodes.cost[node]
         i, j, k = costs_cell(costs, cell, here)
+        # The cell has been reached at a lower cost since this entry was made.
         if cost > costs[i, j, k]:
             continue
+        # The move that follows the one to be added, on the way to the goal.
         gear, turn = 0, 0.0
         if nodes.move[node] != NOBODY:
             gear, turn = moves[nodes.move[node]].gear, moves[nodes.move[node]].turn
@@ -128,9 +137,11 @@ def offer_pose(
 def costs_cell(costs: Floats, cell: float, pose: Pose) -> tuple[int, int, int]:
     """Return the cell of the table for a pose relative to the goal; the first number is -1 beside the table."""
     half = costs.shape[0] // 2
+    # Cells are centred on multiples of their side, and the goal is in the middle of cell (half, half).
     i, j = np.floor(pose[0] / cell + 0.5) + half, np.floor(pose[1] / cell + 0.5) + half
     if not (0.0 <= i <= 2 * half and 0.0 <= j <= 2 * half):
         return -1, -1, -1
+    # The nearest of N_TURNS headings; the last modulo takes a full turn to 0.
     turns = pose[2] / (2.0 * np.pi)
     return int(i), int(j), int((turns - np.floor(turns)) * N_TURNS + 0.5) % N_TURNS
 
@@ -141,6 +152,7 @@ def cost_without_obstacles(aim: Aim, costs: Floats, cell: float, pose: Pose) -> 
     dx, dy, heading = pose[0] - aim.x, pose[1] - aim.y, pose[2]
     if aim.heading == aim.heading:
         cosine, sine = np.cos(aim.heading), np.sin(aim.heading)
+        # Into the frame of the goal, in which the table was made. With any heading the world's frame serves.
         dx, dy, heading = cosine * dx + sine * dy, cosine * dy - sine * dx, heading - aim.heading
     i, j, k = costs_cell(costs, cell, (dx, dy, heading))
     if i < 0:

@@ -34,6 +34,7 @@ def is_at_rest(moving: Moving, one: float, two: float, three: float) -> bool:
     """Return whether a body with these velocities stands still."""
     if one != 0.0:
         return False
+    # The second number is the steering angle, the third is not used.
     if moving.drive == ACKERMANN:
         return True
     return bool(two == 0.0 and (moving.drive == DIFFERENTIAL or three == 0.0))
@@ -64,6 +65,7 @@ def stops_in_time(
     """
     pose, velocity = moving.pose, moving.velocity
     now = PoseMotion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
+    # The first step at the given share of the speed, all others braking.
     for _ in range(MOST_STEPS):
         first, second, third = command_along(way, place, moving, now, part)
         one, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
@@ -76,6 +78,7 @@ def stops_in_time(
         if offset_from(way, place, now.pose) > drift:
             return False
         if is_at_rest(moving, one, two, three):
+            # Still braking after so many steps, and clear so far.
             return True
     return True
 
@@ -113,6 +116,7 @@ def drive_poses(
     model, state, w, m = standing.model, standing.state, standing.w, options.index
     moving, shape = moving_of(model, state, w, b, tables.by_rate[m]), shape_of(model, w, b, tables, slot)
     looks = is_new(state, tables, w, m, b)
+    # First by the known way; if that is no good and it is time, once more by a new one.
     for _ in range(2):
         if looks:
             find_poses(standing, options, moving, tables, slot, b)
@@ -139,6 +143,7 @@ def go_on(
     way, pose = way_of(tables, w, m), (moving.pose[0], moving.pose[1], moving.pose[2])
     place = place_near(way, OnWay(tables.piece[w, m], tables.share[w, m]), pose)
     if left_in_gear(way, place) < CLOSE and place.piece + 1 < way.n_pieces:
+        # At the end of a gear, the body goes on with the next one; place_near never leaves a gear by itself.
         place = place_near(way, OnWay(place.piece + 1, 0.0), pose)
     tables.piece[w, m], tables.share[w, m] = place.piece, place.share
     velocity = moving.velocity
@@ -146,13 +151,16 @@ def go_on(
     offset = offset_from(way, place, pose)
     if offset > ASTRAY or (place.piece + 1 >= way.n_pieces and left_in_gear(way, place) < CLOSE):
         return False, command_along(way, place, moving, now, 0.0)
+    # A body that is off its way, or close to something, already must only not make it worse.
     part, drift, room = 1.0, max(DRIFT, offset), min(TIGHT * room_at_pose(everything, shape, pose, KEPT), KEPT)
     for k in range(PARTS + 1):
+        # The last attempt: at the lowest speed, however far from the way.
         if k == PARTS:
             drift = np.inf
         if stops_in_time(everything, shape, moving, way, place, part, drift, room):
             return True, command_along(way, place, moving, now, part)
         part *= 0.5 if k < PARTS - 1 else 1.0
+    # What stands blocks the way for good, so that it is planned anew; for what moves, the body waits.
     stands = is_at_rest(moving, velocity[0], velocity[1], velocity[2])
     is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part, drift, room)
     return not is_blocked, command_along(way, place, moving, now, 0.0)

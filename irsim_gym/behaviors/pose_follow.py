@@ -84,6 +84,7 @@ def place_near(way: PoseWay, place: OnWay, pose: Pose) -> OnWay:
     for _ in range(ONWARD):
         piece = way.pieces[i]
         size = size_of(piece)
+        # Two of Newton's steps towards the nearest point: exact on straight lines, close on arcs.
         for _ in range(2):
             x, y, heading = pose_on(way, OnWay(i, share))
             if np.abs(piece[GEAR]) == SPIN:
@@ -91,9 +92,11 @@ def place_near(way: PoseWay, place: OnWay, pose: Pose) -> OnWay:
             else:
                 dx, dy, cosine, sine = pose[0] - x, pose[1] - y, np.cos(heading), np.sin(heading)
                 along, across = cosine * dx + sine * dy, cosine * dy - sine * dx
+                # The projection onto the move's direction at this place, as a share of its length.
                 share += (along * piece[AHEAD] + across * piece[LEFT]) / (size * size)
         if share < 1.0 or is_last(way, i):
             break
+        # What goes beyond this move is a share of the next.
         share = min((share - 1.0) * size / size_of(way.pieces[i + 1]), 1.0)
         i += 1
     return OnWay(i, min(max(share, 0.0), 1.0))
@@ -112,6 +115,7 @@ def place_ahead(way: PoseWay, place: OnWay, distance: float) -> OnWay:
     i, share = place.piece, place.share
     while True:
         size = size_of(way.pieces[i])
+        # Ends in this move, or at the last one of the gear.
         if share + distance / size <= 1.0 or is_last(way, i):
             return OnWay(i, min(share + distance / size, 1.0))
         distance -= (1.0 - share) * size
@@ -142,6 +146,7 @@ def command_along(way: PoseWay, place: OnWay, moving: Moving, now: PoseMotion, p
     gear = way.pieces[place.piece, GEAR]
     if np.abs(gear) == SPIN:
         axis = 1 if moving.drive == DIFFERENTIAL else 2
+        # A turn on the spot is a gear of its own, so what is left of the gear is the angle.
         angle = left_in_gear(way, place) * (1.0 if gear > 0.0 else -1.0)
         rate = part * spin(moving, axis, angle)
         return (0.0, rate, 0.0) if axis == 1 else (0.0, 0.0, rate)
@@ -159,29 +164,38 @@ def rolling_command(way: PoseWay, place: OnWay, moving: Moving, now: PoseMotion,
     A car's wheels follow one step later, so it goes by the way that far ahead; it turns them before it sets off.
     """
     step, steers = moving.step, moving.drive == ACKERMANN and not moving.by_rate
+    # Backwards, the body moves against its heading: offsets stay as they are, and heading errors act reversed.
     sign = 1.0 if way.pieces[place.piece, GEAR] > 0.0 else -1.0
     x, y, heading = pose_on(way, place)
     cosine, sine = np.cos(heading), np.sin(heading)
     settle = max(SETTLE, SETTLE_STEPS * np.abs(now.one) * step)
+    # The offset to the left of the way; clamped, as the spring's law holds near the way only.
     aside = cosine * (now.pose[1] - y) - sine * (now.pose[0] - x)
     aside, error = min(max(aside, -settle), settle), wrap_below(now.pose[2] - heading)
     soon = place_ahead(way, place, np.abs(now.one) * step) if steers else place
+    # Curvature of the way: turn per metre, both signed by the gear.
     bend = way.pieces[soon.piece, TURN] / way.pieces[soon.piece, AHEAD]
     bend -= (aside / settle + 2.0 * sign * error) / settle
     top, left = moving.high[0] if sign > 0.0 else -moving.low[0], left_in_gear(way, place)
+    # Slow enough to stop at the end of the gear, and not past it within this step.
     speed = min(part * top, braked_rate(top, moving.change[0], step, left), left / step)
     if steers:
         low, high = max(moving.low[1], -STEEPEST), min(moving.high[1], STEEPEST)
+        # Kinematic bicycle model: tan(angle) = curvature * wheelbase.
         angle = min(max(np.arctan(bend * moving.wheelbase), low), high)
         late, most = np.abs(angle - now.steering), moving.change[1] * step
+        # The wheels need more than a step: slower meanwhile, and from rest not at all before they are turned.
         if late > most:
             speed *= max(most / late, SLOWEST) if sign * now.one > 0.0 else 0.0
         return sign * speed, angle, 0.0
+    # The turn rate has to fit the speed that the acceleration allows.
     speed = executed(moving, 0, sign * speed, now.one)
     rate = bend * speed
     fastest = moving.high[1] if rate > 0.0 else -moving.low[1]
+    # Both are reduced, which keeps the curvature.
     if np.abs(rate) > fastest:
         speed, rate = speed * fastest / np.abs(rate), rate * fastest / np.abs(rate)
+    # The share of the turn rate that the body reaches in this step; it slows down as much, to stay on the curve.
     turned = executed(moving, 1, rate, now.two) / rate if rate != 0.0 else 1.0
     return speed * min(max(turned, SLOWEST), 1.0), rate, 0.0
 
@@ -191,10 +205,13 @@ def sliding_command(way: PoseWay, place: OnWay, moving: Moving, now: PoseMotion,
     """Return the command of a body that moves to any side: towards the place on the way that it reaches in a step."""
     step, (x, y, heading) = moving.step, pose_on(way, place)
     off = np.sqrt((now.pose[0] - x) * (now.pose[0] - x) + (now.pose[1] - y) * (now.pose[1] - y))
+    # The way back to the path counts as well.
     left = left_in_gear(way, place) + off
     top = max(moving.high[0], moving.high[1], -moving.low[0], -moving.low[1])
+    # It aims as far ahead as it gets in a step, or as it is off, so that it comes back at a slant.
     to_x, to_y, _ = pose_on(way, place_ahead(way, place, max(top * step, off)))
     dx, dy = to_x - now.pose[0], to_y - now.pose[1]
+    # The command of the other drives is in the body frame.
     if moving.drive != OMNI_WORLD:
         cosine, sine = np.cos(now.pose[2]), np.sin(now.pose[2])
         dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx

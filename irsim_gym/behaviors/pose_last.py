@@ -40,6 +40,7 @@ def lay_last(aim: Aim, moves: Records, farthest: float, pose: Pose, last: Record
     turns = False
     for k in range(moves.shape[0]):
         turns = turns or abs(moves[k].gear) == SPIN
+    # A body that slides has moves of this kind first.
     slides = moves[0].gear == SLIDE
     if slides:
         step = np.sqrt(moves[0].ahead * moves[0].ahead + moves[0].left * moves[0].left)
@@ -47,6 +48,7 @@ def lay_last(aim: Aim, moves: Records, farthest: float, pose: Pose, last: Record
         last.seconds = np.sqrt(far2) * moves[0].seconds / step
     elif not lay_arc(moves, ahead, aside, last):
         return False
+    # A body that turns on the spot puts the heading right after its arrival.
     return bool(turns or not is_asked or abs(wrap_below(turn - last.turn)) < aim.radius)
 
 
@@ -58,6 +60,7 @@ def lay_turn(moves: Records, turn: float, last: Record) -> bool:
     """
     gear = SPIN if turn > 0.0 else -SPIN
     for k in range(moves.shape[0]):
+        # No move for no angle. The time is in proportion to the angle.
         if moves[k].gear == gear and turn != 0.0:
             last.ahead, last.left, last.turn, last.gear = 0.0, 0.0, turn, gear
             last.seconds = moves[k].seconds * turn / moves[k].turn
@@ -80,14 +83,17 @@ def lay_arc(moves: Records, ahead: float, aside: float, last: Record) -> bool:
         last: Written.
     """
     gear, low, high, slowness = FORWARD if ahead > 0.0 else BACKWARD, np.inf, -np.inf, 0.0
+    # The circle through the point that touches the heading at the origin.
     bend = 2.0 * aside / (ahead * ahead + aside * aside)
     for k in range(moves.shape[0]):
         move = moves[k]
         if move.gear == gear:
             low, high = min(low, move.turn / move.ahead), max(high, move.turn / move.ahead)
+            # The time per metre of the slowest move of this gear, so that the last move is no bargain.
             slowness = max(slowness, move.seconds / abs(move.ahead))
     if ahead == 0.0 or not low <= bend <= high:
         return False
+    # The chord makes half of the arc's angle with the heading, whose length is angle / curvature.
     half = np.arctan(abs(aside / ahead))
     length = 2.0 * half / abs(bend) if abs(aside) > THERE * abs(ahead) else abs(ahead)
     last.ahead, last.left, last.turn, last.gear = gear * length, 0.0, gear * length * bend, gear

@@ -13,8 +13,9 @@ from irsim_gym.structs import record_type
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
 
 N_HEADINGS = 72
-"""Headings are told apart by this part of a turn."""
+"""Number of headings that the search tells apart."""
 BIN = 2.0 * np.pi / N_HEADINGS
+"""Angle between neighbouring headings [rad]."""
 MOVE = record_type("ahead left turn seconds", gear=np.int64)
 """How far a move leads ahead and to the left, as it begins [m], how far it turns [rad], its duration at full speed [s]
 and its gear. Speed ahead, speed to the left and turn rate are in the same proportion all the time."""
@@ -35,6 +36,7 @@ MOST_MOVES = 24
 @kernel
 def pose_after(pose: Pose, move: Twist, share: float) -> Pose:
     """Return where a share of a move leads from a pose [m, m, rad]; headings are not wrapped."""
+    # A move is the twist that performs it within one unit of time.
     dx, dy, _, _ = place_at(move, share)
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
     return pose[0] + (cosine * dx - sine * dy), pose[1] + (sine * dx + cosine * dy), pose[2] + move[2] * share
@@ -68,8 +70,11 @@ def bend_of(moving: Moving, gear: int, speed: float, k: int) -> tuple[float, flo
     """
     if moving.drive == ACKERMANN and not moving.by_rate:
         angle = min(max(moving.high[1] if k > 0 else -moving.low[1], 0.0), STEEPEST)
+        # Kinematic bicycle model: curvature = tan(angle) / wheelbase.
         return k / BENDS * np.tan(SPARE * angle) / moving.wheelbase, np.inf
+    # Driving back turns the sign over: a curvature to the left (k > 0) then takes a turn rate to the right.
     rate = SPARE * max(moving.high[1] if k * gear > 0 else -moving.low[1], 0.0)
+    # k times as sharp as the body can turn at full speed; add_arcs gives such an arc the time that it needs.
     return k * rate / speed, rate
 
 
@@ -80,11 +85,13 @@ def add_arcs(moving: Moving, gear: int, cell: float, moves: Records, count: int)
     if speed <= 0.0:
         return count
     sharpest = max(bend_of(moving, gear, speed, BENDS)[0], -bend_of(moving, gear, speed, -BENDS)[0])
+    # Two cells lead to another cell in any direction; the sharpest arc must reach another heading as well.
     length = max(2.0 * cell, BIN / sharpest) if sharpest > 0.0 else 2.0 * cell
     for k in range(-BENDS, BENDS + 1):
         bend, rate = bend_of(moving, gear, speed, k)
         if k != 0 and bend == 0.0:
             continue
+        # Arcs that would turn too far are widened.
         bend = min(max(bend, -SHARPEST / length), SHARPEST / length)
         move = moves[count]
         move.ahead, move.left, move.turn, move.gear = gear * length, 0.0, gear * length * bend, gear
@@ -96,6 +103,7 @@ def add_arcs(moving: Moving, gear: int, cell: float, moves: Records, count: int)
 @kernel
 def add_spins(moving: Moving, moves: Records, count: int) -> int:
     """Add the turns on the spot."""
+    # Three of the headings that are told apart at once keep searches short.
     axis, angle = 1 if moving.drive == DIFFERENTIAL else 2, 3.0 * BIN
     for side in range(-1, 2, 2):
         rate = moving.high[axis] if side > 0 else -moving.low[axis]
@@ -110,6 +118,7 @@ def add_spins(moving: Moving, moves: Records, count: int) -> int:
 @kernel
 def add_slides(moving: Moving, cell: float, moves: Records, count: int) -> int:
     """Add straight moves to all sides, without a turn."""
+    # OMNI_WORLD has its limits along the world's axes, but moves are given in the frame of the body, which never turns.
     length, heading = 2.0 * cell, moving.pose[2] if moving.drive == OMNI_WORLD else 0.0
     for k in range(DIRECTIONS):
         angle = 2.0 * np.pi * k / DIRECTIONS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Floats, Record, Records
-from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap
+from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap, cost_without_obstacles
 from irsim_gym.behaviors.pose_moves import MOST_MOVES, lay_moves
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
 from irsim_gym.behaviors.pose_search import PoseTask, move_to, search_poses
@@ -38,12 +38,12 @@ PADDING = 0.02
 TIGHT = 0.999
 """Share of its distance from an obstacle that a body keeps if it starts closer."""
 ATTEMPTS = 2
-"""If no path is found, the search is repeated with cells of half the size."""
+"""Number of cell sizes that are tried, each half of the previous one, until a path is found."""
 
 
 @kernel
 def aim_of(model: Model, state: State, w: int, b: int) -> Aim:
-    """Return where a way is to lead a body, a little nearer to the goal than where it has arrived.
+    """Return the goal of a search: that of the body, with less tolerance than arrival has.
 
     Reads: model (arrive_mode, goal_threshold), state (goal).
     """
@@ -83,10 +83,13 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     for axis in range(3):
         tables.goal[w, m, axis] = state.goal[w, b, axis]
     tables.count[w, m], tables.piece[w, m], tables.share[w, m] = 0, 0, 0.0
+    # A body that cannot turn never arrives with another heading than it has now.
     if not (turns(moving) or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
         return
     grid = tables.grid
     search = Search(grid.blocked[slot], grid.field[slot], grid.queue[slot])
+    # The field is that of the body's inner disc less half a cell's diagonal: wherever the body fits, that disc fits at
+    # the centre of the cell. `radius` makes it the disc that mark_blocked tests there, see paths.grid.
     open_radius = max(inner_radius_of(model, w, b) - np.sqrt(0.5) * grid.grid.cell, 0.0)
     radius = np.sqrt(max(open_radius * open_radius - 0.5 * grid.grid.cell * grid.grid.cell, 0.0))
     search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
@@ -95,13 +98,20 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
         nodes_of(tables.nodes, slot),
         tables.costs[tables.table[m]],
     )
+    # A body that begins closer than PADDING has to get away.
     padding = min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0))
-    cell, costs_cell = tables.cell[m], COARSE * tables.cell[m]
-    for _ in range(ATTEMPTS):
+    cell, costs_cell, beyond = tables.cell[m], COARSE * tables.cell[m], np.inf
+    for attempt in range(2 * ATTEMPTS):
+        if attempt == ATTEMPTS:
+            # A body with wide turns may have to leave the table of costs, and come back, for a goal close by. Searches
+            # that include such ways take much longer, so they come last, and only where the body is in the table.
+            if cost_without_obstacles(aim, costs, costs_cell, start) == 0.0:
+                return
+            cell, beyond = tables.cell[m], greatest_of(costs)
         moves = tables.moves[slot][: lay_moves(moving, cell, tables.moves[slot])]
         task = PoseTask(
             obstacles, shape, padding, aim, moves, tables.moves[slot][MOST_MOVES - 1], fastest_of(moves), cell, costs,
-            costs_cell, grid.grid, search.field, options,
+            costs_cell, beyond, grid.grid, search.field, options,
         )  # fmt: skip
         end = search_poses(task, start, nodes)
         if end != NOBODY:
@@ -127,6 +137,15 @@ def fastest_of(moves: Records) -> float:
 
 
 @kernel
+def greatest_of(costs: Floats) -> float:
+    """Return the greatest finite cost in a table [s]."""
+    greatest = 0.0
+    for cost in costs.flat:
+        greatest = max(greatest, cost if cost < np.inf else 0.0)
+    return greatest
+
+
+@kernel
 def write_way(task: PoseTask, nodes: PoseNodes, end: int, tables: PoseTables, w: int, m: int) -> None:
     """Write the moves that lead to a pose that was found, the first ones if they are too many; none for ``NOBODY``.
 
@@ -135,6 +154,7 @@ def write_way(task: PoseTask, nodes: PoseNodes, end: int, tables: PoseTables, w:
     count, node = 0, end
     while node != NOBODY and nodes.parent[node] != NOBODY:
         count, node = count + 1, nodes.parent[node]
+    # From the end to the start; pieces beyond the memory are passed over.
     tables.count[w, m], node, k = min(count, MOST_PIECES), end, count
     while k > 0:
         k -= 1

@@ -10,13 +10,17 @@ from irsim_gym.arraytypes import Floats, Ints, Pose
 from irsim_gym.jit import kernel
 
 MOST_NODES = 1 << 19
+"""Maximum number of poses that a search may find."""
 MOST_CLOSED = 1 << 17
+"""Maximum number of cells that a search may close."""
 PLACES = 262_139
 """Places of the table of cells that are done: a prime, twice as many as are ever taken."""
 SCATTER = 7919
 """Distance between the entries of neighbouring cells."""
 NOBODY = -1
+"""No pose, move or cell."""
 UNKNOWN = -1.0
+"""Distance from obstacles on a move that has not been tested."""
 
 
 class PoseNodes(NamedTuple):
@@ -78,6 +82,7 @@ def push(nodes: PoseNodes, size: int, key: float, node: int) -> int:
     """
     keys, items, k = nodes.key, nodes.item, size
     while k > 0:
+        # Binary heap: the entries below k are 2 k + 1 and 2 k + 2, with keys no smaller than its own.
         above = (k - 1) // 2
         if keys[above] <= key:
             break
@@ -95,6 +100,7 @@ def pop(nodes: PoseNodes, size: int) -> int:
     """
     keys, items = nodes.key, nodes.item
     first, last = items[0], size - 1
+    # The last entry fills the gap at the top and sinks to its place.
     key, item, k = keys[last], items[last], 0
     while 2 * k + 1 < last:
         below = 2 * k + 1
@@ -111,6 +117,7 @@ def pop(nodes: PoseNodes, size: int) -> int:
 @kernel
 def is_closed(closed: Ints, cell: int) -> bool:
     """Return whether a cell is done."""
+    # Open addressing: from the place of its hash on, a cell is in the first free place that it found.
     place = cell * SCATTER % PLACES
     while closed[place] != NOBODY:
         if closed[place] == cell:

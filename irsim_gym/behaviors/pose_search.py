@@ -33,9 +33,9 @@ from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 
 NEAR = 2.0
-"""Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
+"""Extra cost of time spent at an obstacle, as a multiple of the time; it falls to 0 at the distance ``clearance``."""
 GREED = 1.3
-"""What is left counts so many times: ways cost little more than the least, and are found much sooner."""
+"""Weight of the estimated remaining cost (weighted A*): paths cost little more than the least, and are found sooner."""
 LAST_CELLS = 6.0
 """Maximum distance from which a move may lead straight to the goal [cells]."""
 LEAST_STEP = 1e-3
@@ -56,6 +56,7 @@ class PoseTask(NamedTuple):
         cell: Cell size of the search [m].
         costs: Costs of paths to the goal without obstacles, see ``pose_costs``.
         costs_cell: Cell size of ``costs`` [m].
+        beyond: Cost of poses from which no way stays within the table of ``costs`` [s]; inf to leave such poses out.
         grid: The grid of ``field``.
         field: Distance of a disc within the body from the goal [m].
         options: Those of ``HybridAstar``.
@@ -71,6 +72,7 @@ class PoseTask(NamedTuple):
     cell: float
     costs: Floats
     costs_cell: float
+    beyond: float
     grid: Grid
     field: Floats
     options: Record
@@ -78,13 +80,19 @@ class PoseTask(NamedTuple):
 
 @kernel
 def cost_to_go(task: PoseTask, pose: Pose) -> float:
-    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s]."""
+    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s].
+
+    It is at least ``beyond`` where no way stays within the table of costs without obstacles.
+    """
+    # Where the field knows no way, as in cells beside obstacles, the straight line is a lower bound.
     far = field_at(task.field, task.grid, pose[0], pose[1])
     if not far < np.inf:
         dx, dy = pose[0] - task.aim.x, pose[1] - task.aim.y
         far = np.sqrt(dx * dx + dy * dy)
+    # The goal is an area: arriving at its edge is enough.
     around = max(far - task.aim.radius, 0.0) / task.fastest
-    return max(around, cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose))
+    alone = cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose)
+    return max(around, alone if alone < np.inf else task.beyond)
 
 
 @kernel
@@ -92,6 +100,7 @@ def cell_of(task: PoseTask, pose: Pose) -> int:
     """Return the number of the cell that holds a pose; -1 outside of the world."""
     grid = task.grid
     across, up = (pose[0] - grid.origin_x) / task.cell, (pose[1] - grid.origin_y) / task.cell
+    # The search's own cells over the same rectangle; one more where they do not divide it.
     columns = int(grid.columns * grid.cell / task.cell) + 1
     rows = int(grid.rows * grid.cell / task.cell) + 1
     if not (0.0 <= across < columns and 0.0 <= up < rows):
@@ -116,6 +125,7 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
         room: The distance there [m].
         move: The move.
     """
+    # How far any point of the body moves at most: the way of the origin, and the turn at the distance `reach`.
     travel = np.sqrt(move.ahead * move.ahead + move.left * move.left) + np.abs(move.turn) * task.shape.reach
     limit = max(task.options.clearance, travel + task.padding)
     share, least = 0.0, limit
@@ -139,6 +149,7 @@ def move_to(task: PoseTask, nodes: PoseNodes, node: int) -> Record:
     if nodes.move[node] < task.moves.shape[0]:
         found: Record = task.moves[nodes.move[node]]
         return found
+    # The straight move to the goal is not in the list: it is computed again, and its number is one past the list.
     parent = nodes.pose[nodes.parent[node]]
     lay_last(task.aim, task.moves, LAST_CELLS * task.cell, (parent[0], parent[1], parent[2]), task.last)
     return task.last
@@ -174,14 +185,17 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
     nodes.closed[:] = NOBODY
     note_pose(nodes, 0, start, 0.0, NOBODY, NOBODY)
     nodes.room[0] = room_at_pose(task.obstacles, task.shape, start, 1.0)
+    # count: poses in memory; size: entries in the queue.
     count, size, n_closed = 1, push(nodes, 0, 0.0, 0), 0
     while size > 0 and n_closed < MOST_CLOSED and count + task.moves.shape[0] < nodes.cost.shape[0]:
         node = pop(nodes, size)
         size -= 1
         here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
+        # A pose that a last move leads to may lie in a closed cell: it ends at the goal, not anywhere in the cell.
         cell, is_last = cell_of(task, here), nodes.move[node] == task.moves.shape[0]
         if not is_last and is_closed(nodes.closed, cell):
             continue
+        # Only now is the move tested. If nearness to obstacles makes it cost more, it goes back into the queue.
         if nodes.room[node] == UNKNOWN:
             cost = nodes.cost[node]
             if not look_at(task, nodes, node):
@@ -195,6 +209,7 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
             close_cell(nodes.closed, cell)
             n_closed += 1
             count, size = expand(task, nodes, node, count, size)
+        # Also after a last move: a body that has arrived at the position may still have to turn to the heading.
         if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
             there = pose_after(here, (task.last.ahead, task.last.left, task.last.turn), 1.0)
             note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
@@ -210,6 +225,7 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
     Writes: nodes.
     """
     here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
+    # The start has no move before it.
     gear, turn = 0, 0.0
     if nodes.move[node] != NOBODY:
         gear, turn = task.moves[nodes.move[node]].gear, task.moves[nodes.move[node]].turn
@@ -219,6 +235,7 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
         cell = cell_of(task, there)
         if cell < 0 or is_closed(nodes.closed, cell):
             continue
+        # Untested: the move may still turn out to be blocked.
         rest = cost_to_go(task, there)
         if not rest < np.inf:
             continue

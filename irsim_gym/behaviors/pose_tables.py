@@ -24,6 +24,7 @@ from irsim_gym.world.rows import row_of
 MOST_PIECES = 256
 """Maximum number of stored moves of a path; a longer path is planned again at their end."""
 X, Y, HEADING, AHEAD, LEFT, TURN, GEAR = 0, 1, 2, 3, 4, 5, 6
+"""Columns of ``PoseWay.pieces``."""
 CELL = 0.75
 """Side of the cells of the search, as a share of the radius of the largest disc about the origin within the body."""
 THIN = 0.25
@@ -32,7 +33,7 @@ FIELD_CELL = 0.3
 """Side of the cells over which a disc within the body is led, as a share of that radius: none of the gaps through which
 the body fits is missed, see ``paths.reachability``."""
 NEARER = 0.6
-"""Ways lead so much nearer to the goal than where the body has arrived."""
+"""Share of the arrival threshold within which paths end."""
 
 
 class PoseWay(NamedTuple):
@@ -100,6 +101,7 @@ class PoseTables(Struct):
         given = group.params["cell"]
         cell, by_rate = np.where(np.isnan(given), CELL * inner, given), commanded_by_rate(group)
         field_cell = float(np.min(np.where(np.isnan(given), FIELD_CELL * inner, given)))
+        # The memory of searches also serves for laying the tables of costs.
         nodes = PoseNodes.reserve(n_slots)
         table, costs = _costs(group, model, cell, by_rate, nodes)
         return cls(
@@ -151,14 +153,17 @@ def _costs(group: Group, model: Model, cell: Floats, by_rate: Flags, nodes: Pose
     """
     asked = [_asked(group, model, k, float(cell[k]), bool(by_rate[k])) for k in range(len(group.members))]
     half = max([LEAST_HALF, *(_half(model, moves, float(side)) for (moves, _), side in zip(asked, cell, strict=True))])
+    # All tables have the size of the largest, so that they stack.
     tables, found = [np.zeros((2 * half + 1, 2 * half + 1, N_TURNS))], {b"": 0}
     numbers = np.zeros(len(asked), np.int64)
     for k, (moves, aim) in enumerate(asked):
         change = group.options[k].change_cost
+        # Equal moves, goals and costs give equal tables.
         alike = moves.tobytes() + repr((aim, change, cell[k])).encode() if moves["turn"].any() else b""
         if alike not in found:
             found[alike] = len(tables)
             tables.append(np.zeros((2 * half + 1, 2 * half + 1, N_TURNS)))
+            # Slot 0's memory; no search has begun yet.
             scratch = PoseNodes(*(part[0] for part in nodes))
             lay_costs(group.params[k], aim, COARSE * float(cell[k]), moves, scratch, tables[-1])
         numbers[k] = found[alike]
@@ -180,6 +185,7 @@ def _asked(group: Group, model: Model, k: int, cell: float, by_rate: bool) -> tu
 def _half(model: Model, moves: Records, cell: float) -> int:
     """Return how many cells the table of costs of a body with these moves reaches from the goal, within the world."""
     arcs = moves[(moves["turn"] != 0.0) & (moves["ahead"] != 0.0)]
+    # Of the sharpest arc: the radius is its length divided by its turn.
     radius = float(np.min(np.abs(arcs["ahead"] / arcs["turn"]), initial=np.inf)) if len(arcs) else 0.0
     x_min, y_min, x_max, y_max = model.bounds
     reach = min(TURNS_AWAY * radius, max(x_max - x_min, y_max - y_min))

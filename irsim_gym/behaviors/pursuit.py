@@ -98,6 +98,7 @@ class Pursuit(RenewsGoals):
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for the paths, and fill in default options."""
         speed = group.params["speed"]
+        # NaN stands for None in tables of options; infinity is no limit in every minimum.
         group.params["speed"] = np.where(np.isnan(speed), np.inf, speed)
         group.tables = PursuitTables.reserve(group, model, n_slots)
 

@@ -13,7 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
 
 STEEPEST = 1.5
-"""Maximum assumed steering angle [rad], since a car commanded by a turn rate has no other limit."""
+"""Steering angles are taken to be smaller than this [rad]; near a quarter turn, the tangent has no bound."""
 
 
 @kernel
@@ -35,6 +35,7 @@ def command_to(options: Record, moving: Moving, target: Point, room: float, rema
         return differential_command(options, moving, ahead, aside, room, remaining, share)
     if moving.drive == ACKERMANN:
         return ackermann_command(options, moving, ahead, aside, room, remaining, share)
+    # OMNI_WORLD is commanded in the world frame, all others in the body frame.
     if moving.drive != OMNI_WORLD:
         dx, dy = ahead, aside
     distance = np.sqrt(dx * dx + dy * dy)
@@ -43,6 +44,7 @@ def command_to(options: Record, moving: Moving, target: Point, room: float, rema
     across, up = dx / distance, dy / distance
     fastest = min(axis_speed(moving, 0, across), axis_speed(moving, 1, up))
     speed = share * regulated_speed(options, min(fastest, options.speed), 0.0, room, remaining)
+    # Not past the point within a step.
     speed = min(speed, distance / moving.step)
     turn = spin(moving, 2, np.arctan2(aside, ahead)) if moving.drive == OMNI_ANGULAR else 0.0
     return speed * across, speed * up, turn
@@ -53,6 +55,7 @@ def axis_speed(moving: Moving, axis: int, part: float) -> float:
     """Return how fast a body can go in a direction [m/s], for the limits of one axis, of which that has some part."""
     if part == 0.0:
         return np.inf
+    # Both signs negative for a negative part: low / part is the speed up to the lower limit.
     return float(max(moving.high[axis] / part if part > 0.0 else moving.low[axis] / part, 0.0))
 
 
@@ -61,6 +64,7 @@ def spin(moving: Moving, axis: int, error: float) -> float:
     """Return the turn rate [rad/s] that turns a body by an angle [rad] soon, without going too far."""
     fastest = moving.high[axis] if error > 0.0 else -moving.low[axis]
     rate = braked_rate(max(fastest, 0.0), moving.change[axis], moving.step, np.abs(error))
+    # Not past the angle within a step.
     rate = float(min(rate, np.abs(error) / moving.step))
     return rate if error > 0.0 else -rate
 
@@ -74,6 +78,7 @@ def differential_command(
     A body whose turn rate changes slowly goes by the heading that it would have when it came to rest.
     """
     rate = moving.velocity[1]
+    # The angle that the body still turns through while it brakes its turn rate, w^2 / (2 a), with its sign.
     past = 0.5 * rate * np.abs(rate) / moving.change[1] if moving.change[1] > 0.0 else 0.0
     error = np.arctan2(aside, ahead)
     if max(np.abs(error), np.abs(error - past)) > options.turn_angle:
@@ -83,9 +88,11 @@ def differential_command(
     curvature = arc_curvature(ahead, aside)
     speed = share * regulated_speed(options, min(moving.high[0], options.speed), curvature, room, remaining)
     sharpest = moving.high[1] if curvature > 0.0 else -moving.low[1]
+    # Slower on a curve that the turn rate does not allow at this speed.
     if np.abs(curvature) * speed > sharpest:
         speed = max(sharpest, 0.0) / np.abs(curvature)
     speed = min(speed, np.sqrt(ahead * ahead + aside * aside) / moving.step)
+    # The turn rate has to fit the speed that the acceleration allows, or the body leaves the arc.
     speed = executed(moving, 0, speed, moving.velocity[0])
     return speed, curvature * speed, 0.0
 
@@ -106,13 +113,16 @@ def ackermann_command(
             share * regulated_speed(options, min(-moving.low[0], options.speed), 0.0, room, np.inf), moving.low[0]
         )
         to_left = aside > 0.0
-        if moving.velocity[0] < 0.0 and ahead < -np.abs(aside):  # straight behind, either way will do: keep to one
+        # A point straight behind can be turned to either way: it goes on turning as it does.
+        if moving.velocity[0] < 0.0 and ahead < -np.abs(aside):
+            # The second number is a turn rate (left: positive) or a steering angle (rolling back, left: negative).
             to_left = moving.velocity[1] > 0.0 if moving.by_rate else moving.velocity[1] < 0.0
         if moving.by_rate:
             return speed, left if to_left else right, 0.0
         return speed, right if to_left else left, 0.0
     curvature = arc_curvature(ahead, aside)
     speed = min(moving.high[0], options.speed)
+    # A steered car cannot turn more sharply than its wheels; one with a turn rate goes slower instead.
     if not moving.by_rate:
         curvature = min(max(curvature, np.tan(right) / moving.wheelbase), np.tan(left) / moving.wheelbase)
     speed = share * regulated_speed(options, speed, curvature, room, remaining)
@@ -125,6 +135,7 @@ def ackermann_command(
 @kernel
 def braking_command(moving: Moving) -> Command:
     """Return the command that stops a body as soon as it can, on the curve on which it is."""
+    # What is left of the speed after a step of braking; the turn rate falls in proportion, which keeps the curvature.
     speed = executed(moving, 0, 0.0, moving.velocity[0])
     if moving.drive == ACKERMANN and not moving.by_rate:
         return 0.0, moving.velocity[1], 0.0

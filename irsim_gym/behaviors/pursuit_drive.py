@@ -24,6 +24,7 @@ def is_under_way(model: Model, state: State, w: int, b: int) -> bool:
     """
     if not model.has_goal[b] or not model.present[w, b] or state.stopped[w, b] or state.arrived[w, b]:
         return False
+    # NaN, which does not equal itself, is no goal.
     return bool(state.goal[w, b, 0] == state.goal[w, b, 0])
 
 
@@ -34,6 +35,7 @@ def turns_at_goal(model: Model, state: State, w: int, b: int) -> bool:
     Reads: model (arrive_mode, drive, goal_threshold), state (goal, pose).
     """
     dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
+    # Half of the threshold, since arrival counts metres and radians together.
     near = 0.5 * model.goal_threshold[row_of(model.goal_threshold, w), b]
     if model.arrive_mode[b] != STATE or model.drive[b] not in (DIFFERENTIAL, OMNI_ANGULAR):
         return False
@@ -64,17 +66,21 @@ def pursue(
     model, state, w, m = standing.model, standing.state, standing.w, options.index
     goal, here = (state.goal[w, b, 0], state.goal[w, b, 1]), (state.pose[w, b, 0], state.pose[w, b, 1])
     reach, moving = model.reach[row_of(model.reach, w), b], moving_of(model, state, w, b, tables.by_rate[m])
+    # The goal NaN, without a way, equals none.
     is_new = not (tables.goal[w, m, 0] == goal[0] and tables.goal[w, m, 1] == goal[1])
+    # The last stored side of a way that was too long for the memory.
     is_new = is_new or (not tables.whole[w, m] and tables.side[w, m] >= MOST_POINTS - 2)
     if turns_at_goal(model, state, w, b):
         axis = 1 if moving.drive == DIFFERENTIAL else 2
         state.command[w, b, axis] = spin(moving, axis, wrap_below(state.goal[w, b, 2] - state.pose[w, b, 2]))
         return
+    # First by the known way; if that is no good and it is time, once more by a new one.
     for _ in range(2):
         if is_new:
             find_way(standing, reach, options.clearance, (here, goal), tables, slot, m)
             tables.retry[w, m] = state.step[w] + PATIENCE
         if tables.count[w, m] > 0:
+            # No slowing down at the end of a part of a way, or at a waypoint before the last.
             goes_on = not tables.whole[w, m] or state.waypoint[w, b] + 1 < state.waypoint_end[w, b]
             course = Course(tables.points[w, m], tables.count[w, m], tables.side[w, m], tables.margin[w, m], goes_on)
             good, side, back, command = follow(standing, everything, options, reach, moving, course, tables.back[w, m])

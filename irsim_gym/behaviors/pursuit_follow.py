@@ -22,11 +22,11 @@ TRIES = 5
 SLOWEST = 0.05
 """Minimum share of the regulated speed that is tried."""
 STRAIGHT = 1e-3
-"""A body that is to turn on the spot before it goes on looks ahead up to this [rad]."""
+"""Bearing up to which a body faces a point ahead, and need not turn on the spot first [rad]."""
 BEHIND, AHEAD = 0.5 * np.pi, 0.1
-"""A car that can goes back where its way leads behind, and at most until it leads ahead [rad]."""
+"""A car that can drive back begins to when its way leads behind it, beyond BEHIND, and stops within AHEAD [rad]."""
 BACK_STEPS = 15
-"""For so many steps it does so."""
+"""Number of steps for which it drives back at a time."""
 SIGHT = 1.0
 """Obstacles farther away than this do not matter to how fast a body drives [m], unless ``proximity`` is more."""
 
@@ -72,11 +72,15 @@ def follow(
     """
     here, way, count = (moving.pose[0], moving.pose[1]), course.points, course.n_points
     side, near = place_on_way(way, count, course.side, here)
-    if abs(near[0] - here[0]) > WINDOW or abs(near[1] - here[1]) > WINDOW:  # it was put elsewhere
+    # Only a body that was put elsewhere can be so far from its way.
+    if abs(near[0] - here[0]) > WINDOW or abs(near[1] - here[1]) > WINDOW:
         return False, side, 0, braking_command(moving)
     remaining = np.inf if course.goes_on else remaining_length(way, count, side, near)
     room = room_at(everything, here, reach + max(options.proximity, SIGHT)) - reach
+    # The body grown by half of the room that the way keeps, or that there is now. One that touches something already
+    # must not get nearer.
     radius = reach + 0.5 * min(course.margin, room) if room > 0.0 else TIGHT * (reach + room)
+    # Moving by less than this, the grown body touches nothing: can_stop need not look.
     slack = max(room + reach - radius, 0.0)
     speed = np.abs(moving.velocity[0])
     if moving.drive not in (DIFFERENTIAL, ACKERMANN):
@@ -96,6 +100,7 @@ def follow(
     if not found:
         return False, side, 0, braking_command(moving)
     backs, command = careful_command(everything, options, radius, slack, moving, target, room, remaining)
+    # A count of steps: it goes on driving back while it counts, see wants_back.
     more = back - 1 if back > 0 else BACK_STEPS
     return True, side, more if backs else 0, command
 
@@ -140,6 +145,7 @@ def careful_command(
         command = command_to(options, moving, target, room, remaining, -0.5)
         if can_stop(obstacles, radius, slack, moving, command):
             return True, command
+    # The full share has been tried by the caller.
     share = 0.5
     while share >= SLOWEST:
         command = command_to(options, moving, target, room, remaining, share)

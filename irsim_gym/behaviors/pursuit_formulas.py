@@ -16,6 +16,7 @@ def lookahead_distance(options: Record, speed: float) -> float:
         options: ``lookahead_time``, ``lookahead_min``, ``lookahead_max`` of ``Pursuit``.
         speed: The speed at which it drives [m/s].
     """
+    # NaN, which does not equal itself, stands for no bound.
     most = options.lookahead_max if options.lookahead_max == options.lookahead_max else np.inf
     return float(max(min(speed * options.lookahead_time, most), options.lookahead_min))
 
@@ -48,6 +49,7 @@ def regulated_speed(options: Record, speed: float, curvature: float, room: float
         room: Distance of the body's surface from the nearest obstacle [m].
         remaining: What remains of the way [m].
     """
+    # r_min / r: how many times slower than on a straight line.
     bend = np.abs(curvature) * options.min_radius
     by_curvature = speed / bend if bend > 1.0 else speed
     by_proximity = speed * options.proximity_gain * room / options.proximity if room < options.proximity else speed

@@ -14,9 +14,10 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
 MOST_STEPS = 100
-"""A stop that takes longer is looked at no further."""
+"""Number of steps up to which a stop is predicted."""
 
 Command = tuple[float, float, float]
+"""The numbers of a command, as the drive has them [m/s, rad/s or rad]; unused ones are 0."""
 
 
 class Moving(NamedTuple):
@@ -55,7 +56,7 @@ def moving_of(model: Model, state: State, w: int, b: int, by_rate: bool) -> Movi
     Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min, wheelbase), state (pose, steering,
         twist, velocity).
     """
-    # Drives of plugins are shown as omnidirectional, but what they execute is in coordinates of their own.
+    # A plugin's drive gets its command like an omnidirectional one, but `velocity` is in coordinates of its own.
     velocity = state.twist[w, b] if model.drive[b] == OMNI_WORLD else state.velocity[w, b]
     return Moving(
         model.drive[b], by_rate, model.wheelbase[b], model.step_time[0], state.pose[w, b], state.steering[w, b],
@@ -97,13 +98,16 @@ def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, c
         three = executed(moving, 2, third, three)
         next_x, next_y, heading, steering = roll(moving, x, y, heading, steering, one, two, three)
         away_x, away_y = next_x - from_x, next_y - from_y
+        # Within `room` of the start nothing can be touched, so only what goes farther is tested.
         if away_x * away_x + away_y * away_y >= room * room and not way_is_free(
             obstacles, radius, (x, y), (next_x, next_y)
         ):
             return False
         x, y = next_x, next_y
+        # The second number of those that roll is a turn rate or a steering angle, which moves no body at rest.
         if one == 0.0 and (two == 0.0 or moving.drive in (DIFFERENTIAL, ACKERMANN)):
             return True
+        # From the second step on it brakes. A commanded turn rate falls in proportion to the speed.
         first, third = 0.0, 0.0
         if turns:
             second = two / one * executed(moving, 0, 0.0, one) if one != 0.0 else two
@@ -124,6 +128,7 @@ def roll(
     if moving.drive == DIFFERENTIAL:
         return x + one * cosine * step, y + one * sine * step, heading + two * step, steering
     if moving.drive == ACKERMANN:
+        # This step rolls at the angle of the previous one; after it, the wheels stand at `two`.
         rate = two if moving.by_rate else one * np.tan(steering) / moving.wheelbase
         turn = rate * step if one != 0.0 or not moving.by_rate else 0.0
         return x + one * cosine * step, y + one * sine * step, heading + turn, steering if moving.by_rate else two

@@ -43,15 +43,19 @@ def pursue_seen(
         for k in range(members.shape[0]):
             b, m = members[k], params[k].index
             clear_command(state, w, b)
+            # The frame is shared; each member has points of its own.
             points = PointMap(frame.x, frame.y, frame.side, frame.places[w, m], frame.filled[w, m])
             note_scan(scan, w, k, b, state, points, tables.hits[slot])
             if not is_under_way(model, state, w, b):
                 continue
+            # No bodies and no map: `nothing` has no flag set.
             obstacles = Obstacles(model, state, w, nothing, None, points)
             if tables.count[w, m] == 0 and state.step[w] >= tables.retry[w, m]:
+                # Without a way, old points may be to blame: only the latest scan is kept.
                 forget_points(points)
                 note_scan(scan, w, k, b, state, points, tables.hits[slot])
             elif way_is_blocked(obstacles, model.reach[row_of(model.reach, w), b], tables, w, m, b):
+                # A goal unlike any other makes pursue look for a new way.
                 tables.goal[w, m, 0] = np.nan
             pursue(obstacles, obstacles, params[k], tables, slot, b)
 
@@ -95,8 +99,10 @@ def way_is_blocked(obstacles: Obstacles, reach: float, tables: PursuitTables, w:
     far = reach + 0.5 * tables.margin[w, m]
     for i in range(side + 1, count):
         radius, point = far, (way[i, 0], way[i, 1])
+        # The first side begins where the body is, which may be closer to something already.
         if i == side + 1:
             radius = min(radius, TIGHT * room_at(obstacles, place, far))
+        # The goal may lie as close to something as the body fits.
         if i == count - 1:
             radius = min(radius, max(TIGHT * room_at(obstacles, point, far), reach))
         if not way_is_free(obstacles, radius, place, point):

@@ -57,6 +57,7 @@ class WayGrid(NamedTuple):
         grid = Grid.over(bounds, cell)
         n_cells = grid.rows * grid.columns
         shape = (n_slots, grid.rows, grid.columns)
+        # As Grid.search and Grid.path return, with a slot axis in front.
         queue, path = np.zeros((n_slots, 3, n_cells + 8), np.int64), np.zeros((n_slots, n_cells + 64, 2))
         return cls(grid, np.zeros(shape, np.uint8), np.zeros(shape), queue, path)
 
@@ -180,12 +181,14 @@ def find_way(
     for attempt in range(HALVINGS):
         if count > 0:
             break
+        # The coarse cells have left a halved margin. The first try takes it, the next halves it, the last has none.
         margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
         margin = 0.0 if attempt == HALVINGS - 1 else margin
         count = way_between(obstacles, reach + margin, ends, fine.grid, search, path)
     kept = min(count, MOST_POINTS)
     for i in range(kept):
         tables.points[w, m, i, 0], tables.points[w, m, i, 1] = path[i, 0], path[i, 1]
+    # The way may end beside the goal, see way_between; it still leads to this goal.
     tables.goal[w, m, 0], tables.goal[w, m, 1] = ends[1][0], ends[1][1]
     tables.count[w, m], tables.whole[w, m], tables.margin[w, m] = kept, kept == count, margin
     tables.side[w, m] = 0
@@ -206,6 +209,7 @@ def way_between(
     count = shortest_path(obstacles, radius, begin, end, grid, search, path)
     if count == 0:
         return 0
+    # `path` has room for more points than shortest_path writes.
     if end[0] != ends[1][0] or end[1] != ends[1][1]:
         path[count, 0], path[count, 1] = ends[1][0], ends[1][1]
         count += 1
@@ -233,6 +237,7 @@ def place_beside(obstacles: Obstacles, radius: float, end: Point) -> Point:
         for k in range(DIRECTIONS):
             angle = 2.0 * np.pi * k / DIRECTIONS
             place = (end[0] + away * np.cos(angle), end[1] + away * np.sin(angle))
+            # On the way between the two, the body may come as close as it is at `end`, but for rounding.
             if room_at(obstacles, place, 2.0 * radius) > radius and way_is_free(obstacles, TIGHT * room, end, place):
                 return place
     return end

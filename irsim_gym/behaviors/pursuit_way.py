@@ -32,6 +32,7 @@ def place_on_way(way: Floats, count: int, begin: int, body: Point) -> tuple[int,
         distance2 = (px - x) * (px - x) + (py - y) * (py - y)
         if distance2 < best:
             best, found, best_x, best_y = distance2, i, px, py
+        # Of the first side, only what lies ahead of the body's foot counts.
         gone += np.sqrt(length2) * (1.0 - share if i == begin else 1.0)
         i += 1
     return found, (best_x, best_y)
@@ -69,6 +70,8 @@ def point_at_distance(way: Floats, count: int, side: int, body: Point, distance:
             continue
         ax, ay = way[i, 0] - x, way[i, 1] - y
         dx, dy = bx - ax, by - ay
+        # |a + share d|^2 = distance^2. The greater root is where the side leaves the circle; without roots, the side
+        # passes by, and -b / a is its point nearest to the body.
         a, b, c = dx * dx + dy * dy, ax * dx + ay * dy, ax * ax + ay * ay - distance * distance
         root = b * b - a * c
         share = (np.sqrt(max(root, 0.0)) - b) / a if a > 0.0 else 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -53,6 +53,7 @@ class Recorded:
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Compute the position of each person at each step."""
         ways = [sampled(options, float(model.step_time[0])) for options in group.options]
+        # One row more than the longest way: NaN, so that everybody is absent after the last step.
         points = np.full((len(ways), max(map(len, ways)) + 1, 2), np.nan)
         for row, way in zip(points, ways, strict=True):
             row[: len(way)] = way
@@ -66,7 +67,7 @@ class Recorded:
     @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
-        decide_recorded(shard.worlds, group.members, model, state, group.tables)
+        decide_recorded(shard.worlds, group.members, group.params, model, state, group.tables)
 
 
 @dataclass
@@ -88,11 +89,13 @@ def come_and_go(worlds: Ints, members: Ints, ahead: int, model: Model, state: St
     Writes: model (present), state (collided, hit, pose, stopped, twist, velocity).
     """
     for w in worlds:
+        # The last row holds from then on.
         step = min(state.step[w] + ahead, tables.points.shape[1] - 1)
         for k in range(members.shape[0]):
             b, x, y = members[k], tables.points[k, step, 0], tables.points[k, step, 1]
             if np.isnan(x):
                 model.present[w, b] = False
+            # Bodies are put in place when they come, or at the start; then they walk, see decide_recorded.
             elif not model.present[w, b] or step == 0:
                 model.present[w, b] = True
                 state.pose[w, b, 0], state.pose[w, b, 1] = x, y
@@ -102,7 +105,9 @@ def come_and_go(worlds: Ints, members: Ints, ahead: int, model: Model, state: St
 
 
 @kernel
-def decide_recorded(worlds: Ints, members: Ints, model: Model, state: State, tables: RecordedTables) -> None:
+def decide_recorded(
+    worlds: Ints, members: Ints, params: Any, model: Model, state: State, tables: RecordedTables
+) -> None:
     """Write the commands that lead to where the persons are after the step.
 
     Reads: model (drive, step_time), state (pose, step), tables (points).
@@ -112,7 +117,9 @@ def decide_recorded(worlds: Ints, members: Ints, model: Model, state: State, tab
     for w in worlds:
         following = min(state.step[w] + 1, tables.points.shape[1] - 1)
         for k in range(members.shape[0]):
-            b, x, y = members[k], tables.points[k, following, 0], tables.points[k, following, 1]
+            # Only some members may decide in a turn: their rows are those that they have in the whole group.
+            b, m = members[k], params[k].index
+            x, y = tables.points[m, following, 0], tables.points[m, following, 1]
             vx, vy = 0.0, 0.0
             if not np.isnan(x):
                 vx, vy = (x - state.pose[w, b, 0]) / dt, (y - state.pose[w, b, 1]) / dt

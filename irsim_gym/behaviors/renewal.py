@@ -11,6 +11,7 @@ from irsim_gym.scenario.wander_goals import WanderGoals
 
 _MEMBERS = "a member without a behavior of its own"
 _LOW, _HIGH = (0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)
+"""IR-SIM's default bounds of goals: its default world of 10 m by 10 m, any heading [m, m, rad]."""
 _GOALS = option(
     defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
 )

@@ -67,8 +67,10 @@ def twist_of(wheels: Wheels, first: float, second: float) -> Twist:
     if wheels.drive == DIFFERENTIAL:
         return first, 0.0, second
     if wheels.drive == ACKERMANN:
+        # A car that stands cannot turn.
         if wheels.by_rate:
             return first, 0.0, second if first != 0.0 else 0.0
+        # Kinematic bicycle model, with the body's origin on the rear axle.
         return first, 0.0, first * np.tan(second) / wheels.wheelbase
     if wheels.drive == OMNI_WORLD:
         return wheels.cosine * first + wheels.sine * second, wheels.cosine * second - wheels.sine * first, 0.0
@@ -90,11 +92,12 @@ def command_window(model: Model, state: State, w: int, b: int, axis: int) -> tup
         b: The body.
         axis: Which number of the command.
     """
-    # Drives of plugins are shown as omnidirectional; what they execute is in coordinates of their own.
+    # A plugin's drive gets its command like an omnidirectional one, but `velocity` is in coordinates of its own.
     now = state.twist[w, b, axis] if model.drive[b] == OMNI_WORLD else state.velocity[w, b, axis]
     change = model.acceleration_limit[row_of(model.acceleration_limit, w), b, axis] * model.step_time[0]
     least = max(model.velocity_min[row_of(model.velocity_min, w), b, axis], now - change)
     most = min(model.velocity_max[row_of(model.velocity_max, w), b, axis], now + change)
+    # A body that is faster than its limits allow cannot reach them in a step: one value is left.
     return min(least, most), most
 
 
@@ -109,6 +112,7 @@ def place_at(twist: Twist, time: float) -> tuple[float, float, float, float]:
     ahead, left, rate = twist
     turn = rate * time
     cosine, sine = np.cos(turn), np.sin(turn)
+    # The chord of a unit-speed arc in the initial frame: sin(turn) / rate ahead and (1 - cos(turn)) / rate to the left.
     along, across = (sine / rate, (1.0 - cosine) / rate) if rate != 0.0 else (time, 0.0)
     return ahead * along - left * across, ahead * across + left * along, cosine, sine
 
@@ -141,6 +145,7 @@ def find_nearest(points: Floats, n_points: int, poses: Record) -> None:
         for k in range(LANES):
             dx, dy = poses.x[k] - x, poses.y[k] - y
             distance2 = dx * dx + dy * dy
+            # Selections in place of branches, so that all lanes take one path.
             poses.near[k] = distance2 if distance2 < poses.near[k] else poses.near[k]
 
 
@@ -159,17 +164,20 @@ def gap_at(
         poses: The poses, with ``near`` as ``find_nearest`` writes it.
         k: Which pose.
     """
+    # The outline lies within `reach` of the origin, so points farther away than this cannot be closer than `limit`.
     far = reach + limit
     if poses.near[k] >= far * far:
         return limit
     if is_round(outline):
         return float(max(np.sqrt(poses.near[k]) - reach, 0.0))
     best = limit
-    for within in (poses.near[k] * (1.0 + ROUNDING), far * far):  # the nearest point leaves few others to compare
+    # First the point nearest to the origin alone: the distance found there excludes most others in the second pass.
+    for within in (poses.near[k] * (1.0 + ROUNDING), far * far):
         for j in range(n_points):
             dx, dy = points[0, j] - poses.x[k], points[1, j] - poses.y[k]
             distance2 = dx * dx + dy * dy
             if distance2 <= within and distance2 < (reach + best) * (reach + best):
+                # The outline is given in the body frame, so the point is turned into it, not the outline out of it.
                 x, y = poses.cosine[k] * dx + poses.sine[k] * dy, poses.cosine[k] * dy - poses.sine[k] * dx
                 best = min(best, point_outline_distance((x, y), outline))
     return best

@@ -23,7 +23,7 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
 TURNING = Turning(0.2, 0.1, 0.02, 1.5)
-"""How a differential drive follows the chosen velocity."""
+"""How a differential drive follows the chosen velocity: IR-SIM's constants, whatever its step and its limits are."""
 
 
 @kind
@@ -85,6 +85,7 @@ class Rvo(RenewsGoals):
 
 def _most_samples(params: Any) -> int:
     """Return an upper bound of the number of velocities that any member samples along an axis."""
+    # Samples lie between -min(acce, vmax) and min(acce, vmax) about the velocity at most; 3 for both ends and rounding.
     widest = np.minimum(params["acce"], np.maximum(params["vxmax"], params["vymax"])).max()
     return int(2.0 * widest / PITCH) + 3
 
@@ -136,12 +137,14 @@ def choose_velocity(
     mode, cones = options.mode, tables.cones
     along_x = lay_samples(ego.vx, options["acce"], min(options.vxmax, most), wanted[0])
     along_y = lay_samples(ego.vy, options["acce"], min(options.vymax, most), wanted[1])
+    # Cones of discs come first, with the numbers of their discs; those of walls are appended and always exact.
     n_cones = side_cones(ego, sides, cones, rounds.shape[0])
     rough_cones(mode, ego, rounds, cones)
     best = nearest_free(mode, ego, n_cones, along_x, along_y, tables)
     if best >= 0:
         i, j = best // along_y.n, best % along_y.n
         return along_x.first + i * along_x.step, along_y.first + j * along_y.step
+    # Every sample is in a cone: now all cones have to be exact, and `touch_way` of every disc is needed.
     write_samples(along_x, tables.samples[0], tables.order[0])
     write_samples(along_y, tables.samples[1], tables.order[1])
     disc_cones(mode, ego, rounds, cones)

@@ -31,11 +31,13 @@ def least_penalty(
     samples, order = tables.samples, tables.order
     best, best_cost, least = 0, np.inf, 0.0
     for disc in rounds:
-        if disc.touch_way == 0.0:  # touches already: every sample costs the same for it
+        # Touched already: the first part of the penalty is this for every sample.
+        if disc.touch_way == 0.0:
             least = factor * (1.0 / NO_TIME)
     for a in range(along_x.n):
         i = order[0, a]
         dx = samples[0, i] - along_x.wanted
+        # All later samples are farther from the wanted velocity, so they cannot cost less.
         if least + np.abs(dx) > best_cost * SLACK:
             break
         for c in range(along_y.n):
@@ -47,6 +49,7 @@ def least_penalty(
             if least == 0.0:
                 time = time_to_collision(ego, (samples[0, i], samples[1, j]), rounds, sides)
             cost = factor * (1.0 / (NO_TIME if time == 0.0 else time)) + distance
+            # Samples come out of order here; of equal ones, the first in IR-SIM's order (x-major) wins.
             place = i * along_y.n + j
             if cost < best_cost or (cost == best_cost and place < best):
                 best, best_cost = place, cost
@@ -62,6 +65,7 @@ def time_to_collision(ego: Ego, velocity: Vector, rounds: Records, sides: Floats
     time = np.inf
     for disc in rounds:
         tx, ty = 2.0 * velocity[0] - ego.vx - disc.vx, 2.0 * velocity[1] - ego.vy - disc.vy
+        # IR-SIM takes the length of the tangent as the way to the collision; 1e-7 keeps the quotient finite.
         time = min(time, disc.touch_way / (np.sqrt(tx * tx + ty * ty) + 1e-7))
     for side in sides:
         time = min(time, time_to_side(ego, velocity, side))
@@ -78,11 +82,13 @@ def time_to_side(ego: Ego, velocity: Vector, side: Floats) -> float:
         return NEVER
     normal_x, normal_y = -along_y / length, along_x / length
     height = normal_x * (x - side[0]) + normal_y * (y - side[1])
+    # A wall has two sides: the normal points to the one that the body is on.
     if height < 0.0:
         normal_x, normal_y, height = -normal_x, -normal_y, -height
     approach = -(normal_x * vx + normal_y * vy)
     if approach <= 1e-7:
         return NEVER
+    # When the disc reaches the line; then, whether its centre is beside the segment or within a radius of its ends.
     time = max((height - r) / approach, 0.0)
     share = ((x + vx * time - side[0]) * along_x + (y + vy * time - side[1]) * along_y) / (length * length)
     margin = r / length

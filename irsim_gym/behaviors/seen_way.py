@@ -50,6 +50,7 @@ def note_hit(
         soft: ``SeenCells.soft`` of one member.
     """
     far = reach + distance
+    # In cells from the centre of cell 0, which is half a cell inside of the grid's corner.
     column, row = (x - grid.origin_x) / grid.cell - 0.5, (y - grid.origin_y) / grid.cell - 0.5
     half = far / grid.cell
     for i in range(max(int(np.ceil(row - half)), 0), min(int(np.floor(row + half)) + 1, grid.rows)):
@@ -87,11 +88,13 @@ def find_seen_way(
     if here < 0 or there < 0:
         return 0
     clear_field(search)
+    # The search begins at the goal: parents then lead from the body to the goal, in order.
     offer(search.field.reshape(-1), search.queue, there, 0.0, -1, grid.cell)
     spread(grid.cell, here, search)
     if not search.field[here // grid.columns, here % grid.columns] < np.inf:
         return 0
     path[0, 0], path[0, 1], count = start[0], start[1], 1
+    # The goal's cell has the parent -1.
     while here >= 0:
         path[count, 0], path[count, 1] = centre(grid, here // grid.columns, here % grid.columns)
         here, count = search.queue[PARENT, here], count + 1
@@ -108,6 +111,7 @@ def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
     kept, i = 1, 0
     while i < count - 1:
         last = i + 1
+        # The farthest point that can be seen from the last one kept; the next one always can.
         for j in range(count - 1, i + 1, -1):
             if is_clear((path[kept - 1, 0], path[kept - 1, 1]), (path[j, 0], path[j, 1]), grid, blocked):
                 last = j
@@ -122,6 +126,7 @@ def is_still_free(points: Floats, first: int, count: int, grid: Grid, seen: Labe
     """Return whether a path, from point ``first`` on, crosses no cell that has been found blocked."""
     for s in range(first, count - 1):
         ax, ay, dx, dy = points[s, 0], points[s, 1], points[s + 1, 0] - points[s, 0], points[s + 1, 1] - points[s, 1]
+        # Samples at most half a cell apart.
         parts = int(np.ceil(2.0 * np.sqrt(dx * dx + dy * dy) / grid.cell)) + 1
         for i in range(parts):
             column = int(np.floor((ax + dx * i / parts - grid.origin_x) / grid.cell))

@@ -37,6 +37,7 @@ INTERACTION = option(
 RANGE = option(1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades.")
 
 NO_FORCE = 0.0, 0.0
+"""The further force on a body that walks alone [m/s2]."""
 
 
 @kind

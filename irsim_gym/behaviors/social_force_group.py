@@ -78,6 +78,7 @@ class SocialForceGroup(RenewsMembersGoals):
 
     def without_member(self, member: int) -> Self:
         """Return these options for a group that has lost a member; later members move up by one."""
+        # Members are named by their numbers: those behind the lost one move up.
         parties = (tuple(one - (one > member) for one in party if one != member) for party in self.social_groups)
         return replace(self, social_groups=tuple(party for party in parties if party))
 
@@ -165,6 +166,7 @@ def force_of_party(model: Model, state: State, w: int, k: int, members: Ints, pa
         count += 1
         sum_x, sum_y = sum_x + pose[q, 0], sum_y + pose[q, 1]
         dx, dy = x - pose[q, 0], y - pose[q, 1]
+        # NaN stands for the default: the members' discs touch.
         near = options.group_repulsion_threshold
         if np.isnan(near):
             near = r + (radius[q] + MARGIN)
@@ -173,7 +175,9 @@ def force_of_party(model: Model, state: State, w: int, k: int, members: Ints, pa
     if count < 2:
         return 0.0, 0.0
     mean_x, mean_y = sum_x / count, sum_y / count
+    # A soft switch between 0 and 1: one half at (count - 1) / 2 metres from the centre of the party.
     pull = (np.tanh(np.hypot(mean_x - x, mean_y - y) - (count - 1.0) / 2.0) + 1.0) / 2.0
+    # The mean of the others, from that of all.
     others_x, others_y = (count * mean_x - x) / (count - 1.0), (count * mean_y - y) / (count - 1.0)
     vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
     turn = head_turn((vx, vy), (others_x - x, others_y - y), options.gaze_vision_angle * np.pi / 180.0)

@@ -75,6 +75,7 @@ def planned_velocity(
     size = length_of(wanted_x, wanted_y, tables.by_hypot)
     if size > 1e-9:
         wanted_x, wanted_y = fastest * wanted_x / size, fastest * wanted_y / size
+    # Helbing and Molnar 1995: the velocity relaxes to the wanted one.
     pull_x, pull_y = (wanted_x - vx) / options.relaxation_time, (wanted_y - vy) / options.relaxation_time
     others_x, others_y, walls_x, walls_y = push_of_bodies(model, state, w, b, options, tables)
     if tables.lines.shape[0] > 0:
@@ -104,6 +105,7 @@ def follow(model: Model, state: State, w: int, b: int, velocity: Vector) -> None
     """
     fastest = model.velocity_max[row_of(model.velocity_max, w), b, 1]
     sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w), b, 1]
+    # The upper end of the interval that the acceleration allows bounds turns to either side, as in IR-SIM.
     limit = min(fastest, state.velocity[w, b, 1] + sharpest * model.step_time[0])
     turning = Turning(model.step_time[0], TURN_TOLERANCE, SLOW, limit)
     to_command(model.drive[b], state.pose[w, b, 2], velocity[0], velocity[1], turning, state.command[w, b])
@@ -126,6 +128,7 @@ def push_of_bodies(
     pose, twist, sight, among = state.pose[w], state.twist[w], options.neighbor_threshold, tables.among
     x, y, vx, vy = pose[b, 0], pose[b, 1], twist[b, 0], twist[b, 1]
     r = model.radius[row_of(model.radius, w), b] + MARGIN
+    # Beyond this, exp(-gap / sigma) is below exp(-FADED).
     reach = FADED * options.sigma_obstacle + r
     most = max(sight, reach)
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
@@ -134,6 +137,7 @@ def push_of_bodies(
         roles = ALL_ROLES if among[q] else options.target_roles
         if is_far(model, state, w, b, q, most) or not is_seen(model, w, b, q, roles):
             continue
+        # Members see each other as discs about their origins, others as look_of says.
         look = ROUND if among[q] else look_of(model, w, q)
         if look == STANDING:
             outline = outline_of(model, state, w, q)
@@ -141,6 +145,7 @@ def push_of_bodies(
             if distance <= reach:
                 cx, cy = nearest_point(x, y, outline)
                 fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
+                # Inside of the outline, the way out leads towards its nearest point.
                 if distance == 0.0:
                     fx, fy = -fx, -fy
                 walls_x, walls_y = walls_x + fx, walls_y + fy
@@ -150,6 +155,7 @@ def push_of_bodies(
                 ux, uy = vx - twist[q, 0], vy - twist[q, 1]
                 if options.interaction == CIRCULAR:
                     both = model.radius[row_of(model.radius, w), b] + model.radius[row_of(model.radius, w), q]
+                    # Both bodies keep the safety distance.
                     both += 2.0 * options.safety_radius
                     fx, fy = push_of_disc(px - x, py - y, both, options.interaction_range)
                 else:
@@ -169,6 +175,7 @@ def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hy
     The sideways part changes its sign with the angle between the interaction and the way to the other, at full size.
     Where that angle is 0, as for two bodies at rest, rounding decides on which side a body is pushed.
     """
+    # e_ij, the direction to the other body.
     distance = length_of(dx, dy, by_hypot)
     if distance < 1e-6:
         return 0.0, 0.0
@@ -179,11 +186,14 @@ def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hy
         return 0.0, 0.0
     tx, ty = tx / size, ty / size
     scale = options.gamma * size
+    # theta, from the interaction to the other body, counter-clockwise.
     angle = np.arctan2(tx * to_y - ty * to_x, tx * to_x + ty * to_y)
+    # -d / B, with the distance between the bodies' safety rings.
     fading = -max(distance - 2.0 * options.safety_radius, 0.0) / scale
     braking, turning = options.n_velocity * scale * angle, options.n_angular * scale * angle
     brake = -np.exp(fading - braking * braking)
     turn = -np.sign(angle) * np.exp(fading - turning * turning)
+    # (-ty, tx) is the left normal of the interaction.
     return brake * tx - turn * ty, brake * ty + turn * tx
 
 

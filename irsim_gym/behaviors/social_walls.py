@@ -42,7 +42,8 @@ class SocialTables(Struct):
         nearby: Scratch for a search of bodies, shape ``(body,)``.
         sides: Scratch for the walls of a map: x0, y0, x1, y1 [m], shape ``(n, 4)``.
         discs: Scratch for the discs of a map: x, y, radius [m], shape ``(n, 3)``.
-        nearest: Scratch: records of type ``WALL_POINT`` for walls that face left, right, up and down, shape ``(4,)``.
+        nearest: Scratch: records of type ``WALL_POINT``, one for each of the four directions in which walls face, in
+            any order; shape ``(4,)``.
     """
 
     by_hypot: bool
@@ -129,6 +130,7 @@ def push_of_map(model: Model, state: State, w: int, b: int, options: Any, tables
     for way in range(4):
         if nearest[way].gap2 < reach * reach:
             fx, fy = push_of_wall(x - nearest[way].x, y - nearest[way].y, r, options.sigma_obstacle)
+            # The strongest push to each side; pushes to opposite sides add up with their signs.
             left, right, down, up = min(left, fx), max(right, fx), min(down, fy), max(up, fy)
     return left + right, down + up
 
@@ -143,6 +145,8 @@ def find_nearest_walls(model: Model, w: int, x: float, y: float, reach: float, t
     sides = tables.sides
     for k in range(map_walls(model, w, x, y, reach, sides, 0)):
         ax, ay, bx, by = sides[k]
+        # Free cells are to the left of a wall, so one that has the body to its right faces away from it. The number of
+        # the direction: lines along x before lines along y, each by its sense.
         if side(ax, ay, bx, by, x, y) >= 0.0:
             note_nearest((x, y), foot_on(x, y, sides[k]), tables.nearest[2 * int(ax == bx) + int(bx < ax or by < ay)])
 
@@ -160,6 +164,7 @@ def find_nearest_discs(model: Model, w: int, x: float, y: float, reach: float, t
         off = np.sqrt(dx * dx + dy * dy)
         if off > radius:
             share = radius / off
+            # The larger offset decides to which side of the disc the body is.
             way = 2 + int(dx < 0.0) if np.abs(dx) > np.abs(dy) else int(dy < 0.0)
             note_nearest((x, y), (discs[d, 0] + share * dx, discs[d, 1] + share * dy), tables.nearest[way])
 

@@ -71,7 +71,8 @@ def wanted_velocity(model: Model, state: State, w: int, b: int) -> Vector:
     if np.sqrt(dx * dx + dy * dy) <= ARRIVED:
         return 0.0, 0.0
     fastest = model.velocity_max[row_of(model.velocity_max, w), b]
-    angle = (np.arctan2(dy, dx) + np.pi) % (2.0 * np.pi) - np.pi  # with IR-SIM's rounding, which settles ties
+    # IR-SIM wraps the angle in this way. Its rounding decides which of two equally good samples `rvo` takes.
+    angle = (np.arctan2(dy, dx) + np.pi) % (2.0 * np.pi) - np.pi
     speed_y = fastest[0] if model.drive[b] == DIFFERENTIAL else fastest[1]
     return fastest[0] * np.cos(angle), speed_y * np.sin(angle)
 
@@ -102,6 +103,7 @@ def to_command(drive: int, heading: float, vx: float, vy: float, turning: Turnin
         if speed <= turning.slow:
             return
         error = wrap_below(heading - np.arctan2(vy, vx))
+        # A body that points away from the velocity turns on the spot first, instead of driving backwards.
         command[0] = max(speed * np.cos(error), 0.0)
         if np.abs(error) >= turning.tolerance:
             command[1] = max(min(-error / turning.time, turning.limit), -turning.limit)
@@ -122,5 +124,6 @@ def braked_rate(fastest: float, acceleration: float, step: float, angle: float) 
     """
     if not (np.isfinite(acceleration) and acceleration > 0.0):
         return fastest
+    # The positive root of r^2 / (2 a) + r dt = angle. The term r dt is the step before braking can begin.
     braking = acceleration * step
     return float(min(fastest, np.sqrt(braking * braking + 2.0 * acceleration * angle) - braking))

@@ -95,6 +95,7 @@ def is_seen(model: Model, w: int, b: int, q: int, target_roles: int) -> bool:
         return False
     if model.movable[q] and model.heedless[row_of(model.heedless, w), b]:
         return False
+    # Choices count from "all" = 0, roles from 0.
     return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
 
 
@@ -155,6 +156,7 @@ def find_around(model: Model, state: State, w: int, b: int, radius: float, nearb
         nearby: Numbers of bodies to write, shape ``(body,)``.
     """
     x, y, frame = state.pose[w, b, 0], state.pose[w, b, 1], model.bucket_frame[0]
+    # Buckets hold bodies by their origins; the farthest-reaching body found through them reaches `frame.reach`.
     return find_nearby(x, y, radius + frame.reach, frame, state.bucket_first[w], state.bucket_next[w], nearby)
 
 

@@ -16,6 +16,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
 
 RVO, HRVO, VO = 0, 1, 2
+"""Modes, in the order of the option ``mode``."""
 
 CONE = record_type("apex_x apex_y left_x left_y right_x right_y left_slope right_slope", is_exact=np.int64)
 """A cone of forbidden velocities: its apex [m/s], the unit vectors along its left and right edge, their slopes, and
@@ -70,6 +71,7 @@ def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
     sum_r = ego.radius + disc.radius
     distance = np.sqrt(dy * dy + dx * dx)
     disc.touch_way = np.sqrt(max(distance * distance - sum_r * sum_r, 0.0))
+    # Half the opening of the cone; a body that overlaps the disc is as if it touched it, so it sees a half-plane.
     half = np.arcsin(min(max(sum_r / max(distance, sum_r), -1.0), 1.0))
     angle = np.arctan2(dy, dx)
     left, right = angle + half, angle - half
@@ -78,13 +80,17 @@ def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
         apex_x, apex_y = (vx + ux) / 2.0, (vy + uy) / 2.0
     if mode == HRVO:
         off_x, off_y = apex_x - ux, apex_y - uy
+        # sin(pi - 2 half) = sin(2 half); 0.01 keeps the quotient finite for a half-plane, as in IR-SIM.
         opening = np.pi - 2.0 * half
         if opening == 0.0:
             opening = 0.01
+        # Law of sines: how far along the right edge of the one cone the line of the other cone's left edge lies.
         shift = np.sqrt(off_x * off_x + off_y * off_y) * np.sin(left - np.arctan2(off_y, off_x)) / np.sin(opening)
+        # To the right of the axis: RVO's right edge and VO's left one, so that passing on the left costs more.
         if dx * (vy - apex_y) - (vx - apex_x) * dy <= 0.0:
             apex_x, apex_y = apex_x - shift * np.cos(right), apex_y - shift * np.sin(right)
         else:
+            # RVO's left edge and VO's right one.
             apex_x, apex_y = ux + shift * np.cos(right), uy + shift * np.sin(right)
     write_cone(cone, (apex_x, apex_y), left, right)
 
@@ -103,6 +109,7 @@ def side_cones(ego: Ego, sides: Floats, cones: Records, n_cones: int) -> int:
             continue
         first, second = np.arctan2(ay, ax), np.arctan2(by, bx)
         before, after = widening(ax, ay, ego.radius), widening(bx, by, ego.radius)
+        # The angle from the first end to the second, wrapped; its sign says which end is to the left.
         turn = np.arctan2(np.sin(second - first), np.cos(second - first))
         if turn >= 0.0:
             write_cone(cones[n_cones], (0.0, 0.0), second + after, first - before)
@@ -116,6 +123,7 @@ def side_cones(ego: Ego, sides: Floats, cones: Records, n_cones: int) -> int:
 def widening(dx: float, dy: float, r: float) -> float:
     """Return the angle [rad] by which a disc of radius r widens the direction of a point."""
     distance = np.sqrt(dx * dx + dy * dy)
+    # Within the disc, the point blocks a half-plane.
     return float(np.arcsin(min(1.0, r / max(distance, r)))) if distance > 1e-6 else np.pi / 2.0
 
 
@@ -151,7 +159,8 @@ def lay_samples(current: float, change: float, limit: float, wanted: float) -> A
         wanted: The velocity that is wanted [m/s].
     """
     low, high = max(current - change, -limit), min(current + change, limit)
-    step = (low + PITCH) - low  # as np.arange: the pitch is that of the first two
+    # np.arange, with which IR-SIM samples, repeats the rounded difference of its first two values.
+    step = (low + PITCH) - low
     if high <= low:
         return Axis(min(max(current, -limit), limit), step, 1, wanted)
     return Axis(low, step, int(np.ceil((high - low) / PITCH)), wanted)
@@ -171,6 +180,7 @@ def order_samples(samples: Floats, count: int, wanted: float, order: Ints) -> No
     above = 0
     while above < count and samples[above] < wanted:
         above += 1
+    # Two runs, downwards from `below` and upwards from `above`, are merged by distance; ties go to the lower index.
     below = above - 1
     for k in range(count):
         if above >= count or (below >= 0 and wanted - samples[below] <= samples[above] - wanted):

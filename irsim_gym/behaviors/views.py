@@ -217,6 +217,7 @@ def others(group: Group, model: Model, state: State, world: int, looking: Ints, 
     if role >= 0:
         seen &= model.role == role
     seen[looking] = False
+    # A row of `watchers` for each set of bodies that are seen alike: which of the rows any of the looking bodies sees.
     visible = np.asarray(model.watchers[:, looking].any(axis=1))
     seen &= visible[model.seen_row]
     if model.heedless[row_of(model.heedless, world), looking].all():

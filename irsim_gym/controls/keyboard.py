@@ -35,6 +35,7 @@ COMMANDS = {
     "v": "figure",
     "y": "display",
 }
+"""Keys that command the world, and their commands."""
 
 
 class Keyboard:
@@ -76,6 +77,7 @@ class Keyboard:
             if stroke.key in COMMANDS and not stroke.alt:
                 asked.append(COMMANDS[stroke.key])
             elif drives:
+                # From the first key of an axis on, its initial speed counts no more.
                 self._initial.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
                 self._set(stroke, turns)
         self._held.settle(now)
@@ -87,6 +89,7 @@ class Keyboard:
             if stroke.key.isdecimal() and len(stroke.key) == 1:
                 self.key_id = int(stroke.key)
             return
+        # q and z slow down, e and c speed up: q and e ahead, z and c turning, or ahead with shift.
         sign = {"z": -1, "q": -1, "c": 1, "e": 1}.get(stroke.key)
         if sign is None:
             return

@@ -56,10 +56,12 @@ class HeldKeys:
         """Process a stroke that arrives now [s]; return whether it newly presses a key."""
         if not stroke.down:
             if stroke.key in self._down:
+                # Two clocks: strokes are compared by their source's, waiting is measured by the caller's.
                 self._up_since[stroke.key] = stroke.time, now
             return False
         went_up, _ = self._up_since.pop(stroke.key, (None, None))
         if stroke.key in self._down:
+            # Down again without going up, or soon after it: the key repeats.
             if went_up is None or stroke.time - went_up <= REPEAT_S:
                 return False
             self._down.remove(stroke.key)

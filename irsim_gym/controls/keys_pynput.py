@@ -10,7 +10,9 @@ from typing import Any
 from irsim_gym.controls.keys import KeySource, Stroke
 
 SPELT = {"esc": "escape", "enter": "return"}
+"""Names of keys that pynput spells in another way."""
 ENDING_S = 2.0
+"""Time in which the thread has to end [s]."""
 
 
 class PynputKeys(KeySource):
@@ -40,6 +42,7 @@ class PynputKeys(KeySource):
     def strokes(self) -> list[Stroke]:
         """Return the strokes since the last call in order, without presses if the program lacks the focus."""
         focused = self._is_focused()
+        # Strokes may arrive meanwhile in the other thread: only as many are taken as there are now.
         came = [self._came.popleft() for _ in range(len(self._came))]
         return [stroke for stroke in came if focused or not stroke.down]
 

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from irsim_gym.render.window import Window, WindowEvent
 
 SPELT = {" ": "space", "enter": "return", "": "unknown"}
+"""Names of keys that matplotlib spells in another way."""
 
 
 class WindowKeys(KeySource):
@@ -39,9 +40,11 @@ class WindowKeys(KeySource):
 
     def _take(self, name: str, time: float, *, down: bool) -> None:
         """Record a key by matplotlib's name of it: ``w``, ``W`` with shift, ``alt+1``."""
+        # "ctrl++" is the key "+" with a modifier; "+" alone and no name at all have nothing to split.
         *modifiers, key = [name] if name in ("+", "") else name.replace("++", "+plus").split("+")
         if key in ("alt", "alt_l", "alt_r"):
-            self._alt = down  # on some toolkits it is not among the modifiers of other keys
+            # On some toolkits, alt is not among the modifiers of other keys.
+            self._alt = down
         alt = "alt" in modifiers or self._alt
         shift = "shift" in modifiers or (len(key) == 1 and key.isupper())
         self._came.append(Stroke(SPELT.get(key, key.lower()), down, time, alt, shift))

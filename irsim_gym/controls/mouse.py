@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from irsim_gym.render.window import Window, WindowEvent
 
 LEFT, MIDDLE, RIGHT = 1, 2, 3
+"""Buttons."""
 Point = tuple[float, float]
 
 
@@ -80,6 +81,7 @@ class Mouse:
         if point is None or event.steps == 0.0:
             return
         x, y = point
+        # Positive steps zoom in: each edge comes nearer to the cursor by the factor.
         share = self.zoom_factor**-event.steps
         x_min, y_min, x_max, y_max = self._layout().limits
         left, low, right, high = ((edge - at) * share for edge, at in ((x_min, x), (y_min, y), (x_max, x), (y_max, y)))
@@ -89,6 +91,7 @@ class Mouse:
 
 def _point(layout: Layout, column: float, row: float) -> Point | None:
     """Return the world point that a pixel shows [m]; None outside of the drawing area."""
+    # Rows of pixels count from the top, y from the bottom.
     right, up = column - layout.left, layout.height - row - layout.bottom
     if not (0.0 <= right <= layout.plot_width and 0.0 <= up <= layout.plot_height):
         return None

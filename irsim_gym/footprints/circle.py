@@ -17,6 +17,7 @@ from irsim_gym.world.outline import Outline
 from irsim_gym.world.state import State
 
 LEAST_SIZE = 1e-3
+"""Lower bound of random radii [m]."""
 
 
 @kind
@@ -63,6 +64,7 @@ def draw_discs(worlds: Ints, members: Ints, params: Any, model: Model, state: St
     """
     for w in worlds:
         for k in range(members.shape[0]):
+            # Random outlines have rows of their own in each world, so that w is the row.
             disc = model.local_discs[w, model.disc_start[members[k]]]
             disc[2] = uniform(state.random, w, params[k].radius_range[0], params[k].radius_range[1])
             model.reach[w, members[k]] = np.sqrt(disc[0] * disc[0] + disc[1] * disc[1]) + disc[2]

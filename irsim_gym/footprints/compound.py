@@ -15,8 +15,9 @@ from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.world.outline import Outline, chain
 
 KEYS = {"circle": ("radius", "center"), "rectangle": ("length", "width"), "polygon": ("vertices",)}
+"""Options of each shape of a part."""
 ROUND = 128
-"""Segments to a quarter of a disc where the centre of the area is worked out."""
+"""Segments to a quarter of a disc where the centre of the area is computed."""
 
 
 @kind
@@ -98,6 +99,7 @@ def _boundary(area: Any) -> Floats:
     import shapely
 
     polygons = [shapely.geometry.polygon.orient(polygon) for polygon in shapely.get_parts(area)]
+    # The last point of a shapely ring repeats the first one.
     rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors) if not polygon.is_empty]
     rows = [chain(shapely.get_coordinates(ring)[:-1], closed=True) for ring in rings]
     return np.concatenate(rows) if rows else np.zeros((0, 4))

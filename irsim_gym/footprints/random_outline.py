@@ -16,11 +16,12 @@ from irsim_gym.world.outline import chain
 from irsim_gym.world.state import State
 
 STEP_TRIES = 32
+"""Maximum number of draws of the angles between vertices."""
 LEAST_DISTANCE = 0.01
 FARTHEST_SHARE = 2.0
-"""A vertex is at most this many mean radii away from the centre."""
-
+"""Least and greatest distance of a vertex from the centre, in mean radii."""
 MOST_VERTICES = 1000
+"""Maximum number of vertices."""
 
 
 @kind
@@ -61,6 +62,7 @@ class VertexShape:
 
     def largest(self) -> Floats:
         """Return the sides of a regular polygon: as many, and as far away, as those of a random outline can be."""
+        # The upper bound of the number is excluded.
         angles = 2.0 * np.pi * np.arange(self.num_vertices_range[1] - 1) / (self.num_vertices_range[1] - 1)
         x_min, y_min, x_max, y_max = self.center_range
         off_center = np.hypot(max(abs(x_min), abs(x_max)), max(abs(y_min), abs(y_max)))
@@ -102,12 +104,14 @@ def draw_outlines(worlds: Ints, members: Ints, params: Any, closed: bool, model:
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
+            # Vertices come into the first two columns; the last two are scratch until the ends of the sides are known.
             rows = model.local_segments[w, model.segment_start[b] :]
             n = draw_vertices(state.random, w, params[k], rows)
             if params[k].is_convex:
                 n = hull(rows, n)
             for v in range(n):
                 rows[v, 2], rows[v, 3] = rows[(v + 1) % n, 0], rows[(v + 1) % n, 1]
+            # An open chain leaves out the side from the last vertex to the first.
             model.segment_count[w, b] = n if closed else n - 1
             largest = 0.0
             for v in range(n):
@@ -130,6 +134,7 @@ def draw_vertices(random: Words, w: int, bounds: Any, rows: Floats) -> int:
         distance = normal(random, w, radius, spikeyness * radius)
         distance = min(max(distance, LEAST_DISTANCE * radius), FARTHEST_SHARE * radius)
         rows[v, 0], rows[v, 1] = x + distance * np.cos(angle), y + distance * np.sin(angle)
+        # The third column holds the steps that draw_angle_steps wrote.
         angle += rows[v, 2]
     return n
 
@@ -142,6 +147,7 @@ def draw_angle_steps(random: Words, w: int, n: int, irregularity: float, rows: F
     """
     even = 2.0 * np.pi / n
     for attempt in range(STEP_TRIES):
+        # The last attempt is an even one, so that it succeeds.
         spread = irregularity * even if attempt < STEP_TRIES - 1 else 0.0
         total = 0.0
         for v in range(n):
@@ -149,6 +155,7 @@ def draw_angle_steps(random: Words, w: int, n: int, irregularity: float, rows: F
             total += rows[v, 2]
         largest = 0.0
         for v in range(n):
+            # Scaled so that the steps close the turn.
             rows[v, 2] *= 2.0 * np.pi / total
             largest = max(largest, rows[v, 2])
         if largest <= np.pi:
@@ -160,7 +167,9 @@ def hull(rows: Floats, n: int) -> int:
     """Replace the n vertices in the first two columns by their convex hull; return its size (Jarvis 1973)."""
     first = 0
     for v in range(n):
+        # Copies, so that the first columns are free for the result.
         rows[v, 2], rows[v, 3] = rows[v, 0], rows[v, 1]
+        # The leftmost vertex, of several the lowest, is on the hull.
         if rows[v, 2] < rows[first, 2] or (rows[v, 2] == rows[first, 2] and rows[v, 3] < rows[first, 3]):
             first = v
     current, size = first, 0
@@ -172,6 +181,7 @@ def hull(rows: Floats, n: int) -> int:
             dx, dy = rows[following, 2] - rows[current, 2], rows[following, 3] - rows[current, 3]
             ex, ey = rows[v, 2] - rows[current, 2], rows[v, 3] - rows[current, 3]
             turn = dx * ey - dy * ex
+            # To the right of all others seen so far; of vertices in a line, the farthest.
             if turn < 0.0 or (turn == 0.0 and ex * ex + ey * ey > dx * dx + dy * dy):
                 following = v
         current = following

@@ -17,6 +17,7 @@ from irsim_gym.world.outline import Outline, chain
 from irsim_gym.world.state import State
 
 LEAST_SIZE = 1e-3
+"""Lower bound of random lengths and widths [m]."""
 
 
 @kind
@@ -68,12 +69,15 @@ def draw_rectangles(worlds: Ints, members: Ints, params: Any, model: Model, stat
             bounds = params[k]
             right = 0.5 * uniform(state.random, w, bounds.length_range[0], bounds.length_range[1])
             top = 0.5 * uniform(state.random, w, bounds.width_range[0], bounds.width_range[1])
+            # With a wheelbase, the origin is on the rear axle, half of it behind the middle. NaN stands for None.
             ahead = 0.0 if np.isnan(bounds.wheelbase) else 0.5 * bounds.wheelbase
             sides = model.local_segments[w, model.segment_start[members[k]] : model.segment_start[members[k]] + 4]
+            # Counter-clockwise from the lower left: below, right, above, left.
             for side in range(4):
                 x0 = right if side == 1 or side == 2 else -right
                 y0 = top if side >= 2 else -top
                 x1 = right if side <= 1 else -right
                 y1 = top if side == 1 or side == 2 else -top
                 sides[side, 0], sides[side, 1], sides[side, 2], sides[side, 3] = x0 + ahead, y0, x1 + ahead, y1
+            # The front corners are the farthest, as `ahead` is not negative.
             model.reach[w, members[k]] = np.sqrt((right + ahead) * (right + ahead) + top * top)

@@ -93,6 +93,7 @@ def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, stat
             state.twist[w, b, 0] = speed * np.cos(state.pose[w, b, 2])
             state.twist[w, b, 1] = speed * np.sin(state.pose[w, b, 2])
             state.twist[w, b, 2] = speed * np.tan(state.steering[w, b]) / model.wheelbase[b]
+            # Mode `angular`: the yaw rate itself; the angle of a car that stands does not show it.
             if params[k].mode == 1:
                 state.twist[w, b, 2] = state.velocity[w, b, 1] if speed != 0.0 else 0.0
 
@@ -114,12 +115,16 @@ def move_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, state
             state.pose[w, b, 0] += speed * np.cos(heading) * dt
             state.pose[w, b, 1] += speed * np.sin(heading) * dt
             if params[k].mode == 0:
+                # Kinematic bicycle model. The wheels turn only now: this step still rolls at the angle of the step
+                # before.
                 rate = speed * np.tan(state.steering[w, b]) / model.wheelbase[b]
                 state.steering[w, b] = second
+            # Mode `angular`: the steering angle that goes with the yaw rate.
             elif speed != 0.0:
                 rate = second
                 state.steering[w, b] = np.arctan(second * model.wheelbase[b] / speed)
             else:
                 rate = 0.0
+            # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's angle_range.
             heading = wrap_below(heading + rate * dt)
             state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading

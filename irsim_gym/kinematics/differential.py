@@ -94,9 +94,13 @@ def move_differential(worlds: Ints, members: Ints, model: Model, state: State, e
                 cosine, sine = turned(heading, state.direction[w, b])
                 state.pose[w, b, 0] += executed[w, b, 0] * cosine * dt
                 state.pose[w, b, 1] += executed[w, b, 0] * sine * dt
+                # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's
+                # angle_range.
                 heading = wrap_below(heading + executed[w, b, 1] * dt)
                 state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
             known = state.direction[w, b]
+            # Kept with the heading that they belong to, so that the next step and the sensors need not compute them
+            # again.
             known[0], known[1] = turned(state.pose[w, b, 2], known)
             known[2] = state.pose[w, b, 2]
             state.twist[w, b, 0] = state.velocity[w, b, 0] * known[0]

@@ -16,6 +16,7 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 Variances = tuple[tuple[float, float, float], ...]
+"""A row for each component, see ``MotionNoise.variance``."""
 
 
 @dataclass(repr=False)
@@ -92,6 +93,8 @@ def add_noise(worlds: Ints, members: Ints, noise: MotionNoise, model: Model, sta
                 variance = noise.variance[b, axis]
                 base, by_first, by_second = variance[0], variance[1], variance[2]
                 noise.executed[w, b, axis] = state.velocity[w, b, axis]
+                # Nothing is drawn for those that stand still, nor for components without noise: streams stay as without
+                # them.
                 if is_free and base + by_first + by_second > 0.0:
                     deviation = np.sqrt(base + by_first * first * first + by_second * second * second)
                     noise.executed[w, b, axis] += normal(state.random, w, 0.0, deviation)

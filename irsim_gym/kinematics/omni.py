@@ -91,6 +91,7 @@ def twist_omni(worlds: Ints, members: Ints, params: Any, state: State) -> None:
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
+            # Frame `body`; velocities in the world's frame need no turn.
             turn = state.pose[w, b, 2] if params[k].frame == 1 else 0.0
             cosine, sine = np.cos(turn), np.sin(turn)
             state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
@@ -110,11 +111,14 @@ def move_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: Sta
         for k in range(members.shape[0]):
             b = members[k]
             cosine, sine = 1.0, 0.0
+            # Frame `body`.
             if params[k].frame == 1:
                 cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
             if not state.stopped[w, b]:
                 state.pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
                 state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
+                # The heading does not change, but a start outside of its interval wraps in the first step, as in
+                # IR-SIM.
                 if model.wraps_heading[b]:
                     state.pose[w, b, 2] = wrap_from(state.pose[w, b, 2], model.heading_low[b])
             state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]

@@ -95,6 +95,8 @@ def move_omni_angular(worlds: Ints, members: Ints, model: Model, state: State, e
                 cosine, sine = np.cos(heading), np.sin(heading)
                 state.pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
                 state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
+                # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's
+                # angle_range.
                 heading = wrap_below(heading + executed[w, b, 2] * dt)
                 state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])

@@ -55,6 +55,7 @@ def draw_cells(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
     occupied, order = tables.occupied[slot], tables.order[slot]
     columns, rows = occupied.shape
     edge, fill = options[0].border, options[0]["fill"]
+    # Inner cells are numbered column by column. `border` is a flag, here the thickness of the border: 0 or 1.
     up = rows - 2 * edge
     n_inner = (columns - 2 * edge) * up
     fewest, most = int(np.floor(fill[0] * n_inner)), int(np.floor(fill[1] * n_inner))
@@ -63,6 +64,7 @@ def draw_cells(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
         count = integer(state.random, w, fewest, most + 1)
         for k in range(n_inner):
             order[k] = k
+        # A Fisher-Yates shuffle of the first `count` places; what is drawn is used at once, so only the rest is kept.
         for k in range(count):
             chosen = integer(state.random, w, k, n_inner)
             cell = order[chosen]

@@ -17,6 +17,7 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 MOST_ROUNDS = 100
+"""Maximum number of rounds of smoothing."""
 
 
 @kind
@@ -102,11 +103,13 @@ def smooth(occupied: Flags, before: Flags, sums: Ints, edge: int, fill_from: int
             if a != i:
                 for j in range(rows):
                     sums[j] += int(before[a, j])
+        # Sums of three columns in the rows below, at and above the cell: together its neighbours and itself.
         low, here = 0, sums[edge]
         if edge > 0:
             low = sums[edge - 1]
         for j in range(edge, rows - edge):
             high = sums[j + 1] if j + 1 < rows else 0
             count = low + here + high - int(before[i, j])
+            # Between both bounds, a cell stays as it was.
             occupied[i, j] = count >= fill_from or (before[i, j] and count > clear_to)
             low, here = here, high

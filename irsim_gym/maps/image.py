@@ -17,6 +17,7 @@ from irsim_gym.world.outline import Outline
 GRAY = (0.2989, 0.5870, 0.1140)
 """Weights of red, green and blue, as in IR-SIM."""
 OCCUPIED_BELOW = 0.5
+"""Brightness (0 to 1) below which a pixel is occupied."""
 STRIP = 256
 """Number of image rows whose brightness is computed at a time."""
 
@@ -44,6 +45,7 @@ class ImageMap:
         Raises:
             OptionError: If the file does not exist or is not an image.
         """
+        # Images have rows from the top, maps columns from the left with rows from the bottom.
         return np.ascontiguousarray(np.fliplr(read_dark(find(self.path)).T))
 
 
@@ -63,9 +65,8 @@ def read_dark(file: Path) -> Flags:
     except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise OptionError("path", f"'{file}' cannot be read as an image: {error}") from None
     dark = np.zeros(pixels.shape[:2], np.bool_)
-    for row in range(
-        0, len(pixels), STRIP
-    ):  # brightness takes 32 bytes a pixel: all of a large picture would be gigabytes
+    # In strips, because brightness takes 32 bytes a pixel: gigabytes for all of a large picture.
+    for row in range(0, len(pixels), STRIP):
         dark[row : row + STRIP] = pixels[row : row + STRIP] / 255.0 @ np.array(GRAY) < OCCUPIED_BELOW
     return dark
 
@@ -73,5 +74,6 @@ def read_dark(file: Path) -> Flags:
 def _single_channel(pixels: Floats) -> Floats:
     if pixels.dtype == np.bool_:
         return pixels.astype(np.float64)
+    # Images of 16 and 32 bits count up to 65535.
     greatest = 255.0 if pixels.dtype == np.uint8 else 65535.0
     return np.asarray(pixels / greatest, np.float64)

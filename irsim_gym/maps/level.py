@@ -18,9 +18,11 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.outline import Outline
 
 MOST_CELLS = 4_000_000
+"""Maximum number of cells of a map that all worlds share."""
 MOST_LEVEL_CELLS = 65_536
 """Maximum number of cells of a map that differs between worlds."""
 LEAST_ORDER = 512
+"""Minimum length of ``MapTables.order``, in which ``rooms`` keeps its table."""
 
 
 @dataclass(repr=False)

@@ -40,6 +40,7 @@ class MazeMap(LevelMap):
         """
         occupied = bordered(self, width, height)
         wide, walls = span(self.corridor, self.resolution), 1 if self.border else -1
+        # n corridors and the n - 1 walls between them take n (wide + 1) - 1 cells, and a border two more.
         crossings = [(cells - walls) // (wide + 1) for cells in occupied.shape]
         if min(crossings) < 1 or max(crossings) < 2:
             raise OptionError("corridor", f"leaves room for {crossings[0]} x {crossings[1]} crossings, at least 2 x 1")
@@ -64,10 +65,12 @@ def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: C
     occupied, opened, path = tables.occupied[slot], tables.before[slot], tables.order[slot]
     edge, loops = options[0].border, options[0].loops
     wide = max(1, int(np.rint(options[0].corridor / options[0].resolution)))
+    # As in MazeMap.occupied.
     n_across, n_up = (occupied.shape[0] + 1 - 2 * edge) // (wide + 1), (occupied.shape[1] + 1 - 2 * edge) // (wide + 1)
     for w in worlds:
         occupied[:] = True
         opened[:] = False
+        # `count` is the height of the stack in `path`: the crossings that lead to this one.
         here, count = integer(state.random, w, 0, n_across * n_up), 0
         open_cells(occupied, edge, wide, here // n_up, here % n_up, 0, 0)
         while True:
@@ -78,12 +81,14 @@ def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: C
                 to_i, to_j = i + (side == 0) - (side == 1), j + (side == 2) - (side == 3)
                 is_new = 0 <= to_i < n_across and 0 <= to_j < n_up and not opened[to_i, to_j]
                 n_ways += int(is_new)
+            # A dead end: back to the crossing before, or done.
             if n_ways == 0:
                 if count == 0:
                     break
                 count -= 1
                 here = int(path[count])
                 continue
+            # One of the new neighbours: the loop below counts down to it.
             chosen = integer(state.random, w, 0, n_ways)
             for side in range(4):
                 to_i, to_j = i + (side == 0) - (side == 1), j + (side == 2) - (side == 3)
@@ -96,6 +101,7 @@ def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: C
                     here = to_i * n_up + to_j
                     break
                 chosen -= 1
+        # Each wall once, to the right and upwards. Walls that are open already stay open, but take their draw.
         for i in range(n_across):
             for j in range(n_up):
                 for side in range(2):
@@ -118,6 +124,7 @@ def open_cells(occupied: Flags, edge: int, wide: int, i: int, j: int, step_i: in
         step_i: Columns to the other.
         step_j: Rows to the other.
     """
+    # From the lower left of the nearer crossing to the upper right of the other one.
     pitch = wide + 1
     first_i, first_j = edge + min(i, i + step_i) * pitch, edge + min(j, j + step_j) * pitch
     end_i, end_j = edge + max(i, i + step_i) * pitch + wide, edge + max(j, j + step_j) * pitch + wide

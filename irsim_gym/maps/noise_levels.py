@@ -17,6 +17,7 @@ from irsim_gym.world.state import State
 
 _Q = np.sqrt(0.5)
 GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
+"""Eight unit vectors, every eighth of a turn."""
 N = 256
 """Period of the table of gradients."""
 
@@ -30,7 +31,8 @@ class NoiseTables(Struct):
         line: Scratch for ``lay_cells``, shape ``(n_slots, columns)``.
         noise: Noise of each cell, shape ``(n_slots, columns, rows)``.
         ranked: Scratch, shape ``(n_slots, columns * rows)``.
-        gradients: Number of the gradient at each corner, shape ``(n_slots, 2 * N)``.
+        gradients: The numbers from 0 to N - 1 in random order, twice in a row, so that the sum of an index and such a
+            number, plus 1, is an index again; shape ``(n_slots, 2 * N)``.
     """
 
     occupied: Flags
@@ -62,10 +64,12 @@ def draw_noise_maps(worlds: Ints, slot: int, options: Any, tables: NoiseTables, 
     occupied, noise, ranked = tables.occupied[slot], tables.noise[slot], tables.ranked[slot]
     gradients, given = tables.gradients[slot], options[0]
     columns, rows = occupied.shape
+    # The rank of the highest noise that stays free.
     place = min(int((1.0 - given["fill"]) * ranked.shape[0]), ranked.shape[0] - 1)
     for w in worlds:
         for k in range(N):
             gradients[k] = k
+        # A Fisher-Yates shuffle.
         for k in range(N - 1):
             chosen = integer(state.random, w, k, N)
             gradients[k], gradients[chosen] = gradients[chosen], gradients[k]
@@ -75,6 +79,7 @@ def draw_noise_maps(worlds: Ints, slot: int, options: Any, tables: NoiseTables, 
             for j in range(rows):
                 total, scale = 0.0, given.complexity
                 for octave in range(given.fractal):
+                    # Without dividing by the sum of weights, as perlin does: only the order of the numbers counts.
                     total += given.attenuation / (octave + 1) * noise_at(scale * i, scale * j, gradients)
                     scale *= 2.0
                 noise[i, j] = ranked[i * rows + j] = total
@@ -91,8 +96,10 @@ def noise_at(x: float, y: float, gradients: Ints) -> float:
     i, j = int(x), int(y)
     u, v = x - i, y - j
     across, up = fade(u), fade(v)
+    # Perlin's hash of a corner is p[p[i] + j], with the permutation p; its lowest three bits choose the gradient.
     i, j = i & (N - 1), j & (N - 1)
     left, right = gradients[i] + j, gradients[i + 1] + j
+    # Between the corners below, then between those above, then between both.
     low = slope(gradients[left], u, v)
     low += across * (slope(gradients[right], u - 1.0, v) - low)
     high = slope(gradients[left + 1], u, v - 1.0)
@@ -109,6 +116,7 @@ def slope(chosen: int, u: float, v: float) -> float:
 @kernel
 def fade(t: float) -> float:
     """Return a smooth step from 0 to 1."""
+    # Perlin (2002): first and second derivatives are 0 at both ends.
     return t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 
 
@@ -126,6 +134,7 @@ def nth_smallest(values: Floats, n: int) -> float:
             if i <= j:
                 values[i], values[j] = values[j], values[i]
                 i, j = i + 1, j - 1
+        # Numbers up to j are at most the pivot, from i on at least; between the two stands the pivot itself.
         if n <= j:
             high = j
         elif n >= i:

@@ -76,6 +76,7 @@ class PerlinMap:
         """Return noise from 0 to 1, shape ``(columns, rows)``."""
         order = np.arange(256, dtype=np.int32)
         np.random.default_rng(seed).shuffle(order)
+        # Twice, so that sums of two indices need no modulo, see noise_levels.
         table = np.concatenate([order, order])
         total, weights = np.zeros((columns, rows)), 0.0
         for octave in range(self.fractal):
@@ -84,6 +85,7 @@ class PerlinMap:
                 scale * np.arange(columns, dtype=np.float64), scale * np.arange(rows, dtype=np.float64), table
             )
             weights += weight
+        # The weighted mean of noise from -1 to 1, mapped to 0 to 1.
         return np.asarray(np.clip((total / weights + 1.0) / 2.0, 0.0, 1.0))
 
 
@@ -105,6 +107,7 @@ def _octave(x: Floats, y: Floats, table: Ints) -> Floats:
 
 def _slope(i: Ints, j: Ints, u: Floats, v: Floats, a: int, b: int, table: Ints) -> Floats:
     """Return the contribution of the gradient at one corner of each point's cell."""
+    # The gradient at corner (i + a, j + b), and its scalar product with the offset from there.
     chosen = GRADIENTS[table[table[(i & 255) + a][:, None] + (j & 255)[None, :] + b] % 8]
     return np.asarray(chosen[..., 0] * (u - a)[:, None] + chosen[..., 1] * (v - b)[None, :])
 

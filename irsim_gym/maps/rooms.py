@@ -22,6 +22,7 @@ from irsim_gym.world.state import State
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
 """Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
 MOST_ROOMS = LEAST_ORDER // 5
+"""Maximum number of rooms: as many rows of five numbers as the scratch memory holds at least."""
 TRIES = 20
 """Maximum number of attempts to divide a level into the drawn number of rooms."""
 
@@ -57,6 +58,7 @@ class RoomsMap(LevelMap):
             OptionError: If there is no room for the fewest rooms.
         """
         occupied, least = bordered(self, width, height), span(self.least_side, self.resolution)
+        # n rooms and n - 1 walls take n (least + 1) - 1 cells; the border takes two of all cells.
         fits = [(cells + 1 - 2 * self.border) // (least + 1) for cells in occupied.shape]
         if fits[0] * fits[1] < self.number[0]:
             raise OptionError("number", f"leaves no room: {fits[0]} x {fits[1]} rooms of least_side fit into the world")
@@ -77,6 +79,7 @@ def draw_rooms(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
     Writes: tables (line, occupied), cells, state (random).
     """
     occupied, given = tables.occupied[slot], options[0]
+    # Scratch that other maps use for cells.
     rooms = tables.order[slot][: 5 * MOST_ROOMS].reshape(MOST_ROOMS, 5)
     edge = given.border
     for w in worlds:
@@ -97,6 +100,7 @@ def draw_rooms(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
                     n += 1
                 else:
                     rooms[chosen, WHOLE] = 1
+            # Else rooms were too small to be divided further: all over again. The last attempt stays as it is.
             if n == wanted:
                 break
         lay_cells(cells, w, occupied, tables.line[slot])
@@ -127,6 +131,7 @@ def choose_room(rooms: Ints, n: int, w: int, state: State) -> int:
 @kernel
 def share_across(room: Ints) -> float:
     """Return the probability that a room is divided by a wall along y: the likelier, the wider it is."""
+    # Cubes make it rare that a long room is divided lengthwise.
     width, height = float(room[RIGHT] - room[LEFT]) ** 3, float(room[HIGH] - room[LOW]) ** 3
     return width / (width + height)
 
@@ -150,22 +155,28 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
         w: World.
         state: Its random stream.
     """
-    cells = occupied[::1, ::1] if axis == 0 else occupied.T[::1, ::1]  # with steps both have one type
+    # So that the wall stands at one first index. Slices with steps give the array and its transpose one type in Numba.
+    cells = occupied[::1, ::1] if axis == 0 else occupied.T[::1, ::1]
+    # Columns of the table, LEFT or LOW, in and across the direction in which the room is divided.
     along, across = 2 * axis, 2 - 2 * axis
     low, high = rooms[k, across], rooms[k, across + 1]
     least = max(1, int(np.rint(given.least_side / given.resolution)))
+    # Places for the wall that leave `least` cells on both sides of it.
     count = rooms[k, along + 1] - rooms[k, along] - 2 * least
     if count <= 0:
         return False
+    # All places in turn, from a random one on.
     first = integer(state.random, w, 0, count)
     for i in range(count):
         place = rooms[k, along] + least + (first + i) % count
+        # The cell beyond an end of the wall is free: there is a door in the wall that it would meet.
         if (low > 0 and not cells[place, low - 1]) or (high < cells.shape[1] and not cells[place, high]):
             continue
         cells[place, low:high] = True
         wide, door = open_door(cells, place, low, high, given, w, state)
         if uniform(state.random, w, 0.0, 1.0) < given.loops:
             second = integer(state.random, w, low, high - wide + 1)
+            # A second door that would touch or overlap the first one is left out.
             if abs(second - door) > wide:
                 cells[place, second : second + wide] = False
         for column in range(4):
@@ -193,6 +204,7 @@ def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int,
     """
     wide = max(1, int(np.rint(uniform(state.random, w, given.door[0], given.door[1]) / given.resolution)))
     door = integer(state.random, w, low, high - min(wide, high - low) + 1)
+    # Rounding may make a door wider than the wall.
     wide = min(wide, high - low)
     cells[place, door : door + wide] = False
     return wide, door

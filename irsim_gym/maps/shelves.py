@@ -74,11 +74,14 @@ def draw_shelves(worlds: Ints, slot: int, options: Any, tables: MapTables, cells
     aisle = max(1, int(np.rint(given.aisle / cell)))
     for w in worlds:
         clear_inside(occupied, edge)
+        # Drawn in any case, so that the option `turn` does not change the other random numbers.
         is_turned = uniform(state.random, w, 0.0, 1.0) < 0.5 and given.turn > 0
         missing = uniform(state.random, w, given.missing[0], given.missing[1])
         wide, high = (depth, length) if is_turned else (length, depth)
+        # n shelves take n (side + aisle) cells and one more aisle.
         across, up = occupied.shape[0] - 2 * edge - aisle, occupied.shape[1] - 2 * edge - aisle
         n_across, n_up = across // (wide + aisle), up // (high + aisle)
+        # What is left over is shared between both ends.
         first_i = edge + aisle + (across - n_across * (wide + aisle)) // 2
         first_j = edge + aisle + (up - n_up * (high + aisle)) // 2
         for a in range(n_across):

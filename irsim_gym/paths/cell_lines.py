@@ -15,6 +15,7 @@ NEAR = 15
 @kernel
 def free_cell(grid: Grid, blocked: Bytes, place: Point) -> int:
     """Return the number of the cell that is not blocked and whose centre is nearest to a point, -1 if none is near."""
+    # In cells from the centre of cell 0, so that whole numbers are centres; rounding half down finds the own cell.
     column, row = (place[0] - grid.origin_x) / grid.cell - 0.5, (place[1] - grid.origin_y) / grid.cell - 0.5
     best, found = np.inf, -1
     own_row, own_column = int(np.ceil(row - 0.5)), int(np.ceil(column - 0.5))
@@ -36,6 +37,7 @@ def is_clear(start: Point, end: Point, grid: Grid, blocked: Bytes) -> bool:
     Cells that are neither free nor blocked (see ``wavefront``) count as free up to the first one that is free.
     """
     dx, dy, was_free = end[0] - start[0], end[1] - start[1], False
+    # Both ends are left out: they are points of the path already, or may lie in blocked cells.
     parts = int(np.ceil(2.0 * np.sqrt(dx * dx + dy * dy) / grid.cell))
     for i in range(1, parts):
         column = int(np.floor((start[0] + dx * i / parts - grid.origin_x) / grid.cell))

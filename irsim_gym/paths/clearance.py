@@ -75,10 +75,12 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
                 return False
         for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
             cx, cy, dx, dy = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
+            # The boxes around both are a cheaper lower bound.
             if gap2(ax, ay, bx, by, cx, cy, dx, dy) > radius2:
                 continue
             if segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy) <= radius2:
                 return False
+        # No side comes near, so the whole way is inside of the area or outside: its start decides.
         if outline.solid and holds_point(outline, start):
             return False
     if capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius):
@@ -97,6 +99,7 @@ def room_at(obstacles: Obstacles, point: Point, limit: float) -> float:
     for b in range(obstacles.blocks.shape[0]):
         if not obstacles.blocks[b]:
             continue
+        # Bodies that reach no nearer than the best so far are left out.
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
             best = min(best, point_outline_distance(point, outline_of(model, obstacles.state, w, b)))

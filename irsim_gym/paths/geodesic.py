@@ -48,6 +48,7 @@ def shortest_path(
     clear_field(search)
     # From the goal, so that the cells' parents lead from start to goal.
     offer_gates(obstacles, radius, goal, grid, search)
+    # Any gate at the start will do to end the search; the best one is known when the field about it is settled.
     target = best_gate(obstacles, radius, start, grid, search, False)
     if target < 0:
         return 0
@@ -92,6 +93,7 @@ def trace(cell_number: int, goal: Point, grid: Grid, queue: Ints, path: Floats) 
     here = cell_number
     while here >= 0:
         onward = queue[PARENT, here]
+        # A change of the step from cell to cell, in the numbers of cells, is a corner.
         if count == 1 or onward < 0 or onward - here != last_step:
             path[count, 0], path[count, 1] = centre(grid, here // grid.columns, here % grid.columns)
             count += 1
@@ -150,6 +152,7 @@ def add_ring(field: Floats, cell: float) -> None:
                 continue
             beside, across = np.inf, np.inf
             for side in range(-1, 2, 2):
+                # At the border of the grid, indices are clamped to cells that are counted anyway.
                 up, aside = min(max(row + side, 0), rows - 1), min(max(column + side, 0), columns - 1)
                 other = min(max(column - side, 0), columns - 1)
                 beside = min(beside, known(field[up, column]), known(field[row, aside]))
@@ -175,6 +178,7 @@ def field_at(field: Floats, grid: Grid, x: float, y: float) -> float:
     Beyond the outermost centres, it is the value at the nearest point between them; inf if no cell has a distance.
     """
     rows, columns = field.shape
+    # In cells from the centre of cell 0: the whole part is the cell to the lower left, the rest the share of the next.
     across = min(max((x - grid.origin_x) / grid.cell - 0.5, 0.0), columns - 1.0)
     up = min(max((y - grid.origin_y) / grid.cell - 0.5, 0.0), rows - 1.0)
     column, row = int(across), int(up)
@@ -186,4 +190,5 @@ def field_at(field: Floats, grid: Grid, x: float, y: float) -> float:
             weight = (part_y if i == 1 else 1.0 - part_y) * (part_x if j == 1 else 1.0 - part_x)
             if value < np.inf:
                 total, weights = total + weight * value, weights + weight
+    # Cells without a distance leave their weight to the others.
     return total / weights if weights > 0.0 else np.inf

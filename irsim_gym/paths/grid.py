@@ -26,7 +26,9 @@ from irsim_gym.paths.points import BLOCK, PointMap
 from irsim_gym.world.outline import outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
+"""Whether a cell is blocked."""
 MOST_PATH_CELLS = 1_000_000
+"""Maximum number of cells of a grid."""
 CELL_MARGIN = 1e-9
 """Safety margin added to the radius of cells, so that rounding never frees one [m]."""
 
@@ -68,15 +70,18 @@ class Grid(NamedTuple):
 
     def runs(self) -> Ints:
         """Return scratch memory for ``is_reachable``, shape ``(n_runs, 4)``."""
+        # A row of n cells has (n + 1) // 2 runs at most: free and blocked cells in turn.
         return np.zeros((self.rows * ((self.columns + 1) // 2), 4), np.int64)
 
     def search(self) -> Search:
         """Return memory for a search."""
         n_cells, shape = self.rows * self.columns, (self.rows, self.columns)
+        # 8 more: each of them is the beginning or the end of a list, see spread.
         return Search(np.zeros(shape, np.uint8), np.zeros(shape), np.zeros((3, n_cells + 8), np.int64))
 
     def path(self) -> Floats:
         """Return memory for ``shortest_path``, shape ``(n_points, 2)``."""
+        # Every cell, both ends, and some points that `pull` adds.
         return np.zeros((self.rows * self.columns + 64, 2))
 
 
@@ -132,6 +137,7 @@ def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes
             ax, ay = segments[s, 0] - grid.origin_x, segments[s, 1] - grid.origin_y
             bx, by = segments[s, 2] - grid.origin_x, segments[s, 3] - grid.origin_y
             block_capsule(ax, ay, bx, by, wide, cell, blocked)
+    # After all boundaries, which separate the runs of cells inside and outside.
     for b in range(blocks.shape[0]):
         if blocks[b]:
             block_inside(outline_of(obstacles.model, obstacles.state, obstacles.w, b), grid, blocked)
@@ -180,6 +186,7 @@ def block_box(left: float, low: float, right: float, high: float, radius: float,
     for row in range(first_cell(low - radius, cell, rows), last_cell(high + radius, cell, rows) + 1):
         y = (row + 0.5) * cell
         aside = max(low - y, y - high, 0.0)
+        # Rows above and below the box reach less far beyond its sides: the corners of the grown box are round.
         half = np.sqrt(max(radius * radius - aside * aside, 0.0))
         for column in range(first_cell(left - half, cell, columns), last_cell(right + half, cell, columns) + 1):
             blocked[row, column] = BLOCKED
@@ -218,6 +225,7 @@ def block_capsule(ax: float, ay: float, bx: float, by: float, radius: float, cel
         if room_b >= 0.0:
             half = np.sqrt(room_b)
             left, right = min(left, bx - half), max(right, bx + half)
+        # The rectangle: x whose projection on ab is from 0 to its length, and whose distance from its line is small.
         near, far = band(y - ay, along_x, along_y, 0.0, length)
         near_side, far_side = band(y - ay, -along_y, along_x, -radius, radius)
         near, far = max(near, near_side), min(far, far_side)

@@ -91,6 +91,7 @@ def touch_disc(centre: Point, radius_x: float, radius_y: float, touched: Flags) 
     x, y = centre
     columns, rows = touched.shape
     for i in range(first_touched(x - radius_x, columns), last_touched(x + radius_x, columns) + 1):
+        # The nearest point of the cell, in radii of the disc: cells need not be square.
         dx = max(i - x, x - i - 1.0, 0.0) / radius_x
         for j in range(first_touched(y - radius_y, rows), last_touched(y + radius_y, rows) + 1):
             dy = max(j - y, y - j - 1.0, 0.0) / radius_y
@@ -103,6 +104,7 @@ def touch_segment(a: Point, b: Point, touched: Flags) -> None:
     """Mark the cells that a segment ab touches, by separating axes: the edges of the cell, and the segment."""
     ax, ay, bx, by = a[0], a[1], b[0], b[1]
     columns, rows = touched.shape
+    # The segment's normal. The unit cell reaches half of |nx| + |ny| from its centre along it.
     across_x, across_y = ay - by, bx - ax
     length = np.sqrt(across_x * across_x + across_y * across_y)
     if length > 0.0:
@@ -138,6 +140,7 @@ def touch_box(lower_left: Point, upper_right: Point, touched: Flags) -> None:
     """Mark the cells that an upright box overlaps."""
     left, low, right, high = lower_left[0], lower_left[1], upper_right[0], upper_right[1]
     columns, rows = touched.shape
+    # Twice the tolerance inwards: a box that only ends on a cell's edge does not overlap the cell.
     for i in range(first_touched(left + 2.0 * EDGE, columns), last_touched(right - 2.0 * EDGE, columns) + 1):
         for j in range(first_touched(low + 2.0 * EDGE, rows), last_touched(high - 2.0 * EDGE, rows) + 1):
             touched[i, j] = True

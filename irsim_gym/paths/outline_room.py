@@ -73,6 +73,7 @@ def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: floa
         if not obstacles.blocks[b]:
             continue
         dx, dy = poses[b, 0] - pose[0], poses[b, 1] - pose[1]
+        # Bodies whose enclosing discs are no nearer than the best so far are left out.
         far = model.reach[row_of(model.reach, w), b] + shape.reach + best
         if dx * dx + dy * dy < far * far:
             best = outline_distance(shape.laid, outline_of(model, obstacles.state, w, b), best)

@@ -12,6 +12,7 @@ from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 
 MOST_POINT_CELLS = 4_000_000
+"""Maximum number of cells of a map of points."""
 BLOCK = 8
 """Number of cells of a column that are skipped at once where none of them has a point."""
 
@@ -43,7 +44,7 @@ class PointMap(NamedTuple):
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
         side = max(side, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_POINT_CELLS)))
         columns, rows = int(np.ceil((x_max - x_min) / side)) + 1, int(np.ceil((y_max - y_min) / side)) + 1
-        # Points on the edge of the world may be measured on either side of it.
+        # Half a cell more on each side: a point on the edge of the world may be measured on either side of it.
         places = np.full((*shape, columns, rows, 2), np.nan, np.float32)
         filled = np.zeros((*shape, columns, -(-rows // BLOCK)), np.uint8)
         return cls(x_min - 0.5 * side, y_min - 0.5 * side, float(side), places, filled)
@@ -68,6 +69,7 @@ def add_point(points: PointMap, point: Point, eye: Point) -> None:
         return
     place = points.places[int(i), int(j)]
     dx, dy, old_x, old_y = x - eye[0], y - eye[1], place[0] - eye[0], place[1] - eye[1]
+    # An empty cell's NaN fails the comparison.
     if not (old_x * old_x + old_y * old_y <= dx * dx + dy * dy):
         place[0], place[1] = x, y
         points.filled[int(i), int(j) // BLOCK] = 1
@@ -97,8 +99,10 @@ def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float,
     best, side, places, dx = np.inf, points.side, points.places, bx - ax
     first, end = cells_between(min(ax, bx) - reach, max(ax, bx) + reach, points.x, side, places.shape[0])
     for i in range(first, end):
+        # Which part of the segment, in y, a point of this column can be near to.
         low, high = min(ay, by), max(ay, by)
         if dx != 0.0:
+            # Points of column i are within reach of the part of the segment between these x only.
             left, right = points.x + i * side - reach, points.x + (i + 1) * side + reach
             one, two = min(max((left - ax) / dx, 0.0), 1.0), min(max((right - ax) / dx, 0.0), 1.0)
             low, high = ay + one * (by - ay), ay + two * (by - ay)
@@ -109,6 +113,7 @@ def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float,
                 continue
             for j in range(max(below, k * BLOCK), min(above, (k + 1) * BLOCK)):
                 x, y = float(places[i, j, 0]), float(places[i, j, 1])
+                # NaN: no point.
                 if x == x:
                     distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
                     if distance2 <= reach * reach and distance2 < best:

@@ -9,6 +9,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, way_is_free
 
 ROUNDS, SWEEPS, HALVINGS = 4, 4, 6
+"""How often points are added about corners; how often all are drawn in after that; steps of the search for how far."""
 LONGEST_CUT = 0.5
 """Distance from a corner at which points are added in the first round [m]; it halves in each later round."""
 
@@ -61,6 +62,7 @@ def skip_points(obstacles: Obstacles, radius: float, path: Floats, count: int) -
     kept, here = 1, 0
     while here < count - 1:
         to, start = count - 1, (path[kept - 1, 0], path[kept - 1, 1])
+        # The next point is always free to reach, as the path is free.
         while to > here + 1 and not way_is_free(obstacles, radius, start, (path[to, 0], path[to, 1])):
             to -= 1
         path[kept, 0], path[kept, 1] = path[to, 0], path[to, 1]
@@ -74,11 +76,13 @@ def flank_corners(path: Floats, count: int, cut: float) -> int:
 
     The points lie ``cut`` [m] from the corner, or at a third of a side that is shorter than three times that.
     """
+    # Three points for each of count - 2 inner ones, and both ends.
     more = 3 * count - 4
     if count < 3 or more > path.shape[0]:
         return count
     path[more - 1, 0], path[more - 1, 1] = path[count - 1, 0], path[count - 1, 1]
     after_x, after_y = path[count - 1, 0], path[count - 1, 1]
+    # From the end, so that no point is overwritten before it is read.
     for i in range(count - 2, 0, -1):
         x, y, before_x, before_y = path[i, 0], path[i, 1], path[i - 1, 0], path[i - 1, 1]
         place = 3 * i - 1
@@ -111,6 +115,7 @@ def draw_in(obstacles: Obstacles, radius: float, path: Floats, i: int) -> None:
     share = ((bx - ax) * dx + (by - ay) * dy) / length2 if length2 > 0.0 else 0.0
     share = min(max(share, 0.0), 1.0)
     way_x, way_y = ax + share * dx - bx, ay + share * dy - by
+    # Bisection for the greatest free share of the way; the first try is all of it.
     good, step = 0.0, 1.0
     for _ in range(HALVINGS + 1):
         here = (bx + (good + step) * way_x, by + (good + step) * way_y)

@@ -18,6 +18,7 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 FINE, COARSE = 0.05, 0.1
+"""Cell sizes for paths, and for tests whether there is one [m]."""
 
 Point = Sequence[float] | Floats
 
@@ -99,6 +100,7 @@ def blocking_bodies(
 ) -> list[int | None]:
     """Return the bodies that a disc touches, None for the obstacle map. Arguments are those of ``free_path``."""
     touched: list[int | None] = []
+    # None, the last, is the map alone; bodies are tested without the map.
     for b in (*np.flatnonzero(blocks).tolist(), None):
         alone = np.zeros_like(blocks)
         alone[[] if b is None else b] = True
@@ -145,6 +147,7 @@ def cells_way(blocked: Bytes, start: tuple[int, int], goal: tuple[int, int]) -> 
     if not inside or blocked[start] or blocked[goal]:
         return []
     way, here = [], start[0] * columns + start[1]
+    # Lengths in cells; the search needs only the numbers of rows and columns.
     search = Grid(0.0, 0.0, 1.0, columns, rows).search()._replace(blocked=blocked)
     clear_field(search)
     offer(search.field.reshape(-1), search.queue, goal[0] * columns + goal[1], 0.0, -1, 1.0)

@@ -10,6 +10,7 @@ from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.grid import BLOCKED, Grid, centre, mark_blocked
 
 FIRST, LAST, PARENT, KEY = 0, 1, 2, 3
+"""Columns of a table of runs, see ``join_runs``."""
 
 
 @kernel
@@ -44,6 +45,7 @@ def is_reachable(
         row, column = gate(i, start, grid)
         run = find_run(runs, count, blocked, row, column)
         if run >= 0 and runs[run, KEY] >= 0 and way_is_free(obstacles, radius, start, centre(grid, row, column)):
+            # -1 - key marks a region without losing the key, 0 included.
             runs[run, KEY] = -1 - runs[run, KEY]
     for i in range(16):
         row, column = gate(i, goal, grid)
@@ -61,6 +63,7 @@ def gate(i: int, point: Point, grid: Grid) -> tuple[int, int]:
     """
     column = int(np.floor((point[0] - grid.origin_x) / grid.cell - 0.5))
     row = int(np.floor((point[1] - grid.origin_y) / grid.cell - 0.5))
+    # The square of 2 x 2 centres around the point; then the columns beside it; then the rows of four below and above.
     if i < 4:
         return row + i // 2, column + i % 2
     if i < 8:
@@ -86,9 +89,11 @@ def join_runs(blocked: Bytes, runs: Ints) -> int:
             while column < columns and blocked[row, column] != BLOCKED:
                 column += 1
             runs[count, LAST] = column - 1
+            # Both rows are walked from left to right: runs of the row before that end too early are done with.
             while before < begin and runs[before, LAST] < runs[count, FIRST] - 1:
                 before += 1
             other = before
+            # One more at either end lets runs touch at a corner. The last of these may touch the next run as well.
             while other < begin and runs[other, FIRST] <= runs[count, LAST] + 1:
                 join(runs, other, count)
                 other += 1
@@ -101,6 +106,7 @@ def join_runs(blocked: Bytes, runs: Ints) -> int:
 def root(runs: Ints, run: int) -> int:
     """Return the run that represents all runs joined with this one."""
     while runs[run, PARENT] != run:
+        # Path halving: every second run on the way to the root skips its parent.
         runs[run, PARENT] = runs[runs[run, PARENT], PARENT]
         run = runs[run, PARENT]
     return run
@@ -123,6 +129,8 @@ def find_run(runs: Ints, count: int, blocked: Bytes, row: int, column: int) -> i
     if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:
         return -1
     key, low, high = row * columns + column, 0, count
+    # Bisection: runs are in the order of their first cells. The cell is not blocked, so the last run that begins at or
+    # before it holds it.
     while high - low > 1:
         middle = (low + high) // 2
         begin = runs[middle, KEY]

@@ -18,6 +18,7 @@ from irsim_gym.paths.grid import BLOCKED, Grid, centre, mark_blocked
 from irsim_gym.paths.reachability import FIRST, KEY, LAST, gate, is_reachable, join_runs, root
 
 NEW, SEEN, LABELLED = 0.0, 1.0, 2.0
+"""What is cached for a query: nothing, that it was asked once, and the regions. Floats, as they share a table."""
 
 
 class WayTables(NamedTuple):
@@ -121,8 +122,10 @@ def label_regions(obstacles: Obstacles, radius: float, tables: WayTables) -> Non
     for run in range(count):
         row = runs[run, KEY] // columns
         for column in range(runs[run, FIRST], runs[run, LAST] + 1):
+            # 0 is kept for blocked cells.
             labels[row, column] = root(runs, run) + 1
     wide = radius + np.sqrt(0.5) * grid.cell
+    # For a body of radius r, mark_blocked tests discs of radius sqrt(r^2 + h^2 / 2). This r makes that `wide`.
     mark_blocked(obstacles, np.sqrt(wide * wide - 0.5 * grid.cell * grid.cell), grid, blocked)
     for row in range(blocked.shape[0]):
         for column in range(columns):
@@ -163,5 +166,6 @@ def regions_meet(obstacles: Obstacles, radius: float, start: Point, goal: Point,
             row, column = gate(j, goal, grid)
             if region(labels, row, column) == one and way_is_free(obstacles, radius, goal, centre(grid, row, column)):
                 return True
+        # Gates that follow each other mostly belong to one region, which has failed.
         done = one
     return False

@@ -15,11 +15,11 @@ from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
 
 UNKNOWN, PASSED, OCCUPIED = np.uint8(0), np.uint8(16), np.uint8(15)
-"""States of a cell: unknown, passed by a beam, partly occupied (any of these bits)."""
+"""States of a cell: unknown, passed by a beam (bit 4), partly occupied (any of bits 0 to 3, one for each quarter)."""
 BITS = 32
 """A doubted quarter is its column among all quarters, in the lowest bits, and its row in those above."""
 ROW, EDGE = 1 << BITS, 1e-6
-"""From a row to the next in these numbers; how far within the grid its upper and right edge are reached [cells]."""
+"""Difference between these numbers from row to row; how far inside the upper and right edge beams are cut [cells]."""
 
 
 class GridEye(NamedTuple):
@@ -63,6 +63,7 @@ def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> GridEye:
     Reads: scan (offset, sensors).
     """
     mount, scale = scan.offset[scan.sensors[k]], 1.0 / grid.cell
+    # With the scale in the rotation, lengths in metres come out in cells.
     cosine, sine = scale * np.cos(pose[2]), scale * np.sin(pose[2])
     x = scale * (pose[0] - grid.origin_x) + cosine * mount[0] - sine * mount[1]
     y = scale * (pose[1] - grid.origin_y) + sine * mount[0] + cosine * mount[1]
@@ -109,9 +110,11 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
         if readings[i] > least:
             x, y = beam_end(scan, eye, s, i, float(readings[i]))
             line = line_between(eye.x, eye.y, x, y, grid.columns, grid.rows, grid.columns)
+            # Each crossing below marks the cells on both sides of a boundary; the end alone may lie beyond all of them.
             states[line.last] |= PASSED
             number = line.first
             for n in range(line.lines):
+                # `number` counts along the beam. The offset across is that of the n-th crossing.
                 here = number + int(line.meets + n * line.each) * line.aside
                 number += line.jump
                 states[here] |= PASSED
@@ -128,12 +131,14 @@ def line_between(x: float, y: float, to_x: float, to_y: float, columns: int, row
     if not (0.0 <= to_x < columns - EDGE and 0.0 <= to_y < rows - EDGE):
         part = part_within(x, y, dx, dy, columns - EDGE, rows - EDGE)
         dx, dy = part * dx, part * dy
+    # Major axis: the one along which the beam goes farther. It crosses at most one minor boundary per major one.
     is_steep = abs(dy) > abs(dx)
     along, aside = (row, 1) if is_steep else (1, row)
     major, minor = (y, x) if is_steep else (x, y)
     far, side = (dy, dx) if is_steep else (dx, dy)
     begin, end, ahead = int(major), int(major + far), (1 if far >= 0.0 else -1)
     slope = side / far if far != 0.0 else 0.0
+    # Where the beam meets the first boundary of the major axis: at `begin` going back, at `begin + 1` going ahead.
     meets = minor + (begin + (1 if far >= 0.0 else 0) - major) * slope
     last = end * along + int(minor + side) * aside
     return Line(begin * along, last, abs(end - begin), ahead * along, aside, meets, ahead * slope)
@@ -174,10 +179,12 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
         if readings[i] > least:
             x, y = beam_end(scan, eye, s, i, float(readings[i]))
             line = line_between(eye.x, eye.y, x, y, grid.columns, grid.rows, grid.columns)
-            # Before the n-th line between cells, from 0 on, come 2 n or 2 n + 1 lines between quarters.
+            # The quarters up to the first occupied cell are skipped. That cell may begin at the boundary before the
+            # one that is counted, and before the n-th boundary, from 0 on, a beam crosses at least 2 n of quarters.
             skipped = max(2 * count_empty(line, cells) - 2, 0)
             line = line_between(2.0 * eye.x, 2.0 * eye.y, 2.0 * x, 2.0 * y, columns, rows, ROW)
             is_hit = readings[i] < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows
+            # The quarter that the beam hits stays occupied; a beam without a hit spares none (-1).
             kept, number = (line.last if is_hit else -1), line.first + skipped * line.jump
             count = free_quarter(line.last, kept, cells, doubted, count)
             for n in range(skipped, line.lines):
@@ -209,6 +216,7 @@ def free_quarter(number: int, kept: int, cells: Bytes, doubted: Ints, count: int
     row, column = number >> BITS, number & (ROW - 1)
     i, j, bit = row >> 1, column >> 1, quarter(row, column)
     if cells[i, j] & bit != 0 and number != kept:
+        # The bit is set, so this clears it.
         cells[i, j] ^= bit
         doubted[count] = number
         count += 1

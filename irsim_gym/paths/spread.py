@@ -18,7 +18,11 @@ from irsim_gym.paths.grid import BLOCKED, Grid, Search, centre
 from irsim_gym.paths.reachability import gate
 
 N_BUCKETS = 8
+"""Buckets in use at a time: more than the longest step, of sqrt(5) cells, can reach ahead."""
 NEXT, PREVIOUS, PARENT = 0, 1, 2
+"""Rows of a queue. Each bucket is a circular, doubly linked list of cells; behind those of all cells, the columns
+``n_cells`` to ``n_cells + N_BUCKETS - 1`` are the heads of the lists.
+"""
 
 STEPS = np.array(
     [[dy, dx] for dy in range(-2, 3) for dx in range(-2, 3) if max(abs(dy), abs(dx)) == 1 or abs(dy * dx) == 2],
@@ -40,6 +44,7 @@ def clear_field(search: Search) -> None:
     field[:] = np.inf
     n_cells = field.size
     for k in range(n_cells, n_cells + N_BUCKETS):
+        # An empty list: its head is its own neighbour.
         queue[NEXT, k], queue[PREVIOUS, k] = k, k
 
 
@@ -49,10 +54,13 @@ def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, c
     before_now = known[here]
     if distance >= before_now:
         return
+    # The cell is in the bucket of its old distance: out of it. A cell that is done never comes back, as no later
+    # distance is less than its own.
     if before_now < np.inf:
         before, after = queue[PREVIOUS, here], queue[NEXT, here]
         queue[NEXT, before], queue[PREVIOUS, after] = after, before
     known[here], queue[PARENT, here] = distance, parent
+    # Bucket n holds distances from n to n + 1 cells, modulo N_BUCKETS.
     head = known.shape[0] + int(distance / cell) % N_BUCKETS
     after = queue[NEXT, head]
     queue[NEXT, head], queue[PREVIOUS, here], queue[NEXT, here], queue[PREVIOUS, after] = here, head, after, here
@@ -90,6 +98,7 @@ def spread(cell: float, target: int, search: Search) -> None:
     n_cells, bucket, idle = field.size, 0, 0
     rows, columns = blocked.shape
     walls, known = blocked.reshape(-1), field.reshape(-1)
+    # All buckets empty in a row: nothing is left.
     while idle < N_BUCKETS:
         head = n_cells + bucket % N_BUCKETS
         here = queue[NEXT, head]
@@ -108,6 +117,7 @@ def spread(cell: float, target: int, search: Search) -> None:
 def relax(walls: Bytes, rows: int, columns: int, cell: float, here: int, known: Floats, queue: Ints) -> None:
     """Offer all neighbours of a cell. Compares distances first, because most neighbours are nearer already."""
     row, column, reach = here // columns, here % columns, known[here]
+    # Only near the border can a step leave the grid, or wrap into the next row.
     is_inner = 2 <= row < rows - 2 and 2 <= column < columns - 2
     for k in range(STEPS.shape[0]):
         if not is_inner:

@@ -22,9 +22,11 @@ from irsim_gym.paths.grid import BLOCKED, FREE
 TIGHT = np.uint8(2)
 """Level of a cell in which the body fits, but not at the centre; the others are ``FREE`` and ``BLOCKED``."""
 STRAIGHT, ACROSS, TIGHT_FACTOR = 5, 7, 8
+"""Costs of a straight and of a diagonal step (7 / 5 is close to the root of 2), and the factor for tight cells."""
 NEVER = np.int32(2**30)
 """Cost of a cell without a path."""
 HEAD, TAIL, FIRST = 0, 1, 2
+"""Where a row of queues keeps the place of its first entry and that behind its last one, and where entries begin."""
 BITS = 21
 """An entry of a queue holds the number of a cell in its lowest bits, and the cost in the higher bits."""
 ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
@@ -64,6 +66,7 @@ def narrow(levels: Bytes, x: float, y: float, reach: float) -> None:
     for i in range(max(int(np.ceil(y - reach - 0.5)), 0), min(int(np.floor(y + reach - 0.5)) + 1, rows)):
         for j in range(max(int(np.ceil(x - reach - 0.5)), 0), min(int(np.floor(x + reach - 0.5)) + 1, columns)):
             dx, dy = abs(j + 0.5 - x), abs(i + 0.5 - y)
+            # The farthest corner of the cell is within reach: so is every place in it.
             if (dx + 0.5) * (dx + 0.5) + (dy + 0.5) * (dy + 0.5) <= reach * reach:
                 levels[i, j] = BLOCKED
             elif dx * dx + dy * dy < reach * reach and levels[i, j] == FREE:
@@ -83,6 +86,7 @@ def begin_costs(source: int, least: Labels) -> None:
         up = abs(i - source // columns)
         for j in range(columns):
             aside = abs(j - source % columns)
+            # As many diagonal steps as the shorter offset allows, the rest straight.
             least[i, j] = STRAIGHT * max(up, aside) + (ACROSS - STRAIGHT) * min(up, aside)
 
 
@@ -104,6 +108,7 @@ def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> Non
         queues[q, HEAD], queues[q, TAIL] = FIRST, FIRST
     costs[source] = 0
     queues[0, FIRST], queues[0, TAIL] = source, FIRST + 1
+    # Every queue is in order, as all its steps cost the same; the least entry is at the head of one of them.
     while True:
         best, chosen = np.int64(2**62), -1
         for q in range(4):
@@ -114,6 +119,7 @@ def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> Non
             return
         queues[chosen, HEAD] += 1
         cost, here = int(best >> BITS), int(best & (2**BITS - 1))
+        # Else the cell was reached at a lower cost after this entry was made.
         if cost == costs[here]:
             offer_neighbours(walls, columns, here, cost, queues, costs)
 
@@ -130,10 +136,13 @@ def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: I
         # Most neighbours are nearer already.
         if cost + STRAIGHT >= costs[there] or walls[there] == BLOCKED:
             continue
+        # One queue for each cost of a step: straight or diagonal, from a free or a tight cell.
         q = (1 if k >= 4 else 0) + (2 if walls[there] == TIGHT else 0)
+        # The path comes from there to here, so the level of that cell counts.
         total = cost + (ACROSS if k >= 4 else STRAIGHT) * (TIGHT_FACTOR if q >= 2 else 1)
         if total >= costs[there]:
             continue
+        # No cutting of corners: both cells beside a diagonal step must not be blocked.
         if k >= 4 and (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
             continue
         costs[there] = total
@@ -166,13 +175,16 @@ def follow_costs(levels: Bytes, least: Labels, start: int, way: Labels) -> int:
             aside, along = COLUMNS[k], ROWS[k] * columns
             there = here + aside + along
             total = costs[there] + (ACROSS if k >= 4 else STRAIGHT) * weight
+            # A blocked cell can only be the end of a path, at cost 0.
             if total >= best or (walls[there] == BLOCKED and costs[there] > 0):
                 continue
             if k < 4 or not (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
                 best, onward = total, there
+                # Explains the cost: no neighbour can be cheaper, as costs are lower bounds.
                 if total <= costs[here]:
                     break
         if best > costs[here]:
+            # A raise, and back to the cell before, whose cost may now be too low in turn.
             costs[here], raises, count = best, raises - 1, max(count - 1, 1)
             here = int(way[count - 1])
             if raises < 0:

@@ -94,8 +94,10 @@ class CellPlacement:
             return misfit
         n_bodies, n_cells = len(model.role), int(np.prod(model.map_room.shape[1:]))
         options = group.options[0]
+        # None means no maximum.
         limits = np.array([options.min_way_length, options.max_way_length or np.inf])
         needs_way = bool((model.stands & ~model.unobstructed).any() or limits[0] > 0.0 or limits[1] < np.inf)
+        # Where no way is searched for, grids of a few cells save memory.
         reach = float(reaches.min(initial=side)) if needs_way else float(np.max(model.bounds[2:] - model.bounds[:2]))
         grids = [Grid.over(model.bounds, share * reach) for share in (COARSE, FINE)]
         group.tables = (
@@ -154,6 +156,7 @@ def draw_in_cells(
                 place_outline(model, state, w, b)
                 if not is_start_free(w, b, tables.everyone, 0.0, model, state, cells):
                     continue
+                # A start without reachable goals is given up, and the next free cell is drawn.
                 state.placed[w, b] = not model.has_goal[b] or draw_goals(w, slot, b, tables, grids, model, state, cells)
             if not state.placed[w, b]:
                 failed[w] = b + 1
@@ -188,6 +191,7 @@ def draw_goals(
 def cell_at(cells: CellMap, point: Point) -> int:
     """Return the index of the cell of the map that holds a point [m]."""
     column, row = (point[0] - cells.x) / cells.width, (point[1] - cells.y) / cells.height
+    # Cells are numbered column by column.
     rows = int(cells.room.shape[1])
     return int(np.floor(column)) * rows + int(np.floor(row))
 
@@ -244,6 +248,7 @@ def find_reached(cells: CellMap, start: int, found: Ints, seen: Flags) -> int:
     seen[:] = False
     seen[start] = True
     count, next_one, here = 0, 0, start
+    # Breadth-first search: `found` is also its queue, of which the first `next_one` entries are done.
     while True:
         i, j = here // rows, here % rows
         for side in range(4):

@@ -21,7 +21,9 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
 MARGIN = 0.5
+"""Distance of the default circle from the world's shorter sides [m]."""
 TRIES = 100
+"""Maximum number of draws for a start or a goal."""
 
 
 @dataclass(repr=False)
@@ -103,15 +105,18 @@ class CirclePlacement:
         if radius <= 0.0:
             return f"needs a radius: half of the world's shorter side, less {MARGIN} m, is {radius:g} m"
         angles = np.zeros(len(model.role))
+        # Those who walk together share one place.
         leaders, place = np.unique(model.leader[group.members], return_inverse=True)
         angles[group.members] = 2.0 * np.pi * place / len(leaders)
         for b in group.members:
             angle = angles[b]
+            # `aside` points to the left of a body that faces the centre.
             arm, aside = radius * np.array([np.cos(angle), np.sin(angle)]), np.array([np.sin(angle), -np.cos(angle)])
             model.start[:, b] = [*(center + arm + model.abreast[b] * aside), angle - np.pi]
             model.waypoints[:, b, 0] = [*(center - arm + model.abreast[b] * aside), angle - np.pi]
         everyone = np.arange(len(model.role))
         x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
+        # Even places are not tested for clearance, only for contact.
         clearance = options.clearance if options.scatter or jitter > 0.0 else 0.0
         group.tables = CircleTables(
             x, y, float(radius), jitter, options.turn, options.scatter, options.mirror, clearance, angles, everyone
@@ -179,10 +184,12 @@ def shift_start(
     for _ in range(TRIES):
         if circle.scatter and model.leader[b] == b:
             angle = uniform(state.random, w, 0.0, 2.0 * np.pi)
+        # It walks with its leader, which is placed already.
         elif circle.scatter:
             first = state.pose[w, model.leader[b]]
             angle = np.arctan2(first[1] - circle.y, first[0] - circle.x)
         cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
+        # As `arm` and `aside` in CirclePlacement.prepare.
         place = circle.radius * cosine + aside * sine, circle.radius * sine - aside * cosine
         x, y = shifted(w, place, circle.jitter, state)
         pose[0], pose[1], pose[2] = circle.x + x, circle.y + y, np.arctan2(-y, -x)
@@ -232,7 +239,9 @@ def shift_goal(
     clearance, goal = circle.clearance, model.waypoints[w, b, 0]
     for _ in range(TRIES):
         cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
+        # Opposite, on the same side of its leader.
         place = aside * sine - circle.radius * cosine, -circle.radius * sine - aside * cosine
+        # The mirror image of the start about the centre, from the centre.
         x, y = circle.x - state.pose[w, b, 0], circle.y - state.pose[w, b, 1]
         if not circle.mirror:
             x, y = shifted(w, place, circle.jitter, state)
@@ -251,6 +260,7 @@ def shifted(w: int, place: Point, jitter: float, state: State) -> Point:
     Reads: state (random).
     Writes: state (random).
     """
+    # The root makes equal areas equally likely.
     along = jitter * np.sqrt(uniform(state.random, w, 0.0, 1.0))
     direction = uniform(state.random, w, 0.0, 2.0 * np.pi)
     return place[0] + along * np.cos(direction), place[1] + along * np.sin(direction)

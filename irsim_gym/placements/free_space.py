@@ -136,6 +136,7 @@ def is_start_free(
             continue
         dx, dy = state.pose[w, q, 0] - state.pose[w, b, 0], state.pose[w, q, 1] - state.pose[w, b, 1]
         near = reaches[b] + reaches[q] + clearance
+        # Reaches that do not meet cannot touch; the margin is for rounding.
         if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
             continue
         if is_closer(clearance, outline, outline_of(model, state, w, q)):
@@ -152,6 +153,7 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: Model, state: Sta
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     for q in range(reaches.shape[0]):
+        # Wandering bodies draw their goals during the episode.
         if not model.has_goal[q] or model.goal_renewal[q] == WANDER or q == b:
             continue
         if not state.placed[w, q] or not model.present[w, q]:
@@ -197,6 +199,7 @@ def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: 
         if q == b or not state.placed[w, q] or not model.present[w, q]:
             continue
         if model.has_goal[q] and model.goal_renewal[q] != WANDER:
+            # Between goals, bodies only must not overlap; `clearance` is kept from what stands.
             apart = reaches[b] + reaches[q]
             for i in range(kept_goals(w, q, model)):
                 dx, dy = waypoints[q, i, 0] - x, waypoints[q, i, 1] - y
@@ -238,6 +241,7 @@ def has_way_of_length(
     straight = np.sqrt(dx * dx + dy * dy)
     if straight > limits[1] or not has_way(w, b, start, goal, grids, model, state, cells):
         return False
+    # No way is shorter than the straight line, so its length need not be measured.
     if straight >= limits[0] and limits[1] == np.inf:
         return True
     obstacles, radius = Obstacles(model, state, w, grids.blocks, cells, None), model.reach[row_of(model.reach, w), b]
@@ -272,6 +276,7 @@ def has_way(
         blocks[q] = q != b and state.placed[w, q] and model.present[w, q] and model.stands[q]
     obstacles = Obstacles(model, state, w, blocks, cells, None)
     radius = model.reach[row_of(model.reach, w), b]
+    # A way on either grid is a proof; the coarse one takes less time.
     return way_exists(obstacles, radius, start, goal, grids.coarse) or way_exists(
         obstacles, radius, start, goal, grids.fine
     )

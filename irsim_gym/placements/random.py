@@ -19,6 +19,7 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 MARGIN = 0.5
+"""Distance of the default bounds from the edge of the world [m]."""
 WISHED_DISTANCE = 1.0
 """Default distance between members of an entry, if there is room for it [m]."""
 FULLEST = 0.45
@@ -110,6 +111,7 @@ class RandomPlacement:
         if (misfit := misfit_of_goals(group, model)) is not None:
             return misfit
         corners = np.array([*(bound[:2] for bound in bounds), model.bounds[:2], model.bounds[2:]])
+        # The grid covers the world, and the boxes of starts and goals where these go beyond it.
         area = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
         min_distance = options.min_distance
         if min_distance is None:
@@ -118,6 +120,7 @@ class RandomPlacement:
             min_distance = WISHED_DISTANCE if has_room else 0.0
         everyone = np.arange(len(model.role))
         spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
+        # Where no way is searched for, grids of a few cells save memory.
         reach = float(np.max(model.bounds[2:] - model.bounds[:2]))
         if options.ensures_way:
             reach = float(np.min(model.reach[:, group.members]))
@@ -139,6 +142,7 @@ class RandomPlacement:
 
 def _has_room(count: int, low: Floats, high: Floats) -> bool:
     """Return whether ``count`` points with distances of ``WISHED_DISTANCE`` fit into a box."""
+    # Discs of half the distance about the points, which stick out of the box by their radius on each side.
     width, height = high[:2] - low[:2] + WISHED_DISTANCE
     return bool(count * np.pi * (WISHED_DISTANCE / 2.0) ** 2 <= FULLEST * width * height)
 

@@ -24,8 +24,11 @@ from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 
 START_TRIES = 1000
+"""Maximum number of draws for a start."""
 GOAL_TRIES = 100
+"""Maximum number of draws for a goal."""
 PATH_TRIES = 8
+"""Maximum number of draws of a start with a goal, or of a next goal, until a path leads there."""
 
 
 @dataclass(repr=False)
@@ -105,6 +108,7 @@ def sort_placed(w: int, model: Model, state: State) -> None:
     Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, placed, pose).
     Writes: state (bucket, bucket_first, bucket_next).
     """
+    # Only for the draws: at the restart's end the engine sorts all bodies into the buckets anew.
     state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
     for b in range(state.placed.shape[1]):
         if state.placed[w, b] and model.present[w, b]:
@@ -145,6 +149,7 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
         for axis in range(3):
             pose[b, axis] = uniform(state.random, w, tables.low[axis], tables.high[axis])
         if frame.columns > 0:
+            # What can be too near by origins, or by outlines, which reach out `frame.reach` at most.
             within = max(tables.min_distance, own + tables.clearance + frame.reach)
             count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
             peers, others = found[:count], found[:count]

@@ -9,6 +9,7 @@ from irsim_gym.world.group import Group
 from irsim_gym.world.model import WANDER, Model
 
 MOST_GOALS = 1000
+"""Maximum number of goals of a body."""
 
 
 def goals_option() -> Any:

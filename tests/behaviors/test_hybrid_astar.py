@@ -125,6 +125,21 @@ def test_moves_stay_within_the_limits_of_a_differential_drive() -> None:
     assert (moves["turn"] >= -1.0 * moves["seconds"] - 1e-12).all()
 
 
+@pytest.mark.parametrize("goal", [[20, 22], [18, 20]])
+def test_a_car_without_a_reverse_gear_comes_round_to_a_goal_close_by(goal: list[float]) -> None:
+    # Its smallest circle has the radius 0.7 / tan(0.9 * 0.2) = 3.8 m, so it has to go farther away from the goal first,
+    # and beyond the table of costs without obstacles, which ends 5.3 m from the goal.
+    car = CAR | {"shape": {"name": "rectangle", "length": 1.0, "width": 0.5, "wheelbase": 0.7}}
+    car |= {"state": [20, 20, 0, 0], "goal": [*goal, 0], "vel_min": [0, -0.2], "vel_max": [1, 0.2]}
+    scenario = {"world": {"step_time": 0.1, "width": 40, "height": 40}, "robot": car | HYBRID}
+    simulation = ig.compile(ig.load_scenario(scenario))
+    simulation.reset(seed=0)
+    assert run(simulation, 400) < 400
+    way = way_of(simulation)
+    assert (way[:, 6] == FORWARD).all()
+    assert np.abs(way[:, 5] / way[:, 3]).max() <= np.tan(SPARE * 0.2) / 0.7 + 1e-9
+
+
 def test_the_queue_sorts_and_cells_are_found_again() -> None:
     generator = np.random.default_rng(0)
     nodes = PoseNodes(*(part[0] for part in PoseNodes.reserve(1)))

@@ -54,6 +54,21 @@ def test_people_walk_as_they_did(square: Path) -> None:
         sim.step()
 
 
+def test_a_body_that_decides_in_between_changes_nobody(square: Path) -> None:
+    """A body that looks at others begins a turn of its own, so the recorded bodies decide in two parts."""
+    replay = {"name": "recorded", "file": "people.txt", "time_unit": 0.04}
+    watching = {**OMNI, "state": [9, 9, 0], "goal": [9, 5, 0], "behavior": {"name": "rvo"}}
+    people = [{**OMNI, "behavior": replay | {"person": person}} for person in (7, 3)]
+    file = square / "world.yaml"
+    file.write_text(json.dumps({"obstacle": [people[0], watching, people[1]]}), encoding="utf-8")
+    sim = ig.compile(ig.load_scenario(file))
+    sim.reset(seed=0)
+    for step in range(7):
+        if step >= 2:
+            assert sim.state.pose[0, 2, :2] == pytest.approx([5.0, 2.0 + (step - 2) * 0.1]), step
+        sim.step()
+
+
 def test_a_person_by_id_later_and_elsewhere(square: Path) -> None:
     behavior = {"person": 7, "start_time": 0.3, "offset": [2.0, -1.0]}
     sim = simulation(square, 2, behavior)
