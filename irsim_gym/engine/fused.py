@@ -77,6 +77,7 @@ class Fused:
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
+        # While another function records, this one runs as Python, so that its kernels become part of the recording.
         program = None if is_recording() else self._program(shard.slot)
         if program is None:
             if shard.slot in self._on_trial and not is_recording():
@@ -121,6 +122,7 @@ class Fused:
             self.prepare(slot)
         if not self.is_fusable:
             return None
+        # A program on trial is not replayed yet, but a recording that contains it needs its address.
         return self.programs.get(slot) or (self._on_trial.get(slot) if is_recording() else None)
 
     def prepare(self, slot: int) -> None:
@@ -130,6 +132,7 @@ class Fused:
         """
         if self.is_fusable and slot not in self.programs and slot not in self._on_trial:
             program = self._record(slot)
+            # Kinds of the package are trusted at once; those from outside are on trial for some calls, see ``promise``.
             kept: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
             kept[slot] = program
 
@@ -190,6 +193,7 @@ class Fused:
         return Program(*self._note(slot))
 
     def __getstate__(self) -> dict[str, object]:
+        # Recorded calls hold addresses, which mean nothing in another process.
         return {**self.__dict__, "programs": {}, "_on_trial": {}, "_left": {}, "_of_slots": None}
 
 
@@ -214,6 +218,7 @@ def call_until_done(worlds: Ints, calls: int, n_calls: int, tries: int, failed: 
                 raise RuntimeError("a kernel failed")
             remaining = 0
             for i in range(count):
+                # Worlds in which the calls failed move to the front of ``left``: they are the next try.
                 if failed[left[i]] > 0:
                     left[remaining] = left[i]
                     remaining += 1

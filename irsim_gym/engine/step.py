@@ -64,6 +64,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
         body_buckets.refresh(parts.everyone, model, state, shard)
+    # ``tick`` comes last, so ``state.step`` is still the number of the step before.
     let_appear(parts, model, state, shard, ahead=1)
     contact.find(parts.movers, model, state, shard)
     arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)

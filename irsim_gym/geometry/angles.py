@@ -17,6 +17,7 @@ def wrap(angle: float) -> float:
     if -np.pi < angle <= np.pi:
         return angle
     wrapped = angle - TURN * np.ceil((angle - np.pi) / TURN)
+    # Rounding may end on either side of the interval.
     if wrapped <= -np.pi:
         return np.pi
     return float(min(wrapped, np.pi) if wrapped == wrapped else wrapped)

@@ -12,6 +12,7 @@ def point_segment_distance2(px: float, py: float, ax: float, ay: float, bx: floa
     x, y = px - ax, py - ay
     length2 = dx * dx + dy * dy
     along = x * dx + y * dy
+    # The nearest point is b, or the foot of the perpendicular, or a (``along`` <= 0).
     if along >= length2:
         x, y = px - bx, py - by
     elif along > 0.0:
