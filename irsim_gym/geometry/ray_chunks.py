@@ -321,6 +321,8 @@ def raise_by_segments(n: int, sides: Record, rays: Rays) -> None:
                 place = place_x * x + place_y * y
                 # abs(q.d) <= n.d: the beam passes between both ends, and ahead.
                 depth = depth if depth + slack >= np.abs(place) else zero
+                # No depth is below 0. The second comparison lets the compiler store every lane with a ``max``
+                # instruction; with the first one alone it stores some of them under a mask.
                 depth = depth if depth > rays[at + i] else rays[at + i]
                 rays[at + i] = depth if depth > zero else zero
             p = p + LENGTH if p + LENGTH < n_beams else np.uint64(0)
@@ -343,6 +345,7 @@ def raise_by_discs(n: int, rounds: Record, rays: Rays) -> None:
                 depth = (ahead + np.sqrt(room if room > zero else zero)) * scale
                 inner = room if room < ahead else ahead
                 depth = depth if inner >= zero else zero
+                # As in ``raise_by_segments``: two ``max`` instructions, no mask.
                 depth = depth if depth > rays[at + i] else rays[at + i]
                 rays[at + i] = depth if depth > zero else zero
             p = p + LENGTH if p + LENGTH < n_beams else np.uint64(0)

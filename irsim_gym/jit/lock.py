@@ -27,6 +27,7 @@ PATIENCE_S = 60.0
 """The longest wait for one kernel [s]: the process that compiles it may have been stopped."""
 LOOK_S = 0.01
 """Time between two looks [s]."""
+# How systems say that another process holds the lock.
 TAKEN = (errno.EACCES, errno.EAGAIN)
 
 _held: ContextVar[tuple[Path, ...]] = ContextVar("held", default=())
@@ -44,6 +45,7 @@ def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
     """
     held = _held.get()
     path = file.with_suffix(".lock")
+    # This thread holds the lock already where a kernel calls itself, and must not wait for itself.
     descriptor = None if path in held else _acquire(path, PATIENCE_S if is_ordered or not held else 0.0)
     if descriptor is None:
         yield

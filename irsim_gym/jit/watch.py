@@ -39,6 +39,7 @@ class Watch:
 
     def on_start(self, event: Any) -> None:
         """Pause the garbage collector, which finds next to nothing and takes a tenth of the time; report progress."""
+        # Compiling a kernel compiles those that it calls: only the outermost start and end are timed.
         self._depth += 1
         if self._depth == 1:
             self._begun = time.perf_counter()

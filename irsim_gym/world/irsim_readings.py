@@ -125,6 +125,7 @@ class IrSimReadings(BodyReadings, ABC):
             return 0.0, 0.0
         ahead, aside = map(float, self._of(self._model.velocity_max)[:2])
         bearing = math.atan2(dy, dx)
+        # IR-SIM scales both axes by their own limits, so the speed differs between directions.
         vx, vy = ahead * math.cos(bearing), (aside if self._moves_sideways else ahead) * math.sin(bearing)
         speed = max(math.hypot(vx, vy), 1.0) if normalized else 1.0
         return vx / speed, vy / speed

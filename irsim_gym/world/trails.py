@@ -88,6 +88,7 @@ class Trails:
             chosen = slice(0, last + 1, every)  # every step from the first on: nothing has to be copied
             return steps[chosen], self._poses[world, chosen]
         slots = np.flatnonzero((steps >= 0) & (steps % every == 0))
+        # Slots go by the step modulo the length, so the oldest pose may be anywhere.
         slots = slots[np.argsort(steps[slots])]
         return steps[slots], self._poses[world, slots]
 
@@ -129,10 +130,12 @@ def note(
     length, highest = noted.shape[1], -1
     for i in range(worlds.shape[0]):
         highest = max(highest, steps[i])
+    # The caller makes the table longer and calls again; at its greatest length, steps wrap around instead.
     if highest >= length and length < longest:
         return highest
     for i in range(worlds.shape[0]):
         w, step = worlds[i], steps[i]
+        # An earlier step than the latest: a new episode has begun.
         if step < latest[w]:
             for slot in range(length):
                 noted[w, slot] = -1
