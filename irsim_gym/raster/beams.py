@@ -45,6 +45,7 @@ def paint_scan(
         _paint_velocities(canvas, points, item, scan, ranges, speeds, colour)
         return
     picture, sheet, box = canvas
+    # A full turn is bounded by the ends of the beams alone; else the sensor is a corner, too.
     add_polygon(sheet, box, points, 1 if scan.surrounds else 0, scan.count if scan.surrounds else scan.count + 1)
     paint(picture, sheet, box, item.colours[AREA], False)
     apart = (scan.count + MOST_BEAMS - 1) // MOST_BEAMS
@@ -68,6 +69,7 @@ def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> N
         max(points[0, 0], points[i, 0]) + width, max(points[0, 1], points[i, 1]) + width,
     )  # fmt: skip
     x, y = points[0, 0] + across, points[0, 1] + down
+    # The four sides of the thin rectangle around the beam: across at its end, back, and across at the sensor.
     for corner in range(4):
         middle = i if corner in (0, 1) else 0
         if corner in (1, 3):
