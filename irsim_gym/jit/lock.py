@@ -107,7 +107,7 @@ def _try(descriptor: int) -> bool:
 
 def _release(path: Path, descriptor: int) -> None:
     """Remove the file, and unlock it: a forked child may hold the descriptor too, so closing is not enough."""
-    with suppress(OSError):  # elsewhere than on POSIX a file that others wait for stays
+    with suppress(OSError):  # only POSIX removes a file that others have open
         path.unlink()
     with suppress(OSError):
         if sys.platform == "win32":

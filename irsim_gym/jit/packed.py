@@ -66,7 +66,7 @@ class PackedEntries:
         if files is None:
             return self._compile(signature, layout, f"packed_{next(_numbers)}")[0]
         file = files.file(signature, generator)
-        # The whole name, as kernels with the same types have the same digest; not the folder, which may be moved.
+        # The file's name tells the entry from all others; its folder is left out, because it may be moved.
         name = f"packed_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
         found = _load(generator, name, files.read(file))
         # Found without the lock; the second look below finds what another process wrote while this one waited.

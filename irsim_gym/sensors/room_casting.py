@@ -64,9 +64,8 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
                 if is_near and contains_point(rows, start, count, (eye.x, eye.y)):
                     # From within an area, its sides are seen from behind.
                     limits[start : start + count], is_noted = np.inf, False
-            n_rounds: Any = np.int64(
-                0
-            )  # a literal has a type of its own, for which cast_chunk would be compiled a second time
+            # A literal has a type of its own, for which cast_chunk would be compiled a second time.
+            n_rounds: Any = np.int64(0)
             for m in range(n_rings):
                 d = seen[m]
                 dx, dy, within = rings[d, 0] - eye.x, rings[d, 1] - eye.y, far + rings[d, 2]
