@@ -64,10 +64,9 @@ from irsim_gym.raster.records import (
 )
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
-from irsim_gym.world.model import STATE
+from irsim_gym.world.model import ROBOT, STATE
 from irsim_gym.world.rows import row_of
 
-ROBOT = 0
 LABEL_GAP = 0.08
 """Gap between a body and the label above it [m]."""
 
