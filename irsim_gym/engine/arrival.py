@@ -108,7 +108,7 @@ def lags(w: int, b: int, model: Model, state: State) -> bool:
 def gives_up(w: int, b: int, model: Model, state: State) -> bool:
     """Return whether a body wants another goal before it has reached its own.
 
-    A body with a range for this time draws a random number.
+    It draws a random number each time its interval has passed.
 
     Reads: model (present, wandering), state (random, step).
     Writes: state (random).

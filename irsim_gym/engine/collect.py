@@ -115,7 +115,7 @@ def _behaviors(members: Sequence[Member], model: Model) -> list[Group]:
 def _group_behaviors(
     scenario: Scenario, sensors: Sequence[Group], model: Model, agents: tuple[int, ...], n_slots: int
 ) -> list[Group]:
-    """Return the groups that decide together, by group number; the first member says how.
+    """Return the groups that decide together, by group number; the first member's entry says how.
 
     ``arrays["decides"]`` marks the members whose commands they write; the others are only seen by them.
 

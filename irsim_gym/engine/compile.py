@@ -229,7 +229,7 @@ class _GoalPlan:
 
     @property
     def rows(self) -> int:
-        """Rows of ``waypoints``: one is there for bodies without a goal too, and for those that are drawn."""
+        """Rows of ``waypoints``: at least one, which bodies without a goal have too, and goals that are drawn need."""
         return 2 if self.keeps_first else max(self.count, 1)
 
 
@@ -253,7 +253,7 @@ def _wander_goals(body: BodySpec) -> WanderGoals:
 
 
 def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, model: Model) -> None:
-    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
+    """Write a body's goals, and whether it has any: it can move, and its entry or its distribution gives some."""
     if plan.renewal == WANDER:
         goals = _wander_goals(body)
         interval = (

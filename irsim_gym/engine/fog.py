@@ -172,7 +172,7 @@ def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: Model, stat
 
 @kernel
 def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: Model, state: State) -> None:
-    """Mark the cells whose centres lie in the fields of view, whatever stands between.
+    """Mark the cells whose centres lie in the fields of view; nothing hides what is behind it.
 
     Reads: watchers (bodies, depth, width), cells (height, width, x, y), model (present), state (pose).
     Writes: cells (explored).

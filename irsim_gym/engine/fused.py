@@ -128,7 +128,7 @@ class Fused:
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
 
-        Call this before handing the function to threads: recording compiles, and an interrupt comes in the main thread.
+        Call this before threads get the function: recording compiles, and only the main thread receives interrupts.
         """
         if self.is_fusable and slot not in self.programs and slot not in self._on_trial:
             program = self._record(slot)
@@ -177,7 +177,7 @@ class Fused:
             self._promise.break_off(why)
 
     def _try_again(self, slot: int) -> None:
-        """Record once more what is on trial; after enough of that it is replayed."""
+        """Record the function once more, and compare; after enough equal recordings, its program is replayed."""
         self._trials -= 1
         if not self._on_trial[slot].equals(self._look(slot)):
             self._refuse("its kernels are called with other numbers or arrays from step to step")

@@ -75,7 +75,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
 
 
 def let_appear(parts: Parts, model: Model, state: State, shard: Shard, ahead: int) -> None:
-    """Let bodies with such a behaviour appear and disappear, ``ahead`` steps after ``state.step``."""
+    """Let bodies whose behaviour does so appear and disappear, as at the step ``state.step + ahead``."""
     for group in parts.visitors:
         group.kind.appear(group, model, state, shard, ahead)
         outlines.place(group.members, model, state, shard)

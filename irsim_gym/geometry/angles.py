@@ -38,7 +38,8 @@ def wrap_below(angle: float) -> float:
 def wrap_from(angle: float, low: float) -> float:
     """Return the angle [rad] in [low, low + 2 pi], both ends included.
 
-    An angle in this interval is returned unchanged. A few turns are removed one by one, many at once.
+    An angle in this interval is returned unchanged. A few turns are removed one by one, as in IR-SIM, which rounds
+    alike; many at once.
     """
     high = low + TURN
     if low <= angle <= high:

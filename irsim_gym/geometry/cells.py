@@ -102,7 +102,7 @@ def is_run(occupied: Flags, i: int, first: int, end: int) -> bool:
 
 @kernel
 def box_is_free(squares: Bytes, first: Cell, last: Cell) -> bool:
-    """Return True if free squares of the quickest tiling show that a box of cells is free; False proves nothing."""
+    """Return True if the free squares along one side of a box of cells cover all of it; False proves nothing."""
     first_i, first_j, last_i, last_j = first[0], first[1], last[0], last[1]
     width, height = last_i - first_i + 1, last_j - first_j + 1
     if width <= height:
@@ -337,8 +337,8 @@ def outline_meets_cells(cells: CellMap, outline: BodyOutline) -> bool:
 def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
     """Return whether an area whose boundary touches no occupied cell holds one.
 
-    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough; discs in
-    them may not touch each other.
+    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough. Discs in
+    neighbouring cells need not touch each other, so each is tested.
     """
     squares, segments = cells.squares, outline.segments
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf

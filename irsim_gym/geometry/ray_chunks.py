@@ -280,7 +280,7 @@ def list_kept(count: int, chunk: Record) -> int:
 def lay_beams(beams_x: Rays, beams_y: Rays, rays: Rays) -> None:
     """Write beams where they are cast.
 
-    Distances in one table that are known beforehand let the compiler see that depths and directions do not overlap.
+    Constant offsets within one table let the compiler see that depths and directions do not overlap.
 
     Args:
         beams_x: Unit directions in the sensor frame, shape ``(n_beams,)``, a multiple of BLOCK.

@@ -40,7 +40,7 @@ def keep_on_disk(dispatcher: Any, form: str, restore: Callable[[Any, Any], Any] 
 
 
 def files_of(function: Any, options: Mapping[str, Any], form: str) -> Files | None:
-    """Return a function's files; None without a folder, or for a function that no source file defines for good."""
+    """Return a function's files; None without a folder, or if its source file alone does not define it."""
     if is_cacheable(function) and cache_folder() is not None:
         return Files(function, f"{form} {sorted(options.items(), key=str)}")
     return None
@@ -70,7 +70,7 @@ class Files:
         return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
 
     def lock(self, file: Path) -> AbstractContextManager[None]:
-        """Return the lock of a file that is not there: who holds it compiles, and others wait."""
+        """Return the lock of a file that does not exist yet: its holder compiles, and other processes wait."""
         return lock(file, is_ordered=self.is_own)
 
     @staticmethod

@@ -35,7 +35,7 @@ def function_key(function: FunctionType) -> str:
 
 
 def type_key(kind: Any) -> str:
-    """Return what tells one of Numba's types from others: its name leaves out how the fields of a tuple are called."""
+    """Return a text that identifies one of Numba's types: the type's own name lacks the names of a tuple's fields."""
     fields = getattr(kind, "fields", None)
     inside = [type_key(one) for one in kind.types] if hasattr(kind, "types") else []
     return f"{kind} {fields if isinstance(fields, tuple) else ''} {inside}" if fields or inside else str(kind)

@@ -247,7 +247,7 @@ def _list_touched(sums: Rays, width: Any, first_tile: Any, end_tile: Any) -> Any
 def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
     """Turn a tile's changes of coverage into the signed winding number of the boundary around its pixels.
 
-    Return the sum, with which the next tile goes on. With the even-odd rule the coverage is written instead. Four
+    Return the sum, from which the next tile continues. With the even-odd rule the coverage is written instead. Four
     pixels are summed at a time, so that only every fourth has to wait for the sum before it.
     """
     for quarter in range(TILE // 4):

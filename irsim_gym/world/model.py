@@ -22,9 +22,13 @@ from irsim_gym.arraytypes import (
 from irsim_gym.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
+"""Values of ``role``."""
 POSITION, STATE = 0, 1
+"""Values of ``arrive_mode``: with STATE, the heading decides about arrival too."""
 STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES = 0, 1, 2
+"""Values of ``collision_mode``: a collision stops all that touch, nobody, or robots alone."""
 KEEP_GOAL, WANDER, LOOP = 0, 1, 2
+"""Values of ``goal_renewal``: what happens to goals after arrival."""
 NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 1, 2, 3, 4
 """How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
 

@@ -1,4 +1,4 @@
-"""Where bodies have been, for those who draw their paths."""
+"""Where bodies have been, for pictures of their paths."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Trails:
             note(worlds, self.bodies, steps, poses, LONGEST, self._noted, self._latest, self._poses)
 
     def _grow(self, step: int) -> None:
-        """Make room for a step; steps keep their places, since none has come round to the beginning yet."""
+        """Make room for a step; no step has wrapped around yet, so all keep their slots."""
         length = self._noted.shape[1]
         while length <= step and length < LONGEST:
             length *= 2
@@ -93,12 +93,12 @@ class Trails:
         return steps[slots], self._poses[world, slots]
 
     def tables(self) -> tuple[Floats, Ints, Ints]:
-        """Return the tables for who reads them in a kernel.
+        """Return the tables, for kernels that read them.
 
         Returns:
             Poses [m, m, rad] by world, slot and tracked body, shape ``(n_worlds, n_slots, n_tracked, 3)``; the step of
-            each slot, -1 for none, shape ``(n_worlds, n_slots)``; and the latest step of each world, -1 for none. A
-            step stands in the slot of its rest modulo the number of slots.
+            each slot, -1 for none, shape ``(n_worlds, n_slots)``; and the latest step of each world, -1 for none. The
+            slot of a step is its number modulo the number of slots.
         """
         return self._poses, self._noted, self._latest
 
