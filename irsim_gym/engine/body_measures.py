@@ -37,6 +37,7 @@ def measure_bodies(worlds: Ints, bodies: Ints, model: Model, radius: Floats, cen
     Writes: radius, centroid.
     """
     points = np.empty((2 * model.local_segments.shape[1] + CORNERS * model.local_discs.shape[1], 2))
+    # Where all worlds share their outlines, there is one row to measure, however many worlds are given.
     n_rows = worlds.shape[0] if radius.shape[0] > 1 else min(worlds.shape[0], 1)
     for i in range(n_rows):
         row = worlds[i] % radius.shape[0]

@@ -256,6 +256,7 @@ def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, mod
     """Write a body's goals, and whether it has any: it can move, and its entry or its distribution gives some."""
     if plan.renewal == WANDER:
         goals = _wander_goals(body)
+        # A learner never gives up its goal.
         interval = (
             0 if is_agent or goals.interval is None else max(1, round(goals.interval / float(model.step_time[0])))
         )

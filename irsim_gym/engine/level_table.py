@@ -123,6 +123,7 @@ def roomy_outlines(scenario: Scenario) -> list[Outline]:
         segments, discs = (np.diff(rows, axis=1)[:, k] for rows in (levels.segment_start, levels.disc_start))
         own = outlines[b]
         if segments.max() > len(own.segments) or discs.max() > len(own.discs):
+            # Room for the outline of any level, which is written over these rows.
             longest = levels.outline(int(segments.argmax()), int(k))[0], levels.outline(int(discs.argmax()), int(k))[1]
             outlines[b] = Outline(*longest, solid=own.solid)
     return outlines

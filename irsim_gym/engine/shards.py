@@ -169,6 +169,7 @@ class Shards:
             while not job.wait():
                 time.sleep(NAP_S)
         except BaseException:
+            # An error or an interrupt must not end the call while threads still use the job's memory.
             repeat_until(job.cancel)
             self._threads = self._job = None  # the job counts threads as awake even if they have not been woken
             raise

@@ -61,6 +61,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
         body_buckets.refresh(turn.movers, model, state, shard)
     if orders is not None:
         orders.show(state, shard)
+    # The caller moves the bodies between steps: their outlines are still those of the old poses.
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
         body_buckets.refresh(parts.everyone, model, state, shard)

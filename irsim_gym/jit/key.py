@@ -68,6 +68,7 @@ def _code(code: CodeType, function: FunctionType, called: list[FunctionType]) ->
 
 def _value(value: Any, names: set[str], called: list[FunctionType]) -> Iterator[str]:
     """Yield descriptions of a value that a function reads; of a module, those of its attributes with such names."""
+    # A kernel, or a dispatcher of Numba's, wraps the Python function.
     target = getattr(value, "__wrapped__", value)
     if isinstance(target, FunctionType):
         called.append(target)

@@ -92,6 +92,7 @@ def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState,
     for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
+            # The outcome is still that of the step before.
             episode.over[w, a] = episode.outcome[w, a] != RUNNING
             if episode.over[w, a]:
                 continue

@@ -280,6 +280,7 @@ class Episodes:
     def _step(self, shard: Shard) -> None:
         """Play one step in the shard's worlds; this method defines the order of a step."""
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
+        # Flags are those of the step before: learners have seen the end of their episode, then the body goes.
         if self.task.ended == "vanish":
             account.note_ended(shard.worlds, state)
             simulation.vanish(shard, self._agents, state.over)

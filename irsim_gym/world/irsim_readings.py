@@ -32,6 +32,7 @@ class IrSimReadings(BodyReadings, ABC):
     def heading(self) -> float:
         """Direction of travel [rad]: for ``omni`` that of its velocity while it moves, else ``orientation``."""
         vx, vy = self._moving()
+        # Omnidirectional drives keep the heading of their frame, so IR-SIM gives the direction of motion instead.
         is_omni = self._model.drive[self._b] in (OMNI_WORLD, OMNI_BODY)
         return math.atan2(vy, vx) if is_omni and (vx or vy) else self.orientation
 

@@ -215,6 +215,7 @@ def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: floa
     for d in range(discs.shape[0]):
         cx, cy = discs[d, 0] - x, discs[d, 1] - y
         along, aside = cx * ahead_x + cy * ahead_y, cy * ahead_x - cx * ahead_y
+        # Half of the chord, squared: the ray in the direction leaves the disc at ``along`` + half of the chord.
         room = discs[d, 2] * discs[d, 2] - aside * aside
         if room >= 0.0:
             farthest = max(farthest, along + np.sqrt(room))
