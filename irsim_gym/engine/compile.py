@@ -192,7 +192,6 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
     model.goal_threshold[:, b] = body.goal_threshold
     model.heading_low[b] = body.angle_range[0]
-    model.wraps_heading[b] = True
     for values, target in (
         (body.vel_min, model.velocity_min),
         (body.vel_max, model.velocity_max),

@@ -83,7 +83,7 @@ def move_differential(worlds: Ints, members: Ints, model: Model, state: State, e
 
     A twist has the heading after the move and the velocity that was asked for, without noise.
 
-    Reads: model (heading_low, step_time, wraps_heading), state (direction, pose, stopped, velocity).
+    Reads: model (heading_low, step_time), state (direction, pose, stopped, velocity).
     Writes: state (direction, pose, twist).
     """
     dt = model.step_time[0]
@@ -95,7 +95,7 @@ def move_differential(worlds: Ints, members: Ints, model: Model, state: State, e
                 state.pose[w, b, 0] += executed[w, b, 0] * cosine * dt
                 state.pose[w, b, 1] += executed[w, b, 0] * sine * dt
                 heading = wrap_below(heading + executed[w, b, 1] * dt)
-                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
+                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])
             known = state.direction[w, b]
             known[0], known[1] = turned(state.pose[w, b, 2], known)
             known[2] = state.pose[w, b, 2]
