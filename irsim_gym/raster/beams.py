@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.areas import add_disc, add_polygon, is_near
+from irsim_gym.raster.areas import add_disc, add_polygon, is_near, paint_ring
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import AREA, EDGE, Prints, RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
@@ -130,6 +130,4 @@ def paint_hits(
             _mix(colour, scan, speeds[i] if speeds.shape[0] else 0.0, 1.0)
             add_disc(sheet, box, x, y, scan.mark, 1.0)
             paint(picture, sheet, box, colour, False)
-            add_disc(sheet, box, x, y, scan.mark + 0.5 * scan.mark_edge, 1.0)
-            add_disc(sheet, box, x, y, scan.mark - 0.5 * scan.mark_edge, -1.0)
-            paint(picture, sheet, box, scan.rim, False)
+            paint_ring(canvas, x, y, scan.mark, scan.mark_edge, scan.rim)

@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Pose, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.areas import add_disc, add_line, add_polygon
+from irsim_gym.raster.areas import add_disc, add_line, add_polygon, paint_ring
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import (
     AREA,
@@ -282,9 +282,7 @@ def paint_goal(
         colour[channel] = item.colours[OTHER if arrived else AREA][channel]
     colour[3] *= faint * faint
     paint(picture, sheet, box, colour, False)
-    add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
-    add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
-    paint(picture, sheet, box, item.colours[EDGE], False)
+    paint_ring(canvas, x, y, radius, item.width, item.colours[EDGE])
 
 
 @kernel
