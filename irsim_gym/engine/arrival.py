@@ -60,8 +60,7 @@ def check_arrival(worlds: Ints, goal_bodies: Ints, model: Model, state: State) -
                 for axis in range(3):
                     state.goal[w, b, axis] = model.waypoints[w, b, state.waypoint[w, b], axis]
                 state.arrived[w, b] = False
-            # ``goal_distance`` is the plane distance to the goal that is next now; the heading only decides about
-            # arrival.
+            # ``goal_distance`` is the plane distance to the goal that is next now; headings only decide on arrival.
             if goes_on or with_heading:
                 near = goal_gap(state.pose[w, b], state.goal[w, b], False)
             state.goal_distance[w, b] = near

@@ -22,7 +22,7 @@ def measure_into(worlds: Ints, bodies: Ints, model: Model, radius: Floats, centr
 
 
 def measured(model: Model, world: int, body: int) -> tuple[Floats, Floats]:
-    """Return radius and centroid in arrays shaped as the model's, up to date for one body; the model's may not be."""
+    """Return arrays shaped as ``model.radius`` and ``model.centroid``, up to date for one body, as these may not be."""
     radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
     row = world % len(radius)
     measure_into(np.array([row], np.int64), np.array([body], np.int64), model, radius, centroid)

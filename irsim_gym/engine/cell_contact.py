@@ -53,7 +53,6 @@ def measure_cell_clearance(
             if b == own or not model.present[w, own]:
                 continue
             least = room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0]
-            # The outline is no nearer to a cell than the origin's least distance minus its reach: measure only if that
-            # may win.
+            # No nearer than the origin's least distance minus the reach: measure only if that may lower the distance.
             if least - model.reach[row_of(model.reach, w), b] < distance[w, k]:
                 distance[w, k] = outline_cells_distance(here, outline_of(model, state, w, b), distance[w, k])

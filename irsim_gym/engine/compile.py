@@ -228,7 +228,7 @@ class _GoalPlan:
 
     @property
     def rows(self) -> int:
-        """Rows of ``waypoints``: at least one, which bodies without a goal have too, and goals that are drawn need."""
+        """Rows of ``waypoints``: at least one, also for a body without a goal and for a goal that is drawn."""
         return 2 if self.keeps_first else max(self.count, 1)
 
 

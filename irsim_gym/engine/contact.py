@@ -63,8 +63,7 @@ def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: Model, 
         is_known = model.static_known[w]
         for b in bodies:
             for axis in range(3):
-                # An absent body is compared as if it stood at infinity, so that a body that comes or goes counts as
-                # moved.
+                # An absent body is compared as if at infinity, so that one that comes or goes counts as moved.
                 now = state.pose[w, b, axis] if model.present[w, b] else np.inf
                 is_known = is_known and model.static_pose[w, b, axis] == now
                 model.static_pose[w, b, axis] = now
@@ -128,13 +127,12 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: Model, sta
                 continue
             x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], model.movable[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
-            # A gap of 0 (unknown) is the usual case; asking for it first saves the square root of ``room_left``.
+            # A gap of 0 means unknown; asking for it first saves the square root of ``room_left``.
             if is_disc and state.room[w, b].gap > SURE and room_left(discs[d], state.room[w, b]) > 0.0:
                 continue
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
-                # Origins farther apart than both reaches: no contact. The factor keeps pairs that just touch, whatever
-                # is rounded.
+                # Farther apart than both reaches: no contact. The factor keeps pairs that just touch despite rounding.
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or model.unobstructed[q] or not there[q]:
                     continue
                 # One test for each pair: of two movers, or of two fixed bodies, the one with the lower number makes it;

@@ -40,8 +40,7 @@ def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...]
     """Return the check for round agents, if levels differ and their placement does not guarantee a path."""
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
-    # A level that is like all others is not checked: only where walls or the agent's own place differ may a path be
-    # missing.
+    # Only where walls, or the agent's own place, differ between levels is there anything to check.
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
     walls_vary = walls_vary or (scenario.occupied is not None and scenario.bodies[-1].shape.is_random)
     guarded = []
@@ -55,8 +54,7 @@ def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...]
     guarded = [b for b in guarded if not model.unobstructed[b]]
     reach = min((float(model.reach[0, b]) for b in guarded), default=np.inf)
     x0, y0, x1, y1 = (float(value) for value in model.bounds)
-    # Cells are half as wide as the smallest agent's reach. Without an agent to check, a single cell holds the memory
-    # small.
+    # Cells are half as wide as the smallest agent's reach; without an agent to check, one cell saves memory.
     grid = Grid.over(model.bounds, CELL_PER_REACH * reach if guarded else max(x1 - x0, y1 - y0))
     return ReachabilityCheck(
         agents=np.array(guarded, np.int64),

@@ -84,8 +84,8 @@ def _arrays(owner: object) -> Iterator[NDArray[Any]]:
             waiting.extend(item.values())
         elif isinstance(item, list | tuple):
             waiting.extend(item)
-        # Only objects of the package are searched; recorded functions (those with ``programs``) hold tables of their
-        # own.
+        # Only objects of the package are searched, and no recorded functions (``programs``): they hold their own
+        # tables.
         elif not isinstance(item, type) and hasattr(item, "__dict__") and not hasattr(item, "programs"):
             waiting.extend(vars(item).values() if type(item).__module__.startswith("irsim_gym.") else ())
 

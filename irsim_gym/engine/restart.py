@@ -229,8 +229,7 @@ def write_first_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model
                 state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
                 state.goal[w, b, :] = np.nan
         for b in loop_returns:
-            # Row 0 is the goal and row 1 the start. The first round ends at the goal, later rounds (``renew_goals``) at
-            # the start.
+            # Row 0 is the goal and row 1 the start. The first round ends at the goal, later ones at the start.
             state.waypoint_end[w, b] = 1
             # Where headings do not count on arrival, that of row 1 stays NaN.
             for axis in range(3 if model.arrive_mode[b] == STATE else 2):

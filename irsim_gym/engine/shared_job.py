@@ -207,8 +207,7 @@ def take_pieces(job: int, slot: int, n_slots: int, block: int) -> int:
     Pieces are counted down, so a late thread gets none. A job stays in memory until its last piece is done.
     """
     n_done = 0
-    # ``add`` returns the value before: each thread that reads a positive one has reserved a piece, whichever it will
-    # be.
+    # ``add`` returns the value before: a thread that reads a positive one has reserved a piece, whichever it will be.
     while add(job + LEFT, -1) > 0:
         # ``bounds[k]`` and ``bounds[k + 1]`` are the ends of piece k, as int64.
         bound = load(job + BOUNDS) + 8 * find_piece(job, slot, n_slots)
@@ -231,8 +230,8 @@ def find_piece(job: int, slot: int, n_slots: int) -> int:
     for k in range(n_slots):
         owner = job + SLOTS + SLOT * ((slot + k) % n_slots)
         if load(owner + OWN) > 0:
-            # A slot's pieces are those before ``LAST``, in order: with ``left`` of them not taken, the next is ``LAST -
-            # left``. Another thread may have taken the last one since it was looked at.
+            # A slot's pieces end at ``LAST``: with ``left`` of them not taken, the next is that many before it. Another
+            # thread may have taken the last one since the look above.
             left = add(owner + OWN, -1)
             if left > 0:
                 return int(load(owner + LAST) - left)

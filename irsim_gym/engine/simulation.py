@@ -349,7 +349,8 @@ class Simulation:
         orders = Orders(bodies, np.zeros((self.n_worlds, len(bodies), 3)))
         orders.commands[..., : given.shape[-1]] = given
         driven, kept = model.driven[bodies], state.command[:, bodies]
-        # A body that nobody drives would stand still, see ``limit_velocity``.
+        # For a body that nobody drives, ``limit_velocity`` would take a command of zeros as no command, and stop it at
+        # once.
         model.driven[bodies] = True
         try:
             self.run(lambda shard: advance(self.parts, model, state, shard, orders))

@@ -124,8 +124,7 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
     for k in range(LANES):
         east = cosine_x * floats[EAST + k] - sine_x * floats[NORTH + k]
         north = sine_y * floats[EAST + k] + cosine_y * floats[NORTH + k]
-        # Mirrored, every beam goes right and up: speeds [cells/m], and their inverses, with a finite one for a speed of
-        # 0.
+        # Mirrored, every beam goes right and up: speeds [cells/m] and their inverses, with a finite one for 0.
         fast_x, fast_y = east if east >= NONE else -east, north if north >= NONE else -north
         floats[EAST + k], floats[NORTH + k] = fast_x, fast_y
         floats[SLOW_X + k] = ONE / (fast_x if fast_x > FLAT else FLAT)
@@ -169,8 +168,7 @@ def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) ->
             then = time_x if leaves_x else time_y
             # Rounding must not let a beam go back.
             then = then if then > time else time
-            # The cell along the side that the beam leaves through; rounding must not put it out of the square that was
-            # crossed.
+            # The cell along the side that the beam leaves through, which rounding must not move out of the square.
             beside = np.float32(np.int32(floats[PLACE_X + k] + then * floats[EAST + k]))
             beside = beside if beside > i else i
             beside = beside if beside < to_i - ONE else to_i - ONE
@@ -236,8 +234,8 @@ def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: flo
             return time
         reach = 1 if inside else free
         to_i, to_j = i + step_x * reach, j + step_y * reach
-        # Cell to_i is the first one behind the square. Its near border is its left one, or its right one for a beam to
-        # the left.
+        # Cell to_i is the first one behind the square; a beam to the right meets its left border, and the other way
+        # round.
         time_x = ((to_i if step_x > 0 else to_i + 1) - x) * slow_x
         time_y = ((to_j if step_y > 0 else to_j + 1) - y) * slow_y
         if time_x < time_y:

@@ -140,8 +140,7 @@ def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limi
     x, y, cosine, sine = eye
     n_edges = np.int64(0)
     for j in range(np.uint64(begin), np.uint64(end)):
-        # ``g`` and ``h`` are both ends relative to the sensor in the world frame, ``a`` and ``b`` the same in its own
-        # frame.
+        # Both ends relative to the sensor: ``g`` and ``h`` in the world frame, ``a`` and ``b`` in its own.
         at = FOUR * j
         gx, gy, hx, hy = rows[at] - x, rows[at + ONE] - y, rows[at + TWO] - x, rows[at + THREE] - y
         ax, ay = cosine * gx + sine * gy, cosine * gy - sine * gx
@@ -195,7 +194,7 @@ def prepare_discs(count: int, eye: Eye, discs: Record, rounds: Record) -> int:
         rounds.x[j], rounds.y[j] = np.float32(cosine * x + sine * y), np.float32(cosine * y - sine * x)
         rounds.radius2[j], rounds.scale[j] = np.float32(r2), np.float32(1.0 / power)
         sine2 = r2 / distance2
-        # arcsin(s) is about s + (pi / 2 - 1) s^3, which is exact at 0 and 1; in between, MARGIN covers the error.
+        # arcsin(s) is at most s + (pi / 2 - 1) s^3, which is exact at 0 and 1.
         rounds.half[j] = np.float32(np.sqrt(sine2) * (1.0 + 0.5708 * sine2))
         around = power <= 1e-30
         rounds.mark[j] = np.int32(1) - np.int32(2) * np.int32(around)

@@ -62,8 +62,7 @@ def inverse_depth_segment(
         slack = SLACK + np.float32(EDGE_ON)
         normal_x, normal_y = np.float64(ax) / min(a2, b2), np.float64(ay) / min(a2, b2)
     else:
-        # The sensor is on the segment: a huge slack lets every beam pass the test below, with the depth of a hit at
-        # distance 0.
+        # The sensor is on the segment: every beam passes the test below, with the depth of a hit at distance 0.
         slack, level = HERE, HERE
     x_slope, y_slope = np.float32(normal_x), np.float32(normal_y)
     # |x| + |y| stands for the distance of an end, and is up to sqrt(2) times as much.
@@ -95,8 +94,7 @@ def inverse_depth_disc(
         beams_y: As ``beams_x``.
         inverse: Raised: inverse depth of the nearest hit [1/m], shape ``(n_padded,)``.
     """
-    # Power of the sensor with respect to the circle: negative inside, and the product of the distances to both
-    # crossings.
+    # The sensor's power with respect to the circle: the product of the distances to both crossings, negative inside.
     power = np.float64(cx) * np.float64(cx) + np.float64(cy) * np.float64(cy) - np.float64(radius) * np.float64(radius)
     zero, radius2 = np.float32(0.0), radius * radius
     if power < 0.0:

@@ -43,7 +43,7 @@ class InnerLibrary(Library):  # type: ignore[misc]
         """
         name, _, bitcode = kept
         library = cls(generator, name)
-        # What ``JITCodeLibrary`` does when it links, without its steps that optimise and emit machine code.
+        # Numba would optimise the module and emit machine code here; linking needs neither.
         library._final_module = binding.parse_bitcode(bitcode)
         library._finalize_final_module()
         return library

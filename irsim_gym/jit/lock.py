@@ -45,7 +45,7 @@ def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
     """
     held = _held.get()
     path = file.with_suffix(".lock")
-    # This thread holds the lock already where a kernel calls itself, and must not wait for itself.
+    # A lock that this thread holds already, further up in the same compilation, is not waited for.
     descriptor = None if path in held else _acquire(path, PATIENCE_S if is_ordered or not held else 0.0)
     if descriptor is None:
         yield

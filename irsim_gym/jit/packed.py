@@ -130,8 +130,8 @@ class PackedLibrary(Library):  # type: ignore[misc]
     def add_ir_module(self, ir_module: Any) -> None:
         """Add the kernel and its packed entry."""
         super().add_ir_module(ir_module)
-        # Of the functions in a module, only the kernel has a body. Its first two arguments are the places for the
-        # returned value and for an exception, by Numba's calling convention.
+        # The function with a body is the kernel. By Numba's calling convention, its first two arguments are the places
+        # for the returned value and for an exception.
         kernel = next(one for one in ir_module.functions if not one.is_declaration)
         given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
         self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, given, self._layout)))

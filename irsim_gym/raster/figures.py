@@ -74,8 +74,7 @@ def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: 
     if not is_area:
         area = nothing
     elif area[3] >= 1.0 and (n_discs > 1 or n_discs * n_segments > 0):
-        # The edges first, twice as wide: the areas then cover the inner half of each, and all of it where parts
-        # overlap.
+        # Edges first, twice as wide: the areas then cover the inner half, and all of it where parts overlap.
         line = 2.0 * width, item.style, item.snapped
         paint_outline(canvas, scratch.points, outline, scratch.place, (nothing, edge), line)
         edge = nothing

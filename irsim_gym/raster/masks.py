@@ -110,8 +110,7 @@ def paint_cells(picture: Bytes, box: Ints, cells: Flags, frame: Floats, view: Fl
     """
     share = int(colour[3] * 256.0 + 0.5)
     for y in range(box[1], box[3]):
-        # The cells whose centres lie within the row of pixels; where pixels are smaller than cells, the one in its
-        # middle.
+        # The cells whose centres lie in the row of pixels; where pixels are smaller than cells, the one in its middle.
         low = int(np.floor(((view[1] - y - 1.0) / view[2] - frame[1]) / frame[3] + 0.5))
         high = max(int(np.floor(((view[1] - y) / view[2] - frame[1]) / frame[3] + 0.5)), low + 1)
         middle = int(np.floor(((view[1] - y - 0.5) / view[2] - frame[1]) / frame[3]))
@@ -163,8 +162,7 @@ def paint_fog(
         for x in range(box[0], box[2]):
             u = min(max(first + x * across, 0.0), columns - 1.0)
             i = min(int(u), max(columns - 2, 0))
-            # The cover is linear in x between two centres: value at the left one, and difference, once for all pixels
-            # in between.
+            # Between two centres the cover is linear in x: its value at the left one, and its rise to the right one.
             if i != known:
                 k, known = min(i + 1, columns - 1), i
                 low = strength * (soft[i, j] + (soft[i, m] - soft[i, j]) * high)

@@ -182,7 +182,7 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
     """Draw the path or the past outlines of a body, beginning with the oldest."""
     model, past = source.model, source.past
     b, n_slots, count = item.body, past.noted.shape[1], 0
-    # The slot of a step is its rest modulo the number of slots, see ``world.trails``.
+    # The slot of a step is its number modulo the number of slots, see ``world.trails``.
     for step in range(_first_step(past, w, item), past.latest[w] + 1):
         if not _was_there(past, w, step, item):
             continue

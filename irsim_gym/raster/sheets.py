@@ -65,8 +65,7 @@ def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: fl
     first_row, end_row = max(int(max(top, 0.0)), box[1]), min(int(min(foot, float(box[3]))) + 1, box[3])
     left -= SLACK
     first, end = max(int(max(left, 0.0)), box[0]), min(int(min(max(right, float(box[0])), float(box[2]))) + 2, width)
-    # The header only grows, from 0 in an empty sheet: the first row and column are stored by their distance from the
-    # other end.
+    # Numbers of the header only grow, from 0 if empty: first row and column are distances from the other end.
     sheet[header, 0] = max(sheet[header, 0], np.float32(header - first_row))
     sheet[header, 1] = max(sheet[header, 1], np.float32(end_row))
     sheet[header, 2] = max(sheet[header, 2], np.float32(width - first))
@@ -126,8 +125,7 @@ def _cross(
     while place < high:
         until = min(float(column + 1), high)
         part = per_column * (until - place)
-        # Within the pixel, only what is right of the edge is covered; the rest of ``part`` is carried to the next
-        # pixel.
+        # In the pixel, only what is right of the edge is covered; the rest of ``part`` is carried to the next one.
         right = part * (0.5 * (place + until) - float(column))
         line[np.uint64(column)] += np.float32(carried + part - right)
         place, carried, column = until, right, column + 1

@@ -108,8 +108,7 @@ def paint_outline(
         for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
             x, y = discs[row, 0], discs[row, 1]
             column = place[0] * x + place[1] * y + place[2]
-            # -1 winds as counter-clockwise polygons do in a picture, whose rows count downwards: overlapping parts add
-            # up.
+            # -1 winds as polygons do that are counter-clockwise in the world, so that parts which overlap add up.
             add_disc(sheet, box, column, place[3] * x + place[4] * y + place[5], discs[row, 2] * place[6], -1.0)
         paint(picture, sheet, box, area, False)
     if edge[3] > 0.0 and width > 0.0:

@@ -155,8 +155,7 @@ class FramePainter:
         scratch = self._scratch.get(slot)
         if scratch is None:
             layout, model = self._layout, self._model
-            # The longest list of points, with room behind it for a copy of a part, and for the dashes of that
-            # (``ways.add_way``).
+            # The longest list of points; behind it is room for a copy of a part and for its dashes (``ways.add_way``).
             n_points = max(MOST_CORNERS, LONGEST, 2 * len(self.plan.angles), model.local_segments.shape[1]) + 16
             scratch = self._scratch[slot] = records.Scratch(
                 sheet=new_sheet(layout.height, layout.width),

@@ -56,8 +56,7 @@ def packed(rows: ArrayLike, unit: float, *, still: bool = True) -> dict[str, Any
     if still and len(whole) > 1 and np.array_equal(whole, np.broadcast_to(whole[0], whole.shape), equal_nan=True):
         whole = whole[:1]
     absent = np.isnan(whole)
-    # For each row and column, the latest row so far that holds a number, from 1; row 0 of ``padded`` is the 0 before
-    # it.
+    # For each row and column, the latest row with a number, counted from 1; row 0 of ``padded`` is the 0 before.
     known = np.where(absent, 0, np.arange(1, len(whole) + 1)[:, None])
     latest = np.maximum.accumulate(known, axis=0)
     padded = np.vstack([np.zeros((1, whole.shape[1])), np.nan_to_num(whole)])

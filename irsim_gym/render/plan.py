@@ -77,8 +77,7 @@ class Plan:
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
         if fog:
             live.append(((GROUND, RANKS["fog"], 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
-        # What never moves can be painted once for all pictures only if nothing that is drawn anew, and no mark, lies
-        # below it.
+        # What never moves is painted once for all pictures if nothing that is drawn anew, and no mark, lies below it.
         floor = min([lowest, *(key[0] for key, _ in live)])
         fixed = [b for b in self._ordered() if not model.movable[b]]
         live += [row for b in fixed if self._styles[b].order > floor for row in self._fixed_items(b)]

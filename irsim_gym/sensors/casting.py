@@ -94,8 +94,8 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
                     discs.radius[n_rounds] = rings[d, 2]
                     n_rounds += 1
                 start, end, limit = model.segment_start[b], model.segment_start[b] + n_segments[b], 0.0
-                # From outside, only the front sides of an area can be hit. A curve, or an area around the sensor, shows
-                # both sides.
+                # From outside, only an area's front sides can be hit. A curve, or an area around the sensor, shows
+                # both.
                 if not model.solid[b] or (
                     distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, (eye.x, eye.y))
                 ):
@@ -167,8 +167,7 @@ def cast_chunk(
 def write_ranges(rays: Rays, range_min: float, range_max: float, ranges: Rays) -> None:
     """Turn inverse depths into ranges; a beam that meets nothing in range reports range_max."""
     shortest, farthest = np.float32(range_min), np.float32(range_max)
-    # A smaller inverse depth is a larger range. Where it is ``least``, the range is exactly range_max, without
-    # rounding.
+    # A smaller inverse depth is a larger range; up to ``least``, the range is exactly range_max.
     least = np.float32(1.0) / farthest
     for b in range(rays.shape[0] // AWAY):
         depths, row = rays[AWAY * b : AWAY * b + BLOCK], ranges[BLOCK * b : BLOCK * b + BLOCK]

@@ -125,8 +125,7 @@ def write_radial_velocity(
             share = 0.0 if params[k].motion_compensate else 1.0
             heading = state.pose[w, own, 2] + tables.offset[k, 2]
             for j in range(tables.hit.shape[2]):
-                # Drawn for every beam, whether it hits or not, so that the stream does not depend on what stands
-                # around.
+                # Drawn for every beam, so that the stream does not depend on what the beams hit.
                 if params[k].velocity_noise_std > 0.0:
                     error = normal(state.random, w, 0.0, params[k].velocity_noise_std)
                 radial_velocity[w, k, j] = 0.0

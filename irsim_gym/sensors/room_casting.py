@@ -39,8 +39,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
     limits, discs, rays = tables.limits[slot], tables.discs[slot], tables.rays[slot]
     seen, owners, areas = tables.seen[slot], tables.owners[slot], tables.areas[slot]
     laid, n_rings, n_areas = -1, 0, 0
-    # ``note_rows`` holds for the next world, too, while all worlds share the rows of all outlines and every body is
-    # present.
+    # ``note_rows`` holds for the next world, too, if worlds share their outlines' rows and every body is present.
     is_noted, is_shared = False, model.segment_count.shape[0] == 1 and model.disc_count.shape[0] == 1
     for w in worlds:
         rows, rings, here, there = state.segments[w], state.discs[w], state.pose[w], model.present[w]

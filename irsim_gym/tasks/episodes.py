@@ -286,8 +286,7 @@ class Episodes:
             simulation.vanish(shard, self._agents, state.over)
         self._act(shard)
         simulation.advance(shard)
-        # Clearances are exact as far as a term asks for it, or as a new minimum needs it; ``clearance`` serves as its
-        # own limit.
+        # Exact as far as a term asks for it, or a new minimum needs it; ``clearance`` serves as its own limit.
         account.limit_clearance(shard.worlds, self._minded_clearance, state)
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._record_step(shard)

@@ -86,8 +86,7 @@ class Merged:
 
     def _origin(self, problem: Problem) -> tuple[str, Problem]:
         place, node = self.origins[min(problem.line, len(self.origins)) - 1]
-        # A problem may lie deeper than the value that was numbered; the rest of its path is put behind the origin's
-        # own.
+        # A problem may lie deeper than the numbered value; the rest of its path is put behind that of the origin.
         suffix = problem.path[len(dotted(place)) :]
         path = dotted((*node.layer.prefix, *node.place)) + suffix
         message = problem.message + ("" if suffix else node.layer.remark(node.place))

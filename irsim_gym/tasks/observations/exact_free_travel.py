@@ -175,8 +175,7 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
     if length == 0.0:
         return
     along_x, along_y = (qx - px) / length, (qy - py) / length
-    # The normal points from the disc towards the segment's line, and the disc touches the line when it has closed
-    # ``gap``.
+    # The normal points from the disc to the segment's line, which the disc touches when it has closed ``gap``.
     side = 1.0 if px * along_y - py * along_x >= 0.0 else -1.0
     normal_x, normal_y = side * along_y, -side * along_x
     gap = px * normal_x + py * normal_y - own

@@ -163,8 +163,8 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
             )
             row[:] = far
             scan = ways.ranges[w, ways.members[a]]
-            # A point that limits a way of ``far`` is at most that far, plus the radius, from the body, and plus the
-            # mount's distance from the sensor.
+            # A point that limits a way of at most ``far`` is within ``far`` + radius of the body, and within that plus
+            # the mount's distance of the sensor.
             beyond = np.sqrt(mount[a, 0] * mount[a, 0] + mount[a, 1] * mount[a, 1]) + radius
             limit = min(ways.sight[a], far + beyond)
             for k in range(scan.shape[0]):
@@ -188,7 +188,6 @@ def shorten(
         # The disc touches the point when its centre is sqrt(radius^2 - aside^2) before the foot of the perpendicular.
         way = along - np.sqrt(room if room > nothing else nothing)
         way = way if way > nothing else nothing
-        # Only a point ahead, within the disc's width, is in the way. One that is within the disc already leaves a way
-        # of 0.
+        # Only a point ahead, within the disc's width, is in the way. One that is within the disc leaves a way of 0.
         way = way if (room > nothing) & (along > nothing) else far
         row[j] = way if way < row[j] else row[j]

@@ -187,8 +187,7 @@ def meet_disc(point: MovingPoint, ahead: Rays, aside: Rays, row: Rays) -> None:
     for j in range(row.shape[0]):
         ux, uy = ahead[j] - vx, aside[j] - vy
         along = x * ux + y * uy
-        # The smaller root of u.u t^2 - 2 p.u t + (p.p - R^2) = 0, with the sum in the denominator so that nothing
-        # cancels.
+        # The smaller root of u.u t^2 - 2 p.u t + (p.p - R^2) = 0; a sum in the denominator, so that nothing cancels.
         root = along * along - (ux * ux + uy * uy) * beyond
         meets = (along > nothing) & (root >= nothing)
         time = beyond / (along + np.sqrt(root if root > nothing else nothing)) if meets else row[j]
