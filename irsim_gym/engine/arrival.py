@@ -60,6 +60,7 @@ def check_arrival(worlds: Ints, goal_bodies: Ints, model: Model, state: State) -
                 for axis in range(3):
                     state.goal[w, b, axis] = model.waypoints[w, b, state.waypoint[w, b], axis]
                 state.arrived[w, b] = False
+            # ``goal_distance`` is the plane distance to the goal that is next now; headings only decide on arrival.
             if goes_on or with_heading:
                 near = goal_gap(state.pose[w, b], state.goal[w, b], False)
             state.goal_distance[w, b] = near
@@ -79,11 +80,14 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Mode
         for b in goal_bodies:
             if state.stopped[w, b] or model.goal_renewal[b] == KEEP_GOAL:
                 continue
+            # A leader has a lower number than those who walk with it, so its goal for this step is already known here.
             walks_along = model.leader[b] != b and model.present[w, model.leader[b]]
+            # ``gives_up`` draws a random number: it is asked only of bodies that have not arrived.
             if lags(w, b, model, state) if walks_along else state.arrived[w, b] or gives_up(w, b, model, state):
                 begin_round(w, b, False, model, state)
                 state.arrived[w, b] = False
         for b in loop_returns:
+            # In the first round (``waypoint_end`` 1) the goal keeps the heading of the file; later none counts.
             if model.arrive_mode[b] != STATE and state.waypoint_end[w, b] > 1:
                 state.goal[w, b, 2] = np.nan
 
@@ -103,7 +107,7 @@ def lags(w: int, b: int, model: Model, state: State) -> bool:
 def gives_up(w: int, b: int, model: Model, state: State) -> bool:
     """Return whether a body wants another goal before it has reached its own.
 
-    A body with a range for this time draws a random number.
+    It draws a random number each time its interval has passed.
 
     Reads: model (present, wandering), state (random, step).
     Writes: state (random).
@@ -124,6 +128,8 @@ def begin_round(w: int, b: int, first: bool, model: Model, state: State) -> None
         waypoints), state (goal, pose, random).
     Writes: model (waypoints), state (goal, random, waypoint, waypoint_end).
     """
+    # Goals are rows of ``model.waypoints``. A wandering body writes each drawn goal over row 0, or over row 1 if row 0
+    # holds a first goal that it keeps.
     wanders, row = model.goal_renewal[b] == WANDER, 0
     state.waypoint_end[w, b] = 1 if wanders else model.waypoint_count[w, b]
     if wanders and model.wandering[b].keeps_first:
@@ -147,6 +153,7 @@ def share_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None
     """
     shared = state.goal[w, model.leader[b]]
     dx, dy = shared[0] - state.pose[w, b, 0], shared[1] - state.pose[w, b, 1]
+    # (-dy, dx) / distance is the unit vector to the left of the direction of travel, where ``abreast`` is positive.
     distance = max(np.sqrt(dx * dx + dy * dy), 1e-9)
     goal[0] = shared[0] - model.abreast[b] * dy / distance
     goal[1] = shared[1] + model.abreast[b] * dx / distance
@@ -169,6 +176,7 @@ def draw_goal(w: int, b: int, goal: Floats, model: Model, state: State) -> None:
     goal[0] = (low[0] + high[0]) / 2.0 + circle.radius * np.cos(angle)
     goal[1] = (low[1] + high[1]) / 2.0 + circle.radius * np.sin(angle)
     if circle.jitter > 0.0:
+        # The square root spreads the points evenly over the area of the disc.
         along = circle.jitter * np.sqrt(uniform(state.random, w, 0.0, 1.0))
         angle = uniform(state.random, w, 0.0, 2.0 * np.pi)
         goal[0], goal[1] = goal[0] + along * np.cos(angle), goal[1] + along * np.sin(angle)

@@ -24,10 +24,15 @@ def lay_out(model: Model, is_random: Flags) -> None:
     if n_bodies < FEWEST_BODIES:
         return
     x0, y0, x1, y1 = model.bounds
+    # One body per square, if they are spread evenly.
     side = float(np.sqrt((x1 - x0) * (y1 - y0) / n_bodies))
+    # At most as many squares as bodies, however narrow the world is: ``n_buckets`` relies on it. Then the side grows
+    # until these squares cover the world.
     rows = min(max(1, int((y1 - y0) / side)), n_bodies)
     columns = min(max(1, int((x1 - x0) / side)), n_bodies // rows)
     side = max((x1 - x0) / columns, (y1 - y0) / rows)
+    # A larger body would make every search reach farther, and an outline that levels draw may become larger: these go
+    # into the bucket that is always searched.
     reach = model.reach.max(axis=0)
     model.bucketed[:] = ~is_random & (reach <= side)
     greatest = float(np.max(reach, where=model.bucketed, initial=0.0))

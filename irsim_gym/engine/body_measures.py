@@ -22,7 +22,7 @@ def measure_into(worlds: Ints, bodies: Ints, model: Model, radius: Floats, centr
 
 
 def measured(model: Model, world: int, body: int) -> tuple[Floats, Floats]:
-    """Return arrays as ``model.radius`` and ``model.centroid`` that are up to date for one body, whoever else asks."""
+    """Return arrays shaped as ``model.radius`` and ``model.centroid``, up to date for one body, as these may not be."""
     radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
     row = world % len(radius)
     measure_into(np.array([row], np.int64), np.array([body], np.int64), model, radius, centroid)
@@ -37,6 +37,7 @@ def measure_bodies(worlds: Ints, bodies: Ints, model: Model, radius: Floats, cen
     Writes: radius, centroid.
     """
     points = np.empty((2 * model.local_segments.shape[1] + CORNERS * model.local_discs.shape[1], 2))
+    # Where all worlds share their outlines, there is one row to measure, however many worlds are given.
     n_rows = worlds.shape[0] if radius.shape[0] > 1 else min(worlds.shape[0], 1)
     for i in range(n_rows):
         row = worlds[i] % radius.shape[0]

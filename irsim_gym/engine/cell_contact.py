@@ -28,6 +28,7 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: Model
         for b in bodies:
             if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
                 continue
+            # The origin is certainly farther from all occupied cells than the outline reaches.
             if room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
                 continue
             if outline_meets_cells(here, outline_of(model, state, w, b)):
@@ -52,5 +53,6 @@ def measure_cell_clearance(
             if b == own or not model.present[w, own]:
                 continue
             least = room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0]
+            # No nearer than the origin's least distance minus the reach: measure only if that may lower the distance.
             if least - model.reach[row_of(model.reach, w), b] < distance[w, k]:
                 distance[w, k] = outline_cells_distance(here, outline_of(model, state, w, b), distance[w, k])

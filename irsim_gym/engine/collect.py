@@ -38,6 +38,7 @@ def collect_parts(
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     scanners = _sensors(sensors, outlines, model, n_slots)
     group_behaviors = _group_behaviors(scenario, scanners, model, agents, n_slots)
+    # A behaviour of one's own does not act where a learner or the behaviour of the group commands the body.
     led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
     deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in led]
     behaviors = [
@@ -59,6 +60,7 @@ def collect_parts(
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
     n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for _, body in bodies]
+    # With one goal, a loop goes back to the start; with several, it goes on with the first.
     single = np.array([count <= 1 for count in n_goals], np.bool_)
     return Parts(
         kinematics=kinematics,
@@ -113,7 +115,7 @@ def _behaviors(members: Sequence[Member], model: Model) -> list[Group]:
 def _group_behaviors(
     scenario: Scenario, sensors: Sequence[Group], model: Model, agents: tuple[int, ...], n_slots: int
 ) -> list[Group]:
-    """Return the groups that decide together, by group number; the first member says how.
+    """Return the groups that decide together, by group number; the first member's entry says how.
 
     ``arrays["decides"]`` marks the members whose commands they write; the others are only seen by them.
 

@@ -118,6 +118,7 @@ def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
     """Return the fields that need one row per world, because levels change them."""
     if scenario.occupied is None:
         return RANDOM_OUTLINE if varied.any() else frozenset()
+    # The map is the last body: it has no outline, but may vary by itself.
     outlines = RANDOM_OUTLINE if varied[:-1].any() else frozenset()
     return outlines | (RANDOM_MAP if varied[-1] else frozenset())
 
@@ -128,6 +129,7 @@ def _count_boxes(scenario: Scenario, varied: Flags) -> int:
         return 0
     if varied[-1]:
         return most_boxes(*scenario.occupied.shape)
+    # Without rows to write to, the boxes are only counted.
     return int(find_boxes(scenario.occupied, np.zeros((0, 4), np.int32)))
 
 
@@ -146,6 +148,7 @@ def _write_world(scenario: Scenario, model: Model) -> None:
         model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
         model.map_disc[0] = getattr(scenario.bodies[-1].shape, "disc_radius", None) or 0.0
         cells: Any = model.cells
+        # Only row 0 is computed. Where each world has a row, the others begin as copies, until their level is drawn.
         lay_cells(cells, 0, scenario.occupied, np.zeros(columns))
         for field in RANDOM_MAP:
             getattr(model, field)[1:] = getattr(model, field)[0]
@@ -171,6 +174,7 @@ def _write_outlines(outlines: Sequence[Outline], model: Model) -> None:
 
 
 def _reach(outline: Outline) -> float:
+    # Columns 0 and 2 are x, 1 and 3 are y of both ends.
     corners = np.hypot(outline.segments[:, 0::2], outline.segments[:, 1::2])
     discs = np.hypot(outline.discs[:, 0], outline.discs[:, 1]) + outline.discs[:, 2]
     return float(max(corners.max(initial=0.0), discs.max(initial=0.0)))
@@ -188,7 +192,6 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
     model.goal_threshold[:, b] = body.goal_threshold
     model.heading_low[b] = body.angle_range[0]
-    model.wraps_heading[b] = True
     for values, target in (
         (body.vel_min, model.velocity_min),
         (body.vel_max, model.velocity_max),
@@ -225,7 +228,7 @@ class _GoalPlan:
 
     @property
     def rows(self) -> int:
-        """Rows of ``waypoints``: one is there for bodies without a goal too, and for those that are drawn."""
+        """Rows of ``waypoints``: at least one, also for a body without a goal and for a goal that is drawn."""
         return 2 if self.keeps_first else max(self.count, 1)
 
 
@@ -249,15 +252,17 @@ def _wander_goals(body: BodySpec) -> WanderGoals:
 
 
 def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, model: Model) -> None:
-    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
+    """Write a body's goals, and whether it has any: it can move, and its entry or its distribution gives some."""
     if plan.renewal == WANDER:
         goals = _wander_goals(body)
+        # A learner never gives up its goal.
         interval = (
             0 if is_agent or goals.interval is None else max(1, round(goals.interval / float(model.step_time[0])))
         )
         model.wander_low[b], model.wander_high[b] = body.renewal.range_low, body.renewal.range_high
         model.wandering[b] = goals.radius or 0.0, goals.jitter, plan.keeps_first, interval, goals.chance
     model.waypoints[:, b, :, 2] = np.nan
+    # A body that wanders has only one or two rows, however many goals the file gives.
     given = np.array(body.goal[: plan.rows]).reshape(-1, 3)
     model.waypoints[:, b, : len(given)] = given
     model.has_goal[b] = bool(model.movable[b]) and (plan.renewal == WANDER or plan.placed > 0 or len(body.goal) > 0)

@@ -35,6 +35,7 @@ def find_static(bodies: Ints, model: Model, state: State, shard: Shard) -> None:
     Contacts of the previous level are reused if these bodies have the same poses.
     """
     worlds, is_rigid, has_buckets = shard.worlds, bool(model.rigid[0]), model.bucket_frame[0].columns > 0
+    # With buckets or a map all contacts are searched anyway: only ``find_contacts`` skips worlds that are known.
     may_recall = is_rigid and not has_buckets and model.cells is None
     recall_contacts(worlds, bodies, may_recall, model, state)
     _find_pairs(bodies, True, model, state, shard)
@@ -62,6 +63,7 @@ def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: Model, 
         is_known = model.static_known[w]
         for b in bodies:
             for axis in range(3):
+                # An absent body is compared as if at infinity, so that one that comes or goes counts as moved.
                 now = state.pose[w, b, axis] if model.present[w, b] else np.inf
                 is_known = is_known and model.static_pose[w, b, axis] == now
                 model.static_pose[w, b, axis] = now
@@ -125,12 +127,16 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: Model, sta
                 continue
             x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], model.movable[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
+            # A gap of 0 means unknown; asking for it first saves the square root of ``room_left``.
             if is_disc and state.room[w, b].gap > SURE and room_left(discs[d], state.room[w, b]) > 0.0:
                 continue
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
+                # Farther apart than both reaches: no contact. The factor keeps pairs that just touch despite rounding.
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or model.unobstructed[q] or not there[q]:
                     continue
+                # One test for each pair: of two movers, or of two fixed bodies, the one with the lower number makes it;
+                # of a mover and a fixed body, the mover.
                 if (model.movable[q] == moves and q < b) or (model.movable[q] and not moves):
                     continue
                 other = outline_of(model, state, w, q)
@@ -219,11 +225,13 @@ def measure_clearance(
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
+            # ``limit`` may be ``distance`` itself: an entry is read here and overwritten below.
             b, best = bodies[k], limit[w, k]
             x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
+                # Even if both outlines reach towards each other as far as they can, q is not nearer than ``best``.
                 if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                     continue
                 other = outline_of(model, state, w, q)

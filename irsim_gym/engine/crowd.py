@@ -39,6 +39,7 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: Model, state: State) -
                 q = found[j]
                 if q == b or model.unobstructed[q] or not there[q]:
                     continue
+                # One test for each pair, see ``contact.find_contacts``.
                 if (model.movable[q] == moves and q < b) or (model.movable[q] and not moves):
                     continue
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, reaches[b] + reaches[q]
@@ -73,6 +74,7 @@ def measure_near_clearance(
             b, best = bodies[k], limit[w, k]
             x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
+            # The first search finds every body whose outline is less than the side of a square away.
             within, is_open = own + frame.reach + frame.side, True
             while is_open:
                 for j in range(gather_nearby(x, y, within, frame, first, following, found)):
@@ -86,6 +88,8 @@ def measure_near_clearance(
                     else:
                         whole = outline_of(model, state, w, b)
                         best = min(best, outline_distance(whole, other, best))
+                # A body that the search missed has its origin beyond ``within``, so its outline is farther than
+                # ``within`` - own - frame.reach. Once ``best`` is no more than that, nothing nearer can be outside.
                 is_open = best + own + frame.reach > within and not holds_all(x, y, within, frame)
                 within *= 2.0
             distance[w, k] = best

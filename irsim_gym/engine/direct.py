@@ -62,6 +62,7 @@ def take_and_call(entries: Ints, worlds: Ints, sizes: Ints, given: Floats, taken
     Returns:
         The number of the call that failed, from 1; 0 if none did; ``REFUSED`` for a number that is not finite.
     """
+    # ``given`` is flat: all numbers of one agent, agent after agent, world after world.
     k = 0
     for w in range(taken.shape[0]):
         for a in range(taken.shape[1]):

@@ -53,7 +53,9 @@ def find_in_sector(
             distance = np.sqrt(dx * dx + dy * dy)
             if distance - size > depth:
                 continue
+            # Half of the angle under which the disc is seen; from within the disc, a quarter turn to each side.
             half_width = np.arcsin(size / distance) if size < distance else 0.5 * np.pi
             turn = np.arctan2(dy, dx) - heading
+            # The disc reaches into the sector if the nearer of its two edges does.
             bearing = abs(turn - 2.0 * np.pi * np.floor((turn + np.pi) / (2.0 * np.pi)))
             detected[w, b] = bearing - half_width <= 0.5 * fov

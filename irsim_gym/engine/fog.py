@@ -159,18 +159,20 @@ def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: Model, stat
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
             x = state.pose[w, b, 0] + cosine * mount[0] - sine * mount[1]
             y = state.pose[w, b, 1] + sine * mount[0] + cosine * mount[1]
+            # Only noisy sensors have directions of their own in each world; the others share one row.
             row = w * scans.members.shape[0] + k if scans.angles.shape[0] > 1 else 0
             for j in range(scans.ranges.shape[2]):
                 angle = state.pose[w, b, 2] + mount[2] + scans.angles[row, j]
                 along_x, along_y, far = np.cos(angle), np.sin(angle), np.float64(scans.ranges[w, k, j])
                 for n in range(int(far / step) + 2):
+                    # The last n exceeds the range: its point is moved back to just behind the end of the beam.
                     way = min(n * step, far + BEYOND * step)
                     mark(w, x + way * along_x, y + way * along_y, cells)
 
 
 @kernel
 def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: Model, state: State) -> None:
-    """Mark the cells whose centres lie in the fields of view, whatever stands between.
+    """Mark the cells whose centres lie in the fields of view; nothing hides what is behind it.
 
     Reads: watchers (bodies, depth, width), cells (height, width, x, y), model (present), state (pose).
     Writes: cells (explored).
@@ -186,6 +188,7 @@ def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: Model
                     dy = cells.y + (row + 0.5) * cells.height - state.pose[w, b, 1]
                     if dx * dx + dy * dy > depth * depth:
                         continue
+                    # Bearing of the cell's centre from the heading, wrapped to [-pi, pi).
                     turn = (np.arctan2(dy, dx) - state.pose[w, b, 2] + np.pi) % (2.0 * np.pi) - np.pi
                     if abs(turn) <= half or half >= np.pi or (dx == 0.0 and dy == 0.0):
                         cells.explored[w, column, row] = True

@@ -77,6 +77,7 @@ class Fused:
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
+        # While another function records, this one runs as Python, so that its kernels become part of the recording.
         program = None if is_recording() else self._program(shard.slot)
         if program is None:
             if shard.slot in self._on_trial and not is_recording():
@@ -121,15 +122,17 @@ class Fused:
             self.prepare(slot)
         if not self.is_fusable:
             return None
+        # A program on trial is not replayed yet, but a recording that contains it needs its address.
         return self.programs.get(slot) or (self._on_trial.get(slot) if is_recording() else None)
 
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
 
-        Call this before handing the function to threads: recording compiles, and an interrupt comes in the main thread.
+        Call this before threads get the function: recording compiles, and only the main thread receives interrupts.
         """
         if self.is_fusable and slot not in self.programs and slot not in self._on_trial:
             program = self._record(slot)
+            # Kinds of the package are trusted at once; those from outside are on trial for some calls, see ``promise``.
             kept: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
             kept[slot] = program
 
@@ -174,7 +177,7 @@ class Fused:
             self._promise.break_off(why)
 
     def _try_again(self, slot: int) -> None:
-        """Record once more what is on trial; after enough of that it is replayed."""
+        """Record the function once more, and compare; after enough equal recordings, its program is replayed."""
         self._trials -= 1
         if not self._on_trial[slot].equals(self._look(slot)):
             self._refuse("its kernels are called with other numbers or arrays from step to step")
@@ -190,6 +193,7 @@ class Fused:
         return Program(*self._note(slot))
 
     def __getstate__(self) -> dict[str, object]:
+        # Recorded calls hold addresses, which mean nothing in another process.
         return {**self.__dict__, "programs": {}, "_on_trial": {}, "_left": {}, "_of_slots": None}
 
 
@@ -214,6 +218,7 @@ def call_until_done(worlds: Ints, calls: int, n_calls: int, tries: int, failed: 
                 raise RuntimeError("a kernel failed")
             remaining = 0
             for i in range(count):
+                # Worlds in which the calls failed move to the front of ``left``: they are the next try.
                 if failed[left[i]] > 0:
                     left[remaining] = left[i]
                     remaining += 1

@@ -57,6 +57,7 @@ def _shown(model: Model, guided: Ints) -> Model:
     fastest, slowest, sharpest = (
         field.copy() for field in (model.velocity_max, model.velocity_min, model.acceleration_limit)
     )
+    # vx and vy of the world frame get the limits of the drive's first velocity, in both directions.
     fastest[:, guided, :2] = fastest[:, guided, :1]
     slowest[:, guided, :2] = -fastest[:, guided, :2]
     sharpest[:, guided, :2] = sharpest[:, guided, :1]

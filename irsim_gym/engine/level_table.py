@@ -123,6 +123,7 @@ def roomy_outlines(scenario: Scenario) -> list[Outline]:
         segments, discs = (np.diff(rows, axis=1)[:, k] for rows in (levels.segment_start, levels.disc_start))
         own = outlines[b]
         if segments.max() > len(own.segments) or discs.max() > len(own.discs):
+            # Room for the outline of any level, which is written over these rows.
             longest = levels.outline(int(segments.argmax()), int(k))[0], levels.outline(int(discs.argmax()), int(k))[1]
             outlines[b] = Outline(*longest, solid=own.solid)
     return outlines
@@ -157,6 +158,7 @@ def copy_levels(worlds: Ints, levels: LevelTable, model: Model, state: State) ->
             for axis in range(3):
                 state.pose[w, b, axis] = levels.start[row, k, axis]
             for i in range(levels.goal.shape[2]):
+                # Levels with fewer goals than others are filled up with NaN: those rows keep what the scenario gives.
                 if not np.isnan(levels.goal[row, k, i, 0]):
                     for axis in range(3):
                         model.waypoints[w, b, i, axis] = levels.goal[row, k, i, axis]
@@ -171,17 +173,17 @@ def copy_outline(w: int, b: int, segment_rows: Ints, disc_rows: Ints, levels: Le
     Reads: levels (discs, segments), model (disc_start, local_discs, local_segments, segment_start).
     Writes: model (disc_count, local_discs, local_segments, reach, segment_count).
     """
-    farthest, reach = 0.0, 0.0
+    farthest2, reach = 0.0, 0.0
     model.segment_count[w, b] = segment_rows[1] - segment_rows[0]
     for i in range(segment_rows[0], segment_rows[1]):
         side = model.local_segments[w, model.segment_start[b] + i - segment_rows[0]]
         for axis in range(4):
             side[axis] = levels.segments[i, axis]
-        farthest = max(farthest, side[0] * side[0] + side[1] * side[1], side[2] * side[2] + side[3] * side[3])
+        farthest2 = max(farthest2, side[0] * side[0] + side[1] * side[1], side[2] * side[2] + side[3] * side[3])
     model.disc_count[w, b] = disc_rows[1] - disc_rows[0]
     for i in range(disc_rows[0], disc_rows[1]):
         disc = model.local_discs[w, model.disc_start[b] + i - disc_rows[0]]
         for axis in range(3):
             disc[axis] = levels.discs[i, axis]
         reach = max(reach, np.sqrt(disc[0] * disc[0] + disc[1] * disc[1]) + disc[2])
-    model.reach[w, b] = max(np.sqrt(farthest), reach)
+    model.reach[w, b] = max(np.sqrt(farthest2), reach)

@@ -32,6 +32,7 @@ def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group])
         blind, rest = (_part(group, np.flatnonzero(chosen)) for chosen in (~reads, reads))
         return [blind, *with_scans(rest, bodies, sensors)]
     found = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
+    # Distinct groups of sensors, in the order of members; ``place`` numbers each member's group among them.
     own = list({id(item[0]): item[0] for item in found if item is not None}.values())
     numbers = np.array([-1 if item is None else item[1] for item in found], np.int64)
     place = np.array([0 if item is None else own.index(item[0]) for item in found], np.int64)

@@ -40,6 +40,7 @@ def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...]
     """Return the check for round agents, if levels differ and their placement does not guarantee a path."""
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
+    # Only where walls, or the agent's own place, differ between levels is there anything to check.
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
     walls_vary = walls_vary or (scenario.occupied is not None and scenario.bodies[-1].shape.is_random)
     guarded = []
@@ -53,6 +54,7 @@ def reachability_check(scenario: Scenario, model: Model, agents: tuple[int, ...]
     guarded = [b for b in guarded if not model.unobstructed[b]]
     reach = min((float(model.reach[0, b]) for b in guarded), default=np.inf)
     x0, y0, x1, y1 = (float(value) for value in model.bounds)
+    # Cells are half as wide as the smallest agent's reach; without an agent to check, one cell saves memory.
     grid = Grid.over(model.bounds, CELL_PER_REACH * reach if guarded else max(x1 - x0, y1 - y0))
     return ReachabilityCheck(
         agents=np.array(guarded, np.int64),
@@ -80,7 +82,7 @@ def check_ways(
     state: State,
     failed: Ints,
 ) -> None:
-    """Search a path past all standing bodies, from the start to the first goal and from each goal to the next.
+    """Search for a path past all standing bodies, from the start to the first goal and from each goal to the next.
 
     Reads: ways (agents, blocks), model (goal_renewal, present, reach, stands, unobstructed, waypoint_count, waypoints),
         state (pose).

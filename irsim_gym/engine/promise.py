@@ -56,7 +56,7 @@ class Promise:
         try:
             with _read_only(list(_arrays(owner))):
                 run()
-        except Exception as error:  # whatever NumPy says
+        except Exception as error:  # NumPy's ValueError for a read-only array, or what the method makes of it
             self.break_off(f"{_place(error)}: {error}")
         finally:
             self.is_checking = False
@@ -84,12 +84,15 @@ def _arrays(owner: object) -> Iterator[NDArray[Any]]:
             waiting.extend(item.values())
         elif isinstance(item, list | tuple):
             waiting.extend(item)
+        # Only objects of the package are searched, and no recorded functions (``programs``): they hold their own
+        # tables.
         elif not isinstance(item, type) and hasattr(item, "__dict__") and not hasattr(item, "programs"):
             waiting.extend(vars(item).values() if type(item).__module__.startswith("irsim_gym.") else ())
 
 
 @contextmanager
 def _read_only(arrays: Sequence[NDArray[Any]]) -> Iterator[None]:
+    # A view can be made writable again only after the array that owns its memory.
     owners_first = sorted((array for array in arrays if array.flags.writeable), key=lambda one: one.base is not None)
     try:
         for array in owners_first:

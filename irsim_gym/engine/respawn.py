@@ -74,6 +74,7 @@ def respawn(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints
         PlacementError: There is no room.
     """
     _find_places(parts, model, state, shard, bodies, chosen)
+    # ``begin`` of a drive writes the twists of all its members: those of the bodies that go on are restored below.
     twist = state.twist[shard.worlds]
     forget_bodies(parts, shard, bodies, chosen)
     begin_bodies(shard.worlds, bodies, chosen, model, state)
@@ -101,6 +102,7 @@ def _find_places(parts: Parts, model: Model, state: State, shard: Shard, bodies:
         outlines.place(moved, model, state, remaining)
         body_buckets.refresh(moved, model, state, remaining)
         _check(parts, model, state, remaining, bodies, chosen, failed)
+        # The next try draws only for the worlds in which this one failed.
         worlds = remaining.worlds[failed[remaining.worlds] > 0]
         if not len(worlds):
             return
@@ -117,6 +119,7 @@ def _concerned(group: Group, shard: Shard, bodies: Ints, chosen: Flags) -> Shard
 
 def _check(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints, chosen: Flags, failed: Ints) -> None:
     """Set ``failed`` where a chosen body overlaps something, or lacks a path to its goal that it needs."""
+    # Only a distance of 0 matters. With so small a limit, distances are measured only of what is about to touch.
     gap = np.full((len(failed), len(bodies)), 1e-9)
     contact.clearance(bodies, gap, model, state, shard, gap)
     blocked = (chosen & (gap <= 0.0))[shard.worlds].any(axis=1)
@@ -137,12 +140,14 @@ def _scatter(parts: Parts, model: Model, state: State, shard: Shard, bodies: Int
             pose = [uniform(state.random, w, low, high) for low, high in bounds]
             if not _is_free(model, state, shard, b, pose):
                 continue
+            # Kept even without a way: if none with a way turns up, the last free pose is taken.
             free = pose
             if sought == 0 or _has_way(model, state, w, b):
                 break
             sought -= 1
         if free is None:
             raise PlacementError(f"no room for {parts.places[b]} to begin anew: the world is too full")
+        # The pose tried last need not be the chosen one: put the body there again.
         _is_free(model, state, shard, b, free)
         state.placed[w, b] = True
 

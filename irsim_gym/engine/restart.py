@@ -128,7 +128,7 @@ def note_streams(worlds: Ints, streams: Words, random: Words, model: Model) -> N
 
 @kernel
 def copy_words(worlds: Ints, model: Model, state: State) -> None:
-    """Copy the numbers of some worlds, shape ``(n_worlds,)``.
+    """Note where the random streams are once a level is drawn, so that it can begin again with the same numbers.
 
     Reads: state (random).
     Writes: model (level_random).
@@ -154,6 +154,7 @@ def draw_level(parts: Parts, model: Model, state: State, shard: Shard) -> None:
 
 def take_level(parts: Parts, levels: LevelTable, model: Model, state: State, shard: Shard) -> None:
     """Copy a level from its file. Bodies that the file does not place start as the scenario says."""
+    # Draws no numbers, as there are no ranges: marks all bodies as present and not placed.
     draw_presence(shard.worlds, levels.no_ranges, model, state, state.failed)
     copy_levels(shard.worlds, levels, model, state)
     if (cells := model.cells) is not None and len(levels.cells):
@@ -177,6 +178,7 @@ def draw_presence(worlds: Ints, number_ranges: Ints, model: Model, state: State,
         state.pose[w, :, :] = 0.0
         for k in range(number_ranges.shape[0]):
             first, fewest, most = number_ranges[k, 0], number_ranges[k, 1], number_ranges[k, 2]
+            # The bodies of an entry follow each other: the first ``drawn`` of them are present.
             drawn = integer(state.random, w, fewest, most + 1)
             for b in range(first + drawn, first + most):
                 model.present[w, b] = False
@@ -227,6 +229,8 @@ def write_first_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model
                 state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
                 state.goal[w, b, :] = np.nan
         for b in loop_returns:
+            # Row 0 is the goal and row 1 the start. The first round ends at the goal, later ones at the start.
             state.waypoint_end[w, b] = 1
+            # Where headings do not count on arrival, that of row 1 stays NaN.
             for axis in range(3 if model.arrive_mode[b] == STATE else 2):
                 model.waypoints[w, b, 1, axis] = model.start[w, b, axis]

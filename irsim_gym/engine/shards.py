@@ -74,7 +74,7 @@ class Shards:
         if self.n_slots == 1:
             return True
         timing = self._timings.get(function.__qualname__)
-        if timing is None or not timing.least_s:  # it has to be timed
+        if timing is None or not timing.least_s:  # not timed yet: ``run`` does that
             return False
         return timing.workers(n_worlds, self.n_slots, min(WORTH_AWAKE_S, WORTH_S)) == 1 or not timing.is_worth_a_try()
 
@@ -101,6 +101,7 @@ class Shards:
             few: Number of slots that take part if their threads are awake.
         """
         many = timing.workers(len(worlds), self.n_slots, WORTH_S)
+        # ``few`` holds for threads that are awake, ``many`` is worth the time to wake them.
         wanted = few if self._in_a_row >= IN_A_ROW else many
         if wanted < 2 and self._threads is None:
             return False
@@ -125,6 +126,7 @@ class Shards:
             errors = [_error_of(function, parts[0])]
             taken = time.perf_counter() - start
             for part, future in zip(parts[1:], futures, strict=True):
+                # A future can be cancelled as long as no thread has begun it: then the caller does this part itself.
                 errors.append(_error_of(function, part) if future.cancel() else future.exception())
         except BaseException:
             for future in futures:
@@ -149,6 +151,7 @@ class Shards:
         """
         threads = self._ready_threads()
         job = self._job = self._job or SharedJob(self.n_slots)
+        # As many worlds as take PIECE_S on one thread.
         least = int(PIECE_S / timing.least_s) if timing.least_s else 1
         looks = looks_in(CLOSE_S if self._in_a_row else BRIEF_S)
         begin = time.perf_counter()
@@ -166,6 +169,7 @@ class Shards:
             while not job.wait():
                 time.sleep(NAP_S)
         except BaseException:
+            # An error or an interrupt must not end the call while threads still use the job's memory.
             repeat_until(job.cancel)
             self._threads = self._job = None  # the job counts threads as awake even if they have not been woken
             raise

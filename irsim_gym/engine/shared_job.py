@@ -50,6 +50,7 @@ class SharedJob:
 
     def __init__(self, n_slots: int) -> None:
         self._n_slots = n_slots
+        # In words of 8 bytes; 8 more, so that the job can begin at a cache line.
         self._words = np.zeros((SLOTS + SLOT * n_slots) // 8 + 8, np.int64)
         self._bounds = np.zeros(MOST_PIECES * n_slots + 1, np.int64)
         start: int = self._words.ctypes.data
@@ -57,6 +58,7 @@ class SharedJob:
         self._failed = (self._at - start + FAILED) // 8
         self._waiting = looks_in(WAITING_S)
         self.serve(0)  # compiled here instead of in the first thread, so that the main thread receives interrupts
+        # All slots count as asleep until their threads are woken for the first time.
         self._words[(self._at - start + SLOTS + SLEEPS) // 8 :: SLOT // 8] = 1
 
     def start(
@@ -78,6 +80,7 @@ class SharedJob:
         asleep = write_job(self._at, *given)
         if asleep == NOBODY:
             return None
+        # 0: every wanted thread is awake and finds the job by itself.
         return [slot for slot in range(1, wanted) if asleep >> slot & 1] if asleep else []
 
     def work(self) -> int:
@@ -133,6 +136,7 @@ def portion(first: int, last: int, least: int, most: int, pieces: int, bounds: I
     """
     count = 0
     while first < last:
+        # Half of what is left, rounded up; all of it where the half, or the number of pieces, would be too small.
         size = (last - first + 1) // 2
         if size < least or count == most - 1:
             size = last - first
@@ -164,6 +168,7 @@ def write_job(job: int, addresses: Ints, worlds: Ints, bounds: Ints, share: Shar
     wanted, nothing is written.
     """
     sharers, wanted, least = share
+    # Nobody else takes part if no thread is to be woken and all of them sleep.
     is_alone = wanted < 2
     for s in range(1, addresses.shape[0]):
         is_alone = is_alone and load(job + SLOTS + SLOT * s + SLEEPS) == 1
@@ -172,6 +177,7 @@ def write_job(job: int, addresses: Ints, worlds: Ints, bounds: Ints, share: Shar
     pieces, first = 0, 0
     bounds[0] = 0
     for s in range(addresses.shape[0]):
+        # Slots beyond ``sharers`` get no worlds of their own, but take pieces of others.
         last, known = worlds.shape[0] * min(s + 1, sharers) // sharers, pieces
         pieces = portion(first, last, max(1, least), MOST_PIECES, pieces, bounds)
         first = last
@@ -188,6 +194,7 @@ def write_job(job: int, addresses: Ints, worlds: Ints, bounds: Ints, share: Shar
     store(job + LEFT, pieces)
     asleep = 0
     for s in range(1, wanted):
+        # The swap also tells a thread that is about to sleep that it has been woken, see ``serve``.
         if swap(job + SLOTS + SLOT * s + SLEEPS, 0) == 1:
             asleep |= 1 << s
     return asleep
@@ -200,7 +207,9 @@ def take_pieces(job: int, slot: int, n_slots: int, block: int) -> int:
     Pieces are counted down, so a late thread gets none. A job stays in memory until its last piece is done.
     """
     n_done = 0
+    # ``add`` returns the value before: a thread that reads a positive one has reserved a piece, whichever it will be.
     while add(job + LEFT, -1) > 0:
+        # ``bounds[k]`` and ``bounds[k + 1]`` are the ends of piece k, as int64.
         bound = load(job + BOUNDS) + 8 * find_piece(job, slot, n_slots)
         first, last = load(bound), load(bound + 8)
         calls, worlds = load(job + SLOTS + SLOT * slot), load(job + WORLDS) + 8 * first
@@ -221,6 +230,8 @@ def find_piece(job: int, slot: int, n_slots: int) -> int:
     for k in range(n_slots):
         owner = job + SLOTS + SLOT * ((slot + k) % n_slots)
         if load(owner + OWN) > 0:
+            # A slot's pieces end at ``LAST``: with ``left`` of them not taken, the next is that many before it. Another
+            # thread may have taken the last one since the look above.
             left = add(owner + OWN, -1)
             if left > 0:
                 return int(load(owner + LAST) - left)
@@ -237,6 +248,8 @@ def serve(job: int, slot: int, n_slots: int, block: int) -> None:
         while load(job + LEFT) <= 0:
             if looks >= load(job + PATIENCE):
                 store(sleeps, 1)
+                # A job may have been written between the last look and the flag. If its writer has cleared the flag, it
+                # also wakes this thread anew, so this call ends; else the thread clears the flag itself and takes part.
                 if load(job + LEFT) <= 0 or swap(sleeps, 0) == 0:
                     return
             looks += 1
@@ -267,6 +280,7 @@ def look(at: int, times: int) -> int:
 @kernel
 def remove_pieces(job: int) -> None:
     """Count the pieces that no slot has taken as done."""
+    # Threads that found no piece have counted below 0.
     left = swap(job + LEFT, 0)
     if left > 0:
         add(job + DONE, left)

@@ -349,6 +349,8 @@ class Simulation:
         orders = Orders(bodies, np.zeros((self.n_worlds, len(bodies), 3)))
         orders.commands[..., : given.shape[-1]] = given
         driven, kept = model.driven[bodies], state.command[:, bodies]
+        # For a body that nobody drives, ``limit_velocity`` would take a command of zeros as no command, and stop it at
+        # once.
         model.driven[bodies] = True
         try:
             self.run(lambda shard: advance(self.parts, model, state, shard, orders))
@@ -373,6 +375,7 @@ class Simulation:
         for group in parts.kinematics:
             group.kind.begin(group, model, state, shard)
         if np.isin(bodies, parts.fixed).any():
+            # Flags of all bodies stay until the next step: only ``model.static_partner`` is to change.
             collided, hit = state.collided[shard.worlds], state.hit[shard.worlds]
             contact.find_static(parts.fixed, model, state, shard)
             state.collided[shard.worlds], state.hit[shard.worlds] = collided, hit

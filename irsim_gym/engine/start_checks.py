@@ -34,6 +34,7 @@ def find_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: S
 
     Nobody is blocked if collisions hold nobody in place. The test uses the first world, before its first level.
     """
+    # Only what the file fixes can be blamed on it: neither drawn places nor outlines that levels change.
     given = ~np.array([scenario.placements[body.entry].kind.is_random for body in scenario.bodies], np.bool_)
     given &= ~varied_outlines(scenario) & ~given_bodies(scenario)
     robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
@@ -47,11 +48,13 @@ def find_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: S
     body_buckets.refresh(parts.everyone, model, state, shard)
     problems = []
     for b in robots:
+        # Only the walls and this robot exist during the test, so that nothing else can be hit.
         model.present[0] = walls
         model.present[0, b] = True
         contact.find(np.array([b], np.int64), model, state, shard)
         if state.collided[0, b]:
             problems.append(_blocked(scenario, int(b), int(state.hit[0, b])))
+    # World 0 was used for the test: leave it as it was allocated.
     model.present[0] = True
     for field in (state.pose, state.segments, state.discs, state.collided, state.stopped, state.hit):
         field[0] = 0

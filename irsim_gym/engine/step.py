@@ -61,9 +61,11 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
         body_buckets.refresh(turn.movers, model, state, shard)
     if orders is not None:
         orders.show(state, shard)
+    # The caller moves the bodies between steps: their outlines are still those of the old poses.
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
         body_buckets.refresh(parts.everyone, model, state, shard)
+    # ``tick`` comes last, so ``state.step`` is still the number of the step before.
     let_appear(parts, model, state, shard, ahead=1)
     contact.find(parts.movers, model, state, shard)
     arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
@@ -74,7 +76,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
 
 
 def let_appear(parts: Parts, model: Model, state: State, shard: Shard, ahead: int) -> None:
-    """Let bodies with such a behaviour appear and disappear, ``ahead`` steps after ``state.step``."""
+    """Let bodies whose behaviour does so appear and disappear, as at the step ``state.step + ahead``."""
     for group in parts.visitors:
         group.kind.appear(group, model, state, shard, ahead)
         outlines.place(group.members, model, state, shard)

@@ -38,10 +38,12 @@ class Timing:
     def note_shared(self, seconds: float, n_worlds: int) -> None:
         """Note the duration of a shared job."""
         self._taken_s += seconds
+        # What the job would have taken on one thread.
         self._alone_s += self.least_s * n_worlds + FIRST_S
         self._jobs += 1
         if self._jobs < JUDGED or not self.least_s:
             return
+        # Sharing did not pay: rest, and longer each time that this happens in a row.
         if self._taken_s > self._alone_s:
             self._rest, self._next_rest = self._next_rest, min(2 * self._next_rest, MOST_REST)
         else:

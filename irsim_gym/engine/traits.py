@@ -99,7 +99,7 @@ def _write_watchers(scenario: Scenario, model: Model) -> None:
 def _write_parties(scenario: Scenario, model: Model) -> None:
     """Write which bodies walk together: side by side, with the first in the middle.
 
-    Small groups of people walk so (Moussaid et al. 2010).
+    Small groups of people walk so (Moussaid et al. 2010, "The walking behaviour of pedestrian social groups").
     """
     model.leader[:] = np.arange(len(scenario.bodies))
     for spec in scenario.placements:
@@ -107,5 +107,6 @@ def _write_parties(scenario: Scenario, model: Model) -> None:
             party = scenario.bodies[b].party
             first, place = spec.members[k - k % party], k % party
             model.leader[b] = first
+            # Places 0, 1, 2, 3, ... stand at 0, 1, -1, 2, ... gaps to the left of the leader.
             side = (place + 1) // 2 * (1 if place % 2 else -1)
             model.abreast[b] = side * (2.0 * float(model.reach[:, b].max()) + PARTY_GAP)

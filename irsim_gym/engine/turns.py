@@ -43,6 +43,7 @@ def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Gr
     if not readers:
         return [Turn(list(behaviors), movers, list(kinematics))]
     firsts = np.sort(np.concatenate(readers))
+    # Turn k begins with the k-th body that reads its neighbours; turn 0 holds the bodies before the first of them.
     turn_of_mover = np.searchsorted(firsts, movers, side="right")
     decided = [_split(group, firsts) for group in behaviors]
     moved = [_split(group, firsts) for group in kinematics]

@@ -17,6 +17,7 @@ def wrap(angle: float) -> float:
     if -np.pi < angle <= np.pi:
         return angle
     wrapped = angle - TURN * np.ceil((angle - np.pi) / TURN)
+    # Rounding may end on either side of the interval.
     if wrapped <= -np.pi:
         return np.pi
     return float(min(wrapped, np.pi) if wrapped == wrapped else wrapped)
@@ -37,7 +38,8 @@ def wrap_below(angle: float) -> float:
 def wrap_from(angle: float, low: float) -> float:
     """Return the angle [rad] in [low, low + 2 pi], both ends included.
 
-    An angle in this interval is returned unchanged. A few turns are removed one by one, many at once.
+    An angle in this interval is returned unchanged. A few turns are removed one by one, as in IR-SIM, which rounds
+    alike; many at once.
     """
     high = low + TURN
     if low <= angle <= high:

@@ -17,6 +17,7 @@ from irsim_gym.jit import kernel
 def square_of(value: float, low: float, side: float, count: int) -> int:
     """Return the index of the square that holds a coordinate [m]. Outside, and for NaN, it is one at the border."""
     place = np.floor((value - low) / side)
+    # NaN fails every comparison, so it ends here, too.
     if not place > 0.0:
         return 0
     return int(min(place, count - 1.0))
@@ -106,6 +107,7 @@ def gather_nearby(x: float, y: float, radius: float, frame: Record, first: Ints,
             found[b] = b
         return int(following.shape[0])
     count = 0
+    # The bucket behind the last square holds the large bodies.
     b = first[columns * rows]
     while b >= 0:
         found[count] = b

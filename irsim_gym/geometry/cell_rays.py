@@ -63,9 +63,11 @@ def cast_cells(
     across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
     if cells.radius > 0.0:
         for k in range(ranges.shape[0]):
+            # Discs need an exact test in each occupied cell, which blocks cannot make: one beam at a time.
             along_x, along_y = cosine * beams_x[k] - sine * beams_y[k], sine * beams_x[k] + cosine * beams_y[k]
             ranges[k] = np.float32(walk_to_disc(cells, x, y, along_x, along_y, np.float64(ranges[k])))
         return
+    # Blocks begin in a free cell of the map. A sensor elsewhere casts its beams one by one.
     if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
         for k in range(ranges.shape[0]):
             east = (cosine * beams_x[k] - sine * beams_y[k]) / cells.width
@@ -76,6 +78,7 @@ def cast_cells(
         np.float32(cosine / cells.width), np.float32(sine / cells.width),
         np.float32(cosine / cells.height), np.float32(sine / cells.height),
     )  # fmt: skip
+    # Any occupied cell will do: the first cell of the first box. ``every`` numbers cells by quadrant, column and row.
     occupied = np.int32(boxes[0, 0] * rows + boxes[0, 2])
     every = squares.reshape(-1)
     for begin in range(0, ranges.shape[0], LANES):
@@ -93,6 +96,7 @@ def take_beams(begin: int, beams_x: Rays, beams_y: Rays, ranges: Rays, floats: R
     for k in range(count):
         floats[EAST + k], floats[NORTH + k], floats[FAR + k] = along_x[k], along_y[k], far[k]
     for k in range(count, LANES):
+        # Range 0 ends a place that has no beam at once.
         floats[EAST + k], floats[NORTH + k], floats[FAR + k] = ONE, ONE, NONE
 
 
@@ -112,6 +116,7 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
     i, j, columns, rows = int(across), int(up), squares.shape[1], squares.shape[2]
     free_0, free_1 = np.int32(squares[0, i, j]), np.int32(squares[1, i, j])
     free_2, free_3 = np.int32(squares[2, i, j]), np.int32(squares[3, i, j])
+    # Place within the first cell, below 1 even after rounding to float32. Columns and rows count from this cell on.
     aside, above = min(np.float32(across - i), EDGE), min(np.float32(up - j), EDGE)
     right, left, high, low = np.float32(columns - i), np.float32(i + 1), np.float32(rows - j), np.float32(j + 1)
     row, size, none = np.int32(rows), np.int32(columns * rows), np.int32(0)
@@ -119,6 +124,7 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
     for k in range(LANES):
         east = cosine_x * floats[EAST + k] - sine_x * floats[NORTH + k]
         north = sine_y * floats[EAST + k] + cosine_y * floats[NORTH + k]
+        # Mirrored, every beam goes right and up: speeds [cells/m] and their inverses, with a finite one for 0.
         fast_x, fast_y = east if east >= NONE else -east, north if north >= NONE else -north
         floats[EAST + k], floats[NORTH + k] = fast_x, fast_y
         floats[SLOW_X + k] = ONE / (fast_x if fast_x > FLAT else FLAT)
@@ -126,8 +132,10 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
         floats[TIME + k], floats[COLUMN + k], floats[ROW + k] = NONE, NONE, NONE
         floats[PLACE_X + k] = aside if east >= NONE else ONE - aside
         floats[PLACE_Y + k] = above if north >= NONE else ONE - above
+        # Number of columns, and rows, from the sensor's own to the border that the beam goes to.
         floats[COLUMNS + k] = right if east >= NONE else left
         floats[ROWS + k] = high if north >= NONE else low
+        # Numbers in the flat table: quadrant 0 to 3 begins at 0, 1, 2, 3 times ``size``; a column is ``row`` entries.
         quadrant = np.int32(here + (none if east >= NONE else size))
         integers[FIRST + k] = np.int32(quadrant + (none if north >= NONE else twice))
         integers[STEP_X + k] = row if east >= NONE else np.int32(-row)
@@ -152,12 +160,15 @@ def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) ->
     while some > 0:
         for k in range(LANES):
             time, i, j, free = floats[TIME + k], floats[COLUMN + k], floats[ROW + k], np.float32(integers[FREE + k])
+            # The free square ends before column to_i and row to_j; the beam leaves it where it meets the first of both.
             to_i, to_j = i + free, j + free
             time_x = (to_i - floats[PLACE_X + k]) * floats[SLOW_X + k]
             time_y = (to_j - floats[PLACE_Y + k]) * floats[SLOW_Y + k]
             leaves_x = time_x < time_y
             then = time_x if leaves_x else time_y
+            # Rounding must not let a beam go back.
             then = then if then > time else time
+            # The cell along the side that the beam leaves through, which rounding must not move out of the square.
             beside = np.float32(np.int32(floats[PLACE_X + k] + then * floats[EAST + k]))
             beside = beside if beside > i else i
             beside = beside if beside < to_i - ONE else to_i - ONE
@@ -165,15 +176,19 @@ def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) ->
             above = above if above > j else j
             above = above if above < to_j - ONE else to_j - ONE
             next_i, next_j = to_i if leaves_x else beside, above if leaves_x else to_j
+            # A beam that leaves the map gets its whole range: it meets nothing any more.
             then = then if (next_i < floats[COLUMNS + k]) & (next_j < floats[ROWS + k]) else floats[FAR + k]
+            # A beam that has ended (``free`` 0) keeps its place, as lanes cannot stop one by one.
             time, i, j = then if free > NONE else time, next_i if free > NONE else i, next_j if free > NONE else j
             floats[TIME + k], floats[COLUMN + k], floats[ROW + k] = time, i, j
             along_x = np.int32(np.int32(i) * integers[STEP_X + k])
             along_y = np.int32(np.int32(j) * integers[STEP_Y + k])
             cell = np.int32(np.int32(integers[FIRST + k] + along_x) + along_y)
+            # A beam at its range is sent to an occupied cell, where the next ``free`` is 0.
             integers[CELL + k] = cell if time < floats[FAR + k] else occupied
         some = 0
         for k in range(LANES):
+            # The look-ups are in a loop of their own, so that the arithmetic above is vectorised.
             integers[FREE + k] = squares[np.uint32(integers[CELL + k])]
             some |= int(integers[FREE + k])
 
@@ -211,6 +226,7 @@ def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: flo
     quadrant = (0 if step_x > 0 else 1) + (0 if step_y > 0 else 2)
     i = first_cell(x + time * east, step_x, columns)
     j = first_cell(y + time * north, step_y, rows)
+    # From within occupied cells, the beam looks for the first free cell instead, one cell at a time.
     inside = time == 0.0 and squares[0, i, j] == 0
     while time < far:
         free = int(squares[quadrant, i, j])
@@ -218,11 +234,14 @@ def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: flo
             return time
         reach = 1 if inside else free
         to_i, to_j = i + step_x * reach, j + step_y * reach
+        # Cell to_i is the first one behind the square; a beam to the right meets its left border, and the other way
+        # round.
         time_x = ((to_i if step_x > 0 else to_i + 1) - x) * slow_x
         time_y = ((to_j if step_y > 0 else to_j + 1) - y) * slow_y
         if time_x < time_y:
             time = max(time, time_x)
             along = int(np.floor(y + time * north))
+            # The row is kept between the one that the beam came from and the last one of the square.
             i, j = to_i, min(max(along, j), to_j - 1) if step_y > 0 else max(min(along, j), to_j + 1)
         else:
             time = max(time, time_y)
@@ -260,6 +279,7 @@ def walk_to_disc(cells: CellMap, x: float, y: float, along_x: float, along_y: fl
     while time < far:
         free = int(squares[quadrant, i, j])
         if free == 0:
+            # Cells without a hit are crossed like free ones, one at a time.
             hit = way_to_disc(cells, i, j, x, y, along_x, along_y)
             if hit < np.inf:
                 return min(hit, far)
@@ -285,6 +305,7 @@ def way_to_disc(cells: CellMap, i: int, j: int, x: float, y: float, along_x: flo
     """Return the distance [m] along a ray to the disc in a cell; from inside to its edge; inf if the ray misses it."""
     dx, dy = cells.x + (i + 0.5) * cells.width - x, cells.y + (j + 0.5) * cells.height - y
     along, aside = dx * along_x + dy * along_y, dx * along_y - dy * along_x
+    # Half of the chord that the ray's line cuts out of the disc, squared.
     half2 = cells.radius * cells.radius - aside * aside
     if half2 < 0.0:
         return np.inf
@@ -299,6 +320,8 @@ def entry(x: float, y: float, slow_x: float, slow_y: float, columns: float, rows
     """Return the time at which a point enters the map: 0 if it is within, inf if it never does."""
     if 0.0 <= x < columns and 0.0 <= y < rows:
         return 0.0
+    # The slab method: times at which the point's line crosses the four borders; it is within the map between the later
+    # entry and the earlier exit.
     left, right = -x * slow_x, (columns - x) * slow_x
     low, high = -y * slow_y, (rows - y) * slow_y
     enter = max(min(left, right), min(low, high), 0.0)

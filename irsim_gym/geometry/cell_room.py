@@ -29,9 +29,12 @@ def find_room(cells: CellMap, line: Floats) -> None:
     squares, room, far = cells.squares, cells.room, farthest(cells) + cells.radius
     columns, rows = room.shape
     width, height = cells.width, cells.height
+    # Whole cells: from a free centre to the border of a neighbour it is half a cell less than to the neighbour's
+    # centre. Discs: to their centres, and the radius is subtracted at the end.
     inset = 0.5 if cells.radius == 0.0 else 0.0
     first = (1.0 - inset) * height
     for i in range(columns):
+        # First pass, column by column: the vertical distance to the nearest occupied cell, from below and from above.
         gap = far
         for j in range(rows):
             gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
@@ -41,6 +44,9 @@ def find_room(cells: CellMap, line: Floats) -> None:
             j = rows - 1 - a
             gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
             room[i, j] = min(room[i, j], gap)
+    # Second pass: the least of (horizontal, vertical) distances over all columns, nearest columns first. Both passes
+    # give the exact Euclidean distance (Saito and Toriwaki 1994, "New algorithms for Euclidean distance
+    # transformation").
     for j in range(rows):
         for i in range(columns):
             line[i] = room[i, j]
@@ -73,6 +79,7 @@ def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
     aside, up = x - cells.x - (i + 0.5) * cells.width, y - cells.y - (j + 0.5) * cells.height
     away = np.sqrt(aside * aside + up * up)
     most = middle * (1.0 + DOUBT) + away * (1.0 + DOUBT)
+    # The stored distance was cut off: it is a lower bound alone.
     if middle * (1.0 + DOUBT) >= farthest(cells):
         most = np.inf
     return max(middle * (1.0 - DOUBT) - away * (1.0 + DOUBT), 0.0), most
@@ -103,6 +110,7 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
     best, bound = np.inf, reach * reach * (1.0 + DOUBT)
     own_i = int(min(max(np.floor((x - cells.x) / cells.width), 0.0), columns - 1.0))
     own_j = int(min(max(np.floor((y - cells.y) / cells.height), 0.0), rows - 1.0))
+    # Columns to the right from the own one on, then those to the left of it.
     for direction in range(2):
         i = own_i - direction
         while 0 <= i < columns:
@@ -112,6 +120,7 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
             j = own_j
             while j < rows:
                 up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
+                # Squares of quadrant 0 skip free rows upwards, those of quadrant 2 downwards.
                 free, near = int(squares[0, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
                     if cells.radius > 0.0 and near <= bound:

@@ -31,6 +31,8 @@ def find_free_squares(occupied: Flags, squares: Bytes) -> None:
     """
     columns, rows = occupied.shape
     for quadrant in range(4):
+        # The square grows by (step_x, step_y), so the loops run the other way: the neighbours are done first. Beyond
+        # the map all is free.
         step_x, step_y = 1 - 2 * (quadrant % 2), 1 - 2 * (quadrant // 2)
         for a in range(columns):
             i = columns - 1 - a if step_x > 0 else a
@@ -39,6 +41,7 @@ def find_free_squares(occupied: Flags, squares: Bytes) -> None:
                 if occupied[i, j]:
                     squares[quadrant, i, j] = 0
                     continue
+                # Dynamic programming: a square needs those of the three cells next to its corner.
                 beside = int(squares[quadrant, i + step_x, j]) if a > 0 else LARGEST
                 above = int(squares[quadrant, i, j + step_y]) if b > 0 else LARGEST
                 across = int(squares[quadrant, i + step_x, j + step_y]) if a > 0 and b > 0 else LARGEST
@@ -68,12 +71,14 @@ def find_boxes(occupied: Flags, boxes: Spans) -> int:
             first = j
             while j < rows and occupied[i, j]:
                 j += 1
+            # The box of the column before covers this run already.
             if i > 0 and is_run(occupied, i - 1, first, j):
                 continue
             end = i + 1
             while end < columns and is_run(occupied, end, first, j):
                 end += 1
             if count < boxes.shape[0]:
+                # Boxes that begin in one column are kept in the order of their ends (insertion sort).
                 place = count
                 while place > begin and boxes[place - 1, 1] > end:
                     for k in range(4):
@@ -97,10 +102,11 @@ def is_run(occupied: Flags, i: int, first: int, end: int) -> bool:
 
 @kernel
 def box_is_free(squares: Bytes, first: Cell, last: Cell) -> bool:
-    """Return True if free squares of the quickest tiling show that a box of cells is free; False proves nothing."""
+    """Return True if the free squares along one side of a box of cells cover all of it; False proves nothing."""
     first_i, first_j, last_i, last_j = first[0], first[1], last[0], last[1]
     width, height = last_i - first_i + 1, last_j - first_j + 1
     if width <= height:
+        # A box that is higher than wide is covered by squares at least as wide as it is, stacked in its first column.
         j = first_j
         while j <= last_j:
             free = int(squares[0, first_i, j])
@@ -120,6 +126,7 @@ def box_is_free(squares: Bytes, first: Cell, last: Cell) -> bool:
 @kernel
 def cell_range(low: float, high: float, origin: float, cell: float, count: int) -> tuple[int, int]:
     """Return the first and the last of ``count`` cells that touch an interval [m]; none if last < first."""
+    # Cells are closed: an interval that begins on a border touches the cell before it, too.
     first = max(np.ceil((low - origin) / cell - SLACK) - 1.0, 0.0)
     last = min(np.floor((high - origin) / cell + SLACK), count - 1.0)
     if first > last:
@@ -134,6 +141,8 @@ def strip_rows(ax: float, ay: float, bx: float, by: float, reach: float, i: int,
     dx = bx - ax
     if dx != 0.0:
         left, right = cells.x + i * cells.width - reach, cells.x + (i + 1) * cells.width + reach
+        # Where the segment enters and leaves the widened column, as a share of its length; a segment beside it is cut
+        # to an end.
         enter, leave = (left - ax) / dx, (right - ax) / dx
         enter, leave = min(max(min(enter, leave), 0.0), 1.0), max(min(max(enter, leave), 1.0), 0.0)
         y_enter, y_leave = ay + enter * (by - ay), ay + leave * (by - ay)
@@ -147,6 +156,7 @@ def segment_box_distance2(
 ) -> float:
     """Return the squared distance [m2] between the segment ab, which may be a point, and an upright box."""
     if max(ax, bx) >= left and min(ax, bx) <= right and max(ay, by) >= low and min(ay, by) <= high:
+        # If the boxes overlap, the segment meets the box unless all four corners lie strictly on one side of its line.
         one, two = side(ax, ay, bx, by, left, low), side(ax, ay, bx, by, right, low)
         three, four = side(ax, ay, bx, by, right, high), side(ax, ay, bx, by, left, high)
         if min(one, two, three, four) <= 0.0 and max(one, two, three, four) >= 0.0:
@@ -157,6 +167,7 @@ def segment_box_distance2(
         point_segment_distance2(right, high, ax, ay, bx, by),
         point_segment_distance2(left, high, ax, ay, bx, by),
     )
+    # What is left are the distances of both ends from the box.
     gap_x, gap_y = max(left - ax, ax - right, 0.0), max(low - ay, ay - high, 0.0)
     best = min(best, gap_x * gap_x + gap_y * gap_y)
     gap_x, gap_y = max(left - bx, bx - right, 0.0), max(low - by, by - high, 0.0)
@@ -192,9 +203,12 @@ def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, re
         return best
     for i in range(first_i, last_i + 1):
         left, right = cells.x + i * cells.width, cells.x + (i + 1) * cells.width
+        # Horizontal, and below (``up``) vertical gap between a cell and the box around the segment: a bound that spares
+        # most exact distances.
         aside = max(left - max(ax, bx), min(ax, bx) - right, 0.0)
         j, last = strip_rows(ax, ay, bx, by, reach, i, cells)
         while j <= last:
+            # The free square to the upper right of a cell says how many rows above are free, too: skip them.
             if squares[0, i, j] > 0:
                 j += int(squares[0, i, j])
                 continue
@@ -223,6 +237,7 @@ def capsule_meets_cells(cells: CellMap, ax: float, ay: float, bx: float, by: flo
         by: See ``ax``.
         radius: Distance [m] that counts as touching.
     """
+    # No point of the segment is farther than ``half`` from its middle, for which the map holds bounds.
     half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
     least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
     if least > radius + half * (1.0 + SLACK):
@@ -249,6 +264,7 @@ def segment_cells_distance(cells: CellMap, ax: float, ay: float, bx: float, by: 
     reach = most if most < np.inf else 4.0 * max(cells.width, cells.height)
     width, height = cells.width * squares.shape[1], cells.height * squares.shape[2]
     centre_x, centre_y = cells.x + 0.5 * width, cells.y + 0.5 * height
+    # A reach that covers the whole map, from wherever the segment is.
     whole = abs(centre_x - ax) + abs(centre_y - ay) + width + height
     while True:
         reach = min(reach, limit, whole)
@@ -256,6 +272,7 @@ def segment_cells_distance(cells: CellMap, ax: float, ay: float, bx: float, by: 
             best = np.sqrt(nearest_to_point2(cells, ax, ay, reach))
         else:
             best = np.sqrt(nearest_cell2(cells, ax, ay, bx, by, reach, 0.0))
+        # All cells within ``reach`` were searched, so a distance up to it is the least.
         if best <= reach or reach >= limit or reach >= whole:
             return float(min(best, limit))
         reach = 2.0 * reach
@@ -320,8 +337,8 @@ def outline_meets_cells(cells: CellMap, outline: BodyOutline) -> bool:
 def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
     """Return whether an area whose boundary touches no occupied cell holds one.
 
-    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough; discs in
-    them may not touch each other.
+    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough. Discs in
+    neighbouring cells need not touch each other, so each is tested.
     """
     squares, segments = cells.squares, outline.segments
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
@@ -341,6 +358,7 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
             if holds_point(outline, (cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height)):
                 return True
             j += 1
+            # The rest of the run touches this cell; discs of neighbouring cells may be apart.
             while cells.radius == 0.0 and j <= last_j and squares[0, i, j] == 0:
                 j += 1
     return False

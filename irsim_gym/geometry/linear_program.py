@@ -62,6 +62,7 @@ def solve(planes: Records, count: int, limit: float, x: float, y: float, farthes
         best_x, best_y = scale * x, scale * y
     for i in range(count):
         if planes[i].nx * best_x + planes[i].ny * best_y < planes[i].least:
+            # A half-plane that cuts off the optimum so far: the new optimum lies on its border.
             next_x, next_y, found = best_on_border(planes, i, limit, x, y, farthest)
             if not found:
                 return best_x, best_y, i
@@ -79,6 +80,7 @@ def best_on_border(
     """
     nx, ny, least = planes[i].nx, planes[i].ny, planes[i].least
     along_x, along_y = ny, -nx
+    # The border is ``least`` away from the origin, so the disc cuts it to -sqrt(half2) <= t <= sqrt(half2).
     half2 = limit * limit - least * least
     if half2 < 0.0:
         return 0.0, 0.0, False
@@ -86,6 +88,8 @@ def best_on_border(
     low = -high
     for j in range(i):
         other = planes[j]
+        # On the border, the other half-plane demands gain * t >= missing: a bound of t from below or above, by gain's
+        # sign.
         gain = other.nx * along_x + other.ny * along_y
         missing = other.least - least * (other.nx * nx + other.ny * ny)
         if np.abs(gain) <= PARALLEL:
@@ -126,16 +130,20 @@ def least_violation(
         nx, ny, least = planes[i].nx, planes[i].ny, planes[i].least
         if least - (nx * x + ny * y) <= worst:
             continue
+        # Hard half-planes stay as they are. For each soft one before i, the new one permits the points where its
+        # violation is no larger than that of i; then go as far as possible along i's normal.
         for j in range(n_hard):
             set_plane(spare[j], planes[j].nx, planes[j].ny, planes[j].least)
         k = n_hard
         for j in range(n_hard, i):
             dx, dy = planes[j].nx - nx, planes[j].ny - ny
             length = np.sqrt(dx * dx + dy * dy)
+            # With equal normals, the difference of both violations is the same everywhere: nothing to choose.
             if length > PARALLEL:
                 set_plane(spare[k], dx / length, dy / length, (planes[j].least - least) / length)
                 k += 1
         next_x, next_y, failed = solve(spare, k, limit, nx, ny, True)
+        # If rounding leaves no optimum, the former one is kept, which is close to it.
         if failed == k:
             x, y = next_x, next_y
         worst = least - (nx * x + ny * y)

@@ -22,6 +22,7 @@ def least_circle(points: Floats, count: int) -> tuple[float, float, float]:
     for i in range(1, count):
         if is_inside(points[i], x, y, radius2):
             continue
+        # Points outside the circle so far lie on the new one: first i alone, then i and j, then i, j and k.
         x, y, radius2 = points[i, 0], points[i, 1], 0.0
         for j in range(i):
             if is_inside(points[j], x, y, radius2):
@@ -45,6 +46,7 @@ def is_inside(point: Floats, x: float, y: float, radius2: float) -> bool:
 def through(a: Floats, b: Floats, c: Floats, x: float, y: float, radius2: float) -> tuple[float, float, float]:
     """Return the circle through three points; the given one when they lie on a line."""
     bx, by, cx, cy = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
+    # Circumcentre relative to a.
     twice = 2.0 * (bx * cy - by * cx)
     if twice == 0.0:
         return x, y, radius2
@@ -68,6 +70,7 @@ def centre_of_mass(segments: Floats, discs: Floats, solid: bool) -> Point:
     for s in range(segments.shape[0]):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         if solid:
+            # Signed area of the triangle of the origin and the edge; its centre is a third of the sum of its corners.
             cross = 0.5 * (ax * by - ay * bx)
             weight += cross
             x += cross * (ax + bx) / 3.0

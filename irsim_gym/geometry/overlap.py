@@ -36,6 +36,7 @@ def outline_distance(a: BodyOutline, b: BodyOutline, limit: float) -> float:
     """Return the distance [m] between two outlines: 0 when they overlap, ``limit`` (may be inf) if not smaller."""
     if outlines_overlap(a, b):
         return 0.0
+    # From here on nothing touches.
     best = disc_disc_distance(a, b, limit)
     best = disc_segment_distance(a, b, best)
     best = disc_segment_distance(b, a, best)
@@ -45,6 +46,7 @@ def outline_distance(a: BodyOutline, b: BodyOutline, limit: float) -> float:
         ax, ay, bx, by = a.segments[s, 0], a.segments[s, 1], a.segments[s, 2], a.segments[s, 3]
         for q in range(b.first_segment, b.first_segment + b.n_segments):
             cx, cy, dx, dy = b.segments[q, 0], b.segments[q, 1], b.segments[q, 2], b.segments[q, 3]
+            # The boxes around both segments give a lower bound, far cheaper than the exact distance.
             if gap2(ax, ay, bx, by, cx, cy, dx, dy) < best2:
                 distance2 = segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy)
                 if distance2 < best2:
@@ -81,6 +83,7 @@ def disc_meets_outline(centre: Point, radius: float, outline: BodyOutline) -> bo
     radius2, out2 = radius * radius, (radius + SURE) * (radius + SURE)
     for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
+        # Whatever is farther from the line is farther from the segment.
         is_out = line_is_out(x, y, ax, ay, bx, by, out2)
         if not is_out and point_segment_distance2(x, y, ax, ay, bx, by) <= radius2:
             return True
@@ -91,6 +94,7 @@ def disc_meets_outline(centre: Point, radius: float, outline: BodyOutline) -> bo
 def line_is_out(x: float, y: float, ax: float, ay: float, bx: float, by: float, out2: float) -> bool:
     """Return whether the line through a and b lies farther from a point than the root of ``out2`` [m2]."""
     dx, dy = bx - ax, by - ay
+    # Distance from the line times the segment's length.
     across = (x - ax) * dy - (y - ay) * dx
     return across * across > out2 * (dx * dx + dy * dy)
 
@@ -108,6 +112,7 @@ def disc_outline_distance(centre: Point, radius: float, outline: BodyOutline, li
         best = min(best, np.sqrt(distance2) - both)
     if outline.n_segments == 0:
         return best
+    # Segments whose lines are farther than the best distance so far cannot improve it.
     least2, out2 = np.inf, (best + radius + SURE) * (best + radius + SURE)
     for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]

@@ -24,6 +24,8 @@ def contains_point(segments: Floats, start: int, count: int, point: Point) -> bo
     x, y, inside = point[0], point[1], False
     for s in range(start, start + count):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
+        # The edge crosses the height of the point, and does so to the right of it: each such crossing changes the
+        # answer.
         if (ay > y) != (by > y) and (side(ax, ay, bx, by, x, y) > 0.0) == (by > ay):
             inside = not inside
     return inside
@@ -54,6 +56,7 @@ def is_convex(vertices: Floats) -> bool:
     convex, nor is one without area.
     """
     n = vertices.shape[0]
+    # The edge before the first one: the last edge that has a length.
     last_x, last_y = 0.0, 0.0
     for i in range(n):
         dx, dy = vertices[i, 0] - vertices[i - 1, 0], vertices[i, 1] - vertices[i - 1, 1]
@@ -70,6 +73,7 @@ def is_convex(vertices: Floats) -> bool:
         left, right = left or cross > 0.0, right or cross < 0.0
         turned += np.arctan2(cross, dot)
         last_x, last_y = dx, dy
+    # All turns go one way, and they add up to one full turn (2 pi) rather than two or more.
     return left != right and abs(turned) < 3.0 * np.pi
 
 

@@ -140,6 +140,7 @@ def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limi
     x, y, cosine, sine = eye
     n_edges = np.int64(0)
     for j in range(np.uint64(begin), np.uint64(end)):
+        # Both ends relative to the sensor: ``g`` and ``h`` in the world frame, ``a`` and ``b`` in its own.
         at = FOUR * j
         gx, gy, hx, hy = rows[at] - x, rows[at + ONE] - y, rows[at + TWO] - x, rows[at + THREE] - y
         ax, ay = cosine * gx + sine * gy, cosine * gy - sine * gx
@@ -147,11 +148,14 @@ def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limi
         cross = gx * hy - gy * hx
         ex, ey = hx - gx, hy - gy
         a2, b2, length2 = gx * gx + gy * gy, hx * hx + hy * hy, ex * ex + ey * ey
+        # ``least`` is the squared distance of the segment times ``length2``, which spares a division: that of the line,
+        # or of the nearer end if the foot of the perpendicular is outside.
         along = -(gx * ex + gy * ey)
         least = cross * cross
         least = b2 * length2 if along >= length2 else least
         least = a2 * length2 if along <= 0.0 else least
         wanted = (cross <= limits[j]) & (least <= far * far * length2)
+        # As in ``rays``: seen under a clear angle, not edge-on.
         clear = cross * cross > EDGE_ON * EDGE_ON * a2 * b2
         share = 1.0 / cross
         normal_x, normal_y = (by - ay) * share, (ax - bx) * share
@@ -163,6 +167,7 @@ def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limi
         sides.ax[j], sides.ay[j] = np.float32(ax), np.float32(ay)
         sides.bx[j], sides.by[j] = np.float32(bx), np.float32(by)
         edge = wanted & (not clear)
+        # 1 for those that are kept, -1 if seen edge-on as well, else 0.
         sides.mark[j] = np.int32(wanted) - np.int32(2) * np.int32(edge)
         n_edges += np.int64(edge)
     return int(n_edges)
@@ -189,6 +194,7 @@ def prepare_discs(count: int, eye: Eye, discs: Record, rounds: Record) -> int:
         rounds.x[j], rounds.y[j] = np.float32(cosine * x + sine * y), np.float32(cosine * y - sine * x)
         rounds.radius2[j], rounds.scale[j] = np.float32(r2), np.float32(1.0 / power)
         sine2 = r2 / distance2
+        # arcsin(s) is at most s + (pi / 2 - 1) s^3, which is exact at 0 and 1.
         rounds.half[j] = np.float32(np.sqrt(sine2) * (1.0 + 0.5708 * sine2))
         around = power <= 1e-30
         rounds.mark[j] = np.int32(1) - np.int32(2) * np.int32(around)
@@ -200,6 +206,7 @@ def prepare_discs(count: int, eye: Eye, discs: Record, rounds: Record) -> int:
 def rough_angle(x: np.float32, y: np.float32) -> np.float32:
     """Return the direction of (x, y) [rad] with an error of less than 0.0065 rad; NaN where there is none."""
     across, up = np.abs(x), np.abs(y)
+    # t runs from 0 to 1 over the first quadrant; the cubic in t is exact at 0, 45 and 90 degrees.
     t = up / (across + up)
     u = t * (np.float32(1.5708) - np.float32(0.728) * (np.float32(1.0) - t) * (np.float32(1.0) - t - t))
     u = u if x >= np.float32(0.0) else np.float32(3.14159265) - u
@@ -218,6 +225,7 @@ def span_segments(count: int, fan: Fan, sides: Record) -> None:
     for j in range((count + RUN - 1) // RUN * RUN):
         ax, ay, bx, by = sides.ax[j], sides.ay[j], sides.bx[j], sides.by[j]
         a, b = rough_angle(ax, ay), rough_angle(bx, by)
+        # Seen from the sensor, the beams sweep counter-clockwise from ``low`` to ``high``.
         turns_left = ax * by - ay * bx > np.float32(0.0)
         low, high = (a if turns_left else b), (b if turns_left else a)
         sides.begin[j], sides.runs[j] = span(low, high, fan)
@@ -241,11 +249,14 @@ def span(low: np.float32, high: np.float32, fan: Fan) -> tuple[np.int32, np.int3
     first, density = fan.first, fan.density
     share, whole = np.float32(1.0 / RUN), np.float32(fan.n_beams)
     low, high = low - np.float32(MARGIN), high + np.float32(MARGIN)
+    # The span contains the direction pi, where angles jump to -pi: it goes on from the last beam to the first one.
     is_across = (low > high) | (low < -half_turn) | (high > half_turn)
     low, high = low + turn if low < -half_turn else low, high - turn if high > half_turn else high
+    # Numbers of beams, not rounded yet, limited to those that there are.
     begin, end = (low - first) * density, (high - first) * density + one
     begin, end = begin if begin > zero else zero, end if end < whole - one else whole - one
     begin, end = begin if begin < whole else whole, end if end > -one else -one
+    # From here on in runs of RUN beams; a span across pi ends in the second round.
     place, end = np.floor(begin * share), end + whole if is_across else end
     runs, most = np.floor(end * share) - place + one, whole * share
     is_part = (density > zero) & (runs < most)
@@ -258,6 +269,7 @@ def list_kept(count: int, chunk: Record) -> int:
     """Write the numbers of the primitives of a chunk that are marked by 1 into ``kept``; return how many."""
     n = np.uint64(0)
     for j in range(np.uint64(count)):
+        # Without a branch: what is not kept is overwritten by the next one.
         chunk.kept[n] = j
         n += np.uint64(chunk.mark[j] > 0)
     return int(n)
@@ -267,7 +279,7 @@ def list_kept(count: int, chunk: Record) -> int:
 def lay_beams(beams_x: Rays, beams_y: Rays, rays: Rays) -> None:
     """Write beams where they are cast.
 
-    Distances in one table that are known beforehand let the compiler see that depths and directions do not overlap.
+    Constant offsets within one table let the compiler see that depths and directions do not overlap.
 
     Args:
         beams_x: Unit directions in the sensor frame, shape ``(n_beams,)``, a multiple of BLOCK.
@@ -276,6 +288,7 @@ def lay_beams(beams_x: Rays, beams_y: Rays, rays: Rays) -> None:
             BLOCK numbers each, shape ``(3 * n_beams,)``.
     """
     for j in range(beams_x.shape[0]):
+        # Beam j is number j % BLOCK of its block, and each block takes 3 * BLOCK places.
         at = j + 2 * BLOCK * (j // BLOCK)
         rays[at + BLOCK], rays[at + 2 * BLOCK] = beams_x[j], beams_y[j]
 
@@ -299,12 +312,16 @@ def raise_by_segments(n: int, sides: Record, rays: Rays) -> None:
         place_x, place_y = sides.place_x[s], sides.place_y[s]
         slack, p = sides.slack[s], np.uint64(sides.begin[s])
         for _ in range(sides.runs[s]):
+            # Place of the depth of beam p, see ``lay_beams``; its directions follow AHEAD and ASIDE behind.
             at = p + TWO * AHEAD * (p // AHEAD)
             for i in range(LENGTH):
                 x, y = rays[at + AHEAD + i], rays[at + ASIDE + i]
                 depth = normal_x * x + normal_y * y
                 place = place_x * x + place_y * y
+                # abs(q.d) <= n.d: the beam passes between both ends, and ahead.
                 depth = depth if depth + slack >= np.abs(place) else zero
+                # No depth is below 0. The second comparison lets the compiler store every lane with a ``max``
+                # instruction; with the first one alone it stores some of them under a mask.
                 depth = depth if depth > rays[at + i] else rays[at + i]
                 rays[at + i] = depth if depth > zero else zero
             p = p + LENGTH if p + LENGTH < n_beams else np.uint64(0)
@@ -327,6 +344,7 @@ def raise_by_discs(n: int, rounds: Record, rays: Rays) -> None:
                 depth = (ahead + np.sqrt(room if room > zero else zero)) * scale
                 inner = room if room < ahead else ahead
                 depth = depth if inner >= zero else zero
+                # As in ``raise_by_segments``: two ``max`` instructions, no mask.
                 depth = depth if depth > rays[at + i] else rays[at + i]
                 rays[at + i] = depth if depth > zero else zero
             p = p + LENGTH if p + LENGTH < n_beams else np.uint64(0)

@@ -50,6 +50,7 @@ def inverse_depth_segment(
     cross = a_x * b_y - a_y * b_x
     slack, level = SLACK, np.float32(0.0)
     normal_x, normal_y = 0.0, 0.0
+    # a x b = |a| |b| sin(angle between both ends).
     if cross * cross > EDGE_ON * EDGE_ON * a2 * b2:
         normal_x, normal_y = (b_y - a_y) / cross, (a_x - b_x) / cross
     elif a_x * b_x + a_y * b_y > 0.0:
@@ -61,9 +62,12 @@ def inverse_depth_segment(
         slack = SLACK + np.float32(EDGE_ON)
         normal_x, normal_y = np.float64(ax) / min(a2, b2), np.float64(ay) / min(a2, b2)
     else:
+        # The sensor is on the segment: every beam passes the test below, with the depth of a hit at distance 0.
         slack, level = HERE, HERE
     x_slope, y_slope = np.float32(normal_x), np.float32(normal_y)
+    # |x| + |y| stands for the distance of an end, and is up to sqrt(2) times as much.
     slack_a, slack_b = slack * (np.abs(ax) + np.abs(ay)), slack * (np.abs(bx) + np.abs(by))
+    # Where b lies clockwise of a, both cross products below are negative for the beams in between: this flips them.
     turn = np.float32(1.0) if cross > 0.0 else np.float32(-1.0)
     ax, ay, bx, by = turn * ax, turn * ay, turn * bx, turn * by
     for i in range(inverse.shape[0]):
@@ -90,11 +94,13 @@ def inverse_depth_disc(
         beams_y: As ``beams_x``.
         inverse: Raised: inverse depth of the nearest hit [1/m], shape ``(n_padded,)``.
     """
+    # The sensor's power with respect to the circle: the product of the distances to both crossings, negative inside.
     power = np.float64(cx) * np.float64(cx) + np.float64(cy) * np.float64(cy) - np.float64(radius) * np.float64(radius)
     zero, radius2 = np.float32(0.0), radius * radius
     if power < 0.0:
         for i in range(inverse.shape[0]):
             x, y = beams_x[i], beams_y[i]
+            # From inside, the only crossing ahead is the exit, at ``ahead`` + half of the chord.
             aside = cx * y - cy * x
             room = radius2 - aside * aside
             way = cx * x + cy * y + np.sqrt(room if room > zero else zero)
@@ -107,7 +113,9 @@ def inverse_depth_disc(
         ahead = cx * x + cy * y
         aside = cx * y - cy * x
         room = radius2 - aside * aside
+        # The nearer crossing is at t = power / (ahead + half chord), because both multiply to the power.
         depth = (ahead + np.sqrt(room if room > zero else zero)) * scale
+        # A hit needs both: the line meets the circle (room), and the circle is ahead.
         inner = room if room < ahead else ahead
         depth = depth if inner >= zero else zero
         inverse[i] = depth if depth > inverse[i] else inverse[i]

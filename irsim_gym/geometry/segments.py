@@ -12,6 +12,7 @@ def point_segment_distance2(px: float, py: float, ax: float, ay: float, bx: floa
     x, y = px - ax, py - ay
     length2 = dx * dx + dy * dy
     along = x * dx + y * dy
+    # The nearest point is b, or the foot of the perpendicular, or a (``along`` <= 0).
     if along >= length2:
         x, y = px - bx, py - by
     elif along > 0.0:
@@ -59,6 +60,7 @@ def segment_segment_distance2(
     """Return the squared distance [m2] between the segments ab and cd; 0 when they meet."""
     if segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
         return 0.0
+    # Segments that do not meet are nearest to each other at an end of one of them.
     return min(
         point_segment_distance2(ax, ay, cx, cy, dx, dy),
         point_segment_distance2(bx, by, cx, cy, dx, dy),

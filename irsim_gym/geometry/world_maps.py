@@ -60,6 +60,7 @@ def lay_cells(cells: CellMaps, w: int, occupied: Flags, line: Floats) -> None:
 
 def most_boxes(columns: int, rows: int) -> int:
     """Return an upper bound of the number of boxes that cover any occupied cells of a map."""
+    # The most runs of a column: every other cell is occupied.
     return columns * ((rows + 1) // 2)
 
 

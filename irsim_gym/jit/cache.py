@@ -21,6 +21,7 @@ from irsim_gym.jit.lock import lock
 from irsim_gym.jit.trust import read_trusted, write_private
 
 CompileResult: Any = compiler.CompileResult
+# Numba's settings that change the machine code, and so the name of a file.
 SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
 
 
@@ -39,7 +40,7 @@ def keep_on_disk(dispatcher: Any, form: str, restore: Callable[[Any, Any], Any] 
 
 
 def files_of(function: Any, options: Mapping[str, Any], form: str) -> Files | None:
-    """Return a function's files; None without a folder, or for a function that no source file defines for good."""
+    """Return a function's files; None without a folder, or if its source file alone does not define it."""
     if is_cacheable(function) and cache_folder() is not None:
         return Files(function, f"{form} {sorted(options.items(), key=str)}")
     return None
@@ -69,7 +70,7 @@ class Files:
         return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
 
     def lock(self, file: Path) -> AbstractContextManager[None]:
-        """Return the lock of a file that is not there: who holds it compiles, and others wait."""
+        """Return the lock of a file that does not exist yet: its holder compiles, and other processes wait."""
         return lock(file, is_ordered=self.is_own)
 
     @staticmethod
@@ -84,6 +85,7 @@ class Files:
     @staticmethod
     def write(file: Path, content: bytes) -> None:
         """Write a file, if there is room."""
+        # Written under another name and renamed, so that no process ever reads half a file.
         passing = file.with_suffix(f".{os.getpid()}")
         try:
             write_private(passing, _checksum(content) + content)
@@ -128,6 +130,7 @@ class KernelCache:
         """Return Numba's function that loads or compiles, so that it releases the lock of the file at its end."""
 
         def made(signature: Any) -> Any:
+            # ``load_overload`` takes the file's lock, and ``make`` compiles if it found nothing: both within this call.
             with global_compiler_lock, ExitStack() as turn:
                 self._turns.append(turn)
                 turn.callback(self._turns.pop)
@@ -167,6 +170,7 @@ class KernelCache:
             compiled = CompileResult._rebuild(Restoring(target, self._restore) if self._restore else target, *kept)
         except (OSError, pickle.UnpicklingError, ImportError, AttributeError):
             return None
+        # A guard against equal digests of different types.
         fits = tuple(compiled.signature.args) == tuple(signature)
         return compiled._replace(target_context=target) if fits else None
 

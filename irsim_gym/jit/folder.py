@@ -47,6 +47,7 @@ def cache_folder() -> Path | None:
                 continue
             with tempfile.TemporaryFile(dir=folder):
                 pass
+            # The time of the last use, by which ``_prune`` chooses.
             os.utime(folder)
         except OSError:
             continue

@@ -78,6 +78,7 @@ def without(error: Exception) -> Iterator[None]:
     """
     why = f"failed with {type(error).__name__}: {error}"
     is_first = not _failures()
+    # Written before the body runs, so that ``are_usable`` is False within it.
     _failures().append(why)
     try:
         yield

@@ -43,6 +43,7 @@ class InnerLibrary(Library):  # type: ignore[misc]
         """
         name, _, bitcode = kept
         library = cls(generator, name)
+        # Numba would optimise the module and emit machine code here; linking needs neither.
         library._final_module = binding.parse_bitcode(bitcode)
         library._finalize_final_module()
         return library

@@ -23,7 +23,7 @@ config: Any = numba.config
 RESULTS = ("nogil", "error_model", "fastmath")
 """The options that results and threads depend on."""
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""No entries from Python and from C, which take a third of the time to compile."""
+"""Compile no entry points for Python and for C: they take a third of the time."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -72,6 +72,7 @@ class Kernel:
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the function, or note the call where ``record`` is under way in this thread."""
+        # A context variable belongs to one thread: others run their kernels while this one records.
         calls = _calls.get()
         if calls is not None:
             calls.append((self, arguments))
@@ -128,11 +129,12 @@ class Kernel:
             try:
                 return compile_hooked(signature)
             except NumbaError:
-                raise  # in the kernel
+                raise  # the kernel is wrong, not a hook
             except Exception as error:
                 with hooks.without(error):
                     self.plain.compile(signature)
         entry = self.plain.compile(signature)
+        # The hooked dispatcher takes over the plain code, so that later calls with these types find it at once.
         dispatcher.add_overload(self.plain.overloads[signature])
         return entry
 
@@ -142,7 +144,8 @@ class Kernel:
         return (self.inner if hooks.are_usable() else self.plain)._numba_type_
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):  # while it is unpickled
+        # Numba's attributes have public names. While a kernel is unpickled, nothing is there yet that could answer.
+        if name.startswith("_"):
             raise AttributeError(name)
         return getattr(self.compiled, name)
 
@@ -156,6 +159,7 @@ def plain_dispatcher(function: Any, options: dict[str, Any]) -> Any:
     Where the cache fails, as on a full disk, the function is compiled without one.
     """
     folder = plain_folder() if is_cacheable(function) else None
+    # Numba reads the folder of its cache from its configuration when the dispatcher is made, and only then.
     usual = config.CACHE_DIR
     try:
         config.CACHE_DIR = str(folder or "")
@@ -170,6 +174,7 @@ def plain_dispatcher(function: Any, options: dict[str, Any]) -> Any:
         except NumbaError:
             raise
         except Exception:
+            # The cache could not be written or read; the second attempt shows errors of the compiler itself.
             dispatcher._cache.disable()
             return compile_cached(signature)
 

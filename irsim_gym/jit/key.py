@@ -35,7 +35,7 @@ def function_key(function: FunctionType) -> str:
 
 
 def type_key(kind: Any) -> str:
-    """Return what tells one of Numba's types from others: its name leaves out how the fields of a tuple are called."""
+    """Return a text that identifies one of Numba's types: the type's own name lacks the names of a tuple's fields."""
     fields = getattr(kind, "fields", None)
     inside = [type_key(one) for one in kind.types] if hasattr(kind, "types") else []
     return f"{kind} {fields if isinstance(fields, tuple) else ''} {inside}" if fields or inside else str(kind)
@@ -68,6 +68,7 @@ def _code(code: CodeType, function: FunctionType, called: list[FunctionType]) ->
 
 def _value(value: Any, names: set[str], called: list[FunctionType]) -> Iterator[str]:
     """Yield descriptions of a value that a function reads; of a module, those of its attributes with such names."""
+    # A kernel, or a dispatcher of Numba's, wraps the Python function.
     target = getattr(value, "__wrapped__", value)
     if isinstance(target, FunctionType):
         called.append(target)

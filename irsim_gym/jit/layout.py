@@ -22,6 +22,7 @@ def entry_code(name: str, kernel: str, given: list[str], layout: str) -> str:
             lines.append(f"%word{k} = inttoptr i64 %worlds to {kind}")
         elif mark != COUNT:
             lines.append(f"%at{k} = getelementptr i64, ptr %words, i64 {k}")
+            # Numba passes a boolean as one byte, but in memory it takes a word like all others.
             if kind == "i8":
                 lines += [f"%wide{k} = load i64, ptr %at{k}", f"%word{k} = trunc i64 %wide{k} to i8"]
             else:

@@ -27,6 +27,7 @@ PATIENCE_S = 60.0
 """The longest wait for one kernel [s]: the process that compiles it may have been stopped."""
 LOOK_S = 0.01
 """Time between two looks [s]."""
+# How systems say that another process holds the lock.
 TAKEN = (errno.EACCES, errno.EAGAIN)
 
 _held: ContextVar[tuple[Path, ...]] = ContextVar("held", default=())
@@ -44,6 +45,7 @@ def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
     """
     held = _held.get()
     path = file.with_suffix(".lock")
+    # A lock that this thread holds already, further up in the same compilation, is not waited for.
     descriptor = None if path in held else _acquire(path, PATIENCE_S if is_ordered or not held else 0.0)
     if descriptor is None:
         yield
@@ -105,7 +107,7 @@ def _try(descriptor: int) -> bool:
 
 def _release(path: Path, descriptor: int) -> None:
     """Remove the file, and unlock it: a forked child may hold the descriptor too, so closing is not enough."""
-    with suppress(OSError):  # elsewhere than on POSIX a file that others wait for stays
+    with suppress(OSError):  # only POSIX removes a file that others have open
         path.unlink()
     with suppress(OSError):
         if sys.platform == "win32":

@@ -66,9 +66,10 @@ class PackedEntries:
         if files is None:
             return self._compile(signature, layout, f"packed_{next(_numbers)}")[0]
         file = files.file(signature, generator)
-        # The whole name, as kernels with the same types have the same digest; not the folder, which may be moved.
+        # The file's name tells the entry from all others; its folder is left out, because it may be moved.
         name = f"packed_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
         found = _load(generator, name, files.read(file))
+        # Found without the lock; the second look below finds what another process wrote while this one waited.
         if found is not None:
             return found
         with files.lock(file):
@@ -86,6 +87,7 @@ class PackedEntries:
         dispatcher: Any = numba.njit(**self._options, pipeline_class=pipeline)(self._function)
         dispatcher.compile(signature)
         compiled = dispatcher.overloads[signature]
+        # An empty file says that the kernel returns a value, so that it is not compiled again to find out.
         if compiled.signature.return_type != types.none:
             return 0, b""
         library = compiled.library
@@ -128,6 +130,8 @@ class PackedLibrary(Library):  # type: ignore[misc]
     def add_ir_module(self, ir_module: Any) -> None:
         """Add the kernel and its packed entry."""
         super().add_ir_module(ir_module)
+        # The function with a body is the kernel. By Numba's calling convention, its first two arguments are the places
+        # for the returned value and for an exception.
         kernel = next(one for one in ir_module.functions if not one.is_declaration)
         given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
         self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, given, self._layout)))
@@ -137,6 +141,7 @@ class PackedLibrary(Library):  # type: ignore[misc]
 
     def _finalize_final_module(self) -> None:
         """Load the code as Numba does, and note whether it reads an environment, which holds Python objects."""
+        # Every definition mentions its name once; a further mention is code that reads it.
         environments = [one.name for one in self._final_module.global_variables if one.name.startswith(ENVIRONMENT)]
         reads = environments and str(self._final_module).count(ENVIRONMENT) > len(environments)
         super()._finalize_final_module()

@@ -39,6 +39,7 @@ class Watch:
 
     def on_start(self, event: Any) -> None:
         """Pause the garbage collector, which finds next to nothing and takes a tenth of the time; report progress."""
+        # Compiling a kernel compiles those that it calls: only the outermost start and end are timed.
         self._depth += 1
         if self._depth == 1:
             self._begun = time.perf_counter()
@@ -107,7 +108,8 @@ def write_over(line: str) -> None:
     from rich.segment import ControlType
     from rich.text import Text
 
-    # A progress bar collects what others write until a line ends; bars draw themselves anew, so this may lie over one.
+    # Progress bars of rich hold back what is written to stderr until its line ends: this goes past them. They draw
+    # themselves again, so it may cover one.
     screen = Console(file=getattr(sys.stderr, "rich_proxied_file", sys.stderr))
     screen.control(Control(ControlType.CARRIAGE_RETURN, (ControlType.ERASE_IN_LINE, 2)))
     screen.print(Text(line, end="", no_wrap=True, overflow="ellipsis"), end="", soft_wrap=False)

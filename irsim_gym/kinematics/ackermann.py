@@ -102,7 +102,7 @@ def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, stat
 def move_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, state: State, executed: Floats) -> None:
     """Write poses and steering angles of the members that are free to move, from what they execute.
 
-    Reads: model (heading_low, step_time, wheelbase, wraps_heading), state (pose, steering, stopped).
+    Reads: model (heading_low, step_time, wheelbase), state (pose, steering, stopped).
     Writes: state (pose, steering).
     """
     dt = model.step_time[0]
@@ -127,4 +127,4 @@ def move_ackermann(worlds: Ints, members: Ints, params: Any, model: Model, state
                 rate = 0.0
             # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's angle_range.
             heading = wrap_below(heading + rate * dt)
-            state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
+            state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])

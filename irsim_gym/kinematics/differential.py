@@ -83,7 +83,7 @@ def move_differential(worlds: Ints, members: Ints, model: Model, state: State, e
 
     A twist has the heading after the move and the velocity that was asked for, without noise.
 
-    Reads: model (heading_low, step_time, wraps_heading), state (direction, pose, stopped, velocity).
+    Reads: model (heading_low, step_time), state (direction, pose, stopped, velocity).
     Writes: state (direction, pose, twist).
     """
     dt = model.step_time[0]
@@ -97,7 +97,7 @@ def move_differential(worlds: Ints, members: Ints, model: Model, state: State, e
                 # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's
                 # angle_range.
                 heading = wrap_below(heading + executed[w, b, 1] * dt)
-                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
+                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])
             known = state.direction[w, b]
             # Kept with the heading that they belong to, so that the next step and the sensors need not compute them
             # again.

@@ -103,7 +103,7 @@ def twist_omni(worlds: Ints, members: Ints, params: Any, state: State) -> None:
 def move_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: State, executed: Floats) -> None:
     """Write the positions of the members that are free to move, from what they execute, and all twists.
 
-    Reads: model (heading_low, step_time, wraps_heading), state (pose, stopped, velocity).
+    Reads: model (heading_low, step_time), state (pose, stopped, velocity).
     Writes: state (pose, twist).
     """
     dt = model.step_time[0]
@@ -119,8 +119,7 @@ def move_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: Sta
                 state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
                 # The heading does not change, but a start outside of its interval wraps in the first step, as in
                 # IR-SIM.
-                if model.wraps_heading[b]:
-                    state.pose[w, b, 2] = wrap_from(state.pose[w, b, 2], model.heading_low[b])
+                state.pose[w, b, 2] = wrap_from(state.pose[w, b, 2], model.heading_low[b])
             state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
             state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
             state.twist[w, b, 2] = 0.0

@@ -84,7 +84,7 @@ def twist_omni_angular(worlds: Ints, members: Ints, state: State) -> None:
 def move_omni_angular(worlds: Ints, members: Ints, model: Model, state: State, executed: Floats) -> None:
     """Write the poses of the members that are free to move, from what they execute, and all twists.
 
-    Reads: model (heading_low, step_time, wraps_heading), state (pose, stopped, velocity).
+    Reads: model (heading_low, step_time), state (pose, stopped, velocity).
     Writes: state (pose, twist).
     """
     dt = model.step_time[0]
@@ -98,7 +98,7 @@ def move_omni_angular(worlds: Ints, members: Ints, model: Model, state: State, e
                 # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's
                 # angle_range.
                 heading = wrap_below(heading + executed[w, b, 2] * dt)
-                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
+                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
             state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
             state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]

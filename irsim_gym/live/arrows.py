@@ -30,6 +30,7 @@ def outlines(rows: Floats, length: float | None, width: float | None) -> list[Fl
         return []
     ahead = rows[:, 2:] / sizes[:, None]
     long = sizes if length is None else np.full(len(rows), length)
+    # The head is HEAD_LENGTH widths long, and must not be longer than the arrow.
     thick = np.minimum(long.mean() / SLENDER if width is None else width, long / HEAD_LENGTH)
     return [_outline(*row) for row in zip(rows[:, :2], ahead, long.tolist(), thick.tolist(), strict=True)]
 

@@ -59,7 +59,7 @@ class Body(IrSimReadings):
 
         def __getattr__(self, name: str) -> NoReturn:
             if name in dir(type(self)) or name.startswith("_"):
-                object.__getattribute__(self, name)  # raises what went wrong in a property
+                object.__getattribute__(self, name)  # raises the error of the property itself
             raise AttributeError(hints.missing("a body", name, hints.BODY, dir(self)), name=name, obj=self)
 
         def __setattr__(self, name: str, value: object) -> None:

@@ -168,9 +168,11 @@ def half_planes(segments: Floats, discs: Floats, *, solid: bool) -> tuple[Floats
     if len(discs) or len(segments) < 3 or not solid:
         return None, None, None
     starts, sides = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    # Twice the area, positive for corners in counter-clockwise order: then (dy, -dx) of a side points outwards.
     area = float(np.sum(starts[:, 0] * segments[:, 3] - starts[:, 1] * segments[:, 2]))
     normals = np.column_stack([sides[:, 1], -sides[:, 0]]) * np.sign(area)
     offsets = np.sum(normals * starts, axis=1)
     outside = starts @ normals.T - offsets
+    # Each corner's distance beyond each side, times the side's length: none may lie outside.
     is_convex = bool((outside <= FLATTEST * max(abs(area), 1.0)).all())
     return (normals, offsets, "Rpositive") if is_convex else (None, None, None)

@@ -41,6 +41,7 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
     body_buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
     _carry(old, new, here, there)
     if len(added):
+        # Both write fields of all members of a kind: what the remaining bodies had is copied over them once more.
         _draw(new, added)
         _begin(new, added)
         random = new.state.random.copy()
@@ -62,6 +63,7 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
         elif "body" in declared.axes and name not in NOT_CARRIED:
             axis = declared.axes.index("body")
             source, target = np.moveaxis(source, axis, 0), np.moveaxis(target, axis, 0)
+            # Other axes may differ in length, as the number of goals does: what both have is copied.
             shared = tuple(slice(0, min(lengths)) for lengths in zip(source.shape[1:], target.shape[1:], strict=True))
             target[(here, *shared)] = source[(there, *shared)]
     for table, start, count in (

@@ -63,6 +63,7 @@ def touches(simulation: Simulation, body: int, x: float, y: float, radius: float
     starts, ends = segments[:, :2] - (x, y), segments[:, 2:] - (x, y)
     along = ends - starts
     lengths = np.maximum(np.sum(along * along, axis=1), np.finfo(np.float64).tiny)
+    # Coordinates are relative to the disc's centre, so the nearest point of a segment is that to the origin.
     nearest = starts + np.clip(-np.sum(starts * along, axis=1) / lengths, 0.0, 1.0)[:, None] * along
     if (np.hypot(nearest[:, 0], nearest[:, 1]) <= radius).any():
         return True
@@ -73,6 +74,7 @@ def _is_inside(starts: Floats, ends: Floats) -> bool:
     """Return whether the origin lies inside closed outlines: a ray from it crosses them an odd number of times."""
     rises = (starts[:, 1] > 0.0) != (ends[:, 1] > 0.0)
     a, b = starts[rises], ends[rises]
+    # Where the edge crosses the x axis; only crossings to the right of the origin count.
     right = a[:, 0] - a[:, 1] * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1]) > 0.0
     return bool(np.count_nonzero(right) % 2)
 

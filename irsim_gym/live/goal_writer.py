@@ -71,6 +71,7 @@ class GoalWriter:
             rows = model.waypoints[0, body, : model.waypoint_count[0, body]].copy()
             self._at_start[name] = BodyGoals(bool(model.has_goal[body]), body in simulation.parts.loop_returns, rows)
         returns = model.goal_renewal[body] == LOOP and len(goals) == 1
+        # The way back ends at the start; its heading counts only where headings decide about arrival.
         back = model.start[0, body] if model.arrive_mode[body] == STATE else [*model.start[0, body, :2], np.nan]
         rows = np.vstack([goals, back]) if returns else goals
         _put(simulation, body, BodyGoals(len(goals) > 0, returns, rows))

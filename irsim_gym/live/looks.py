@@ -50,6 +50,7 @@ def _forms() -> dict[str, tuple[Floats, ...]]:
         "d": (diamond * [0.6, 1.0],),
         "p": (_star(5),),
         "h": (_star(6),),
+        # The inner corners of a pentagram: 1 / phi^2 of the outer radius, with the golden ratio phi.
         "*": (_star(5, 0.381966),),
         "|": (side[:, ::-1],),
         "_": (side,),
@@ -142,6 +143,7 @@ def parsed(text: str) -> Format:
 
 def _next_part(rest: str) -> tuple[int, str, str]:
     """Return length, kind and value of the first part of a format string; length 0 if there is none."""
+    # Two signs before one: "--" and "-." begin like "-".
     if rest[:2] in LINES:
         return 2, "style", LINES[rest[:2]]
     if rest[0] in LINES:

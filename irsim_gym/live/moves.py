@@ -52,6 +52,7 @@ def scatter(
     before, present = state.pose[0, chosen], model.present[0].copy()
     shard, distance = Shard(np.zeros(1, np.int64)), np.zeros((1, 1))
     try:
+        # Bodies that are still to be moved are not in the way of those that were.
         model.present[0, chosen] = False
         for b in chosen:
             one = np.array([b], np.int64)

@@ -78,5 +78,6 @@ def finite(points: Floats) -> Floats:
 def runs(points: Floats) -> list[Floats]:
     """Return the pieces of a line between points that are not finite, each of shape ``(n, 2)``."""
     known = _are_near(points)
+    # Where ``known`` changes: first row and end of each run, in turn.
     edges = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(np.int8), [0]])))
     return [points[first:end, :2].copy() for first, end in edges.reshape(-1, 2).tolist()]

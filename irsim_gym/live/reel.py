@@ -42,7 +42,7 @@ class Reel:
         from irsim_gym.render.replay_data import Recording
 
         if self._filmed or (self._frames and frame.shape != self._frames[0].shape):
-            self._frames, self._filmed = [], False  # of another shape: another file was loaded
+            self._frames, self._filmed = [], False  # frames of another shape are those of another file
         self._frames.append(PackedFrame.of(frame))
         robots = moves.robots(simulation)
         names = [simulation.parts.names[body] for body in robots.tolist()]

@@ -130,7 +130,7 @@ class World:
 
         def __getattr__(self, name: str) -> NoReturn:
             if name in dir(type(self)) or (name.startswith("_") and name not in hints.WORLD):
-                object.__getattribute__(self, name)  # raises what went wrong in a property
+                object.__getattribute__(self, name)  # raises the error of the property itself
             raise AttributeError(hints.missing("a world", name, hints.WORLD, dir(self)), name=name, obj=self)
 
     __getitem__ = Method("_population", Population.__getitem__)

@@ -78,8 +78,7 @@ class FunctionDrive:
             pose, twist = state.pose[w, ego.id], _twist(group, k, ego, options)
             if not state.stopped[w, ego.id]:
                 pose += _turned(twist, pose[2]) * model.step_time[0]
-                if model.wraps_heading[ego.id]:
-                    pose[2] = wrap_from(pose[2], model.heading_low[ego.id])
+                pose[2] = wrap_from(pose[2], model.heading_low[ego.id])
             state.twist[w, ego.id] = _turned(twist, pose[2])
 
 

@@ -120,6 +120,8 @@ def add_line(
             add_disc(sheet, box, points[first, 0], points[first, 1], half, 1.0)
         return
     begin_x, begin_y, begin_size, x, y, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    # For each part of the line: both sides, and the join with the part before. The first part has none before it: a
+    # closed line joins it to the last part at the end.
     while ahead >= 0:
         last_x, last_y, last_size = x, y, size
         x, y = points[ahead, 0] - points[at, 0], points[ahead, 1] - points[at, 1]
@@ -184,6 +186,8 @@ def _add_join(sheet: Rays, box: Ints, p: Point, a: Point, b: Point, half: float,
         scan_edge(sheet, box, px + half * ay, py - half * ax, px + half * by, py - half * bx)
         scan_edge(sheet, box, px - half * by, py + half * bx, px - half * ay, py + half * ax)
         return
+    # The inner sides cross half * tan(turn / 2) from the corner, which is half * abs(cross) / (1 + along). If a part is
+    # shorter than that, they do not reach each other.
     turn, meets = abs(np.arctan2(cross, along)), size * (1.0 + along) < half * abs(cross)
     if cross > 0.0:
         _add_arc(sheet, box, px, py, half * ay, -half * ax, turn)
@@ -201,6 +205,7 @@ def _add_join(sheet: Rays, box: Ints, p: Point, a: Point, b: Point, half: float,
 @kernel
 def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, angle: float) -> None:
     """Add the edges of an arc around p that begins at the offset x, y [pixel]."""
+    # The error of a polygon is about radius / corners^2, so the corners grow with the root of the radius.
     count = int(FINENESS * np.sqrt(np.sqrt(x * x + y * y)) * angle / (2.0 * np.pi)) + 1
     cosine, sine = np.cos(angle / count), np.sin(angle / count)
     for _ in range(count):

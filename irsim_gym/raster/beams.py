@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.areas import add_disc, add_polygon, is_near
+from irsim_gym.raster.areas import add_disc, add_polygon, is_near, paint_ring
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import AREA, EDGE, Prints, RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
@@ -45,6 +45,7 @@ def paint_scan(
         _paint_velocities(canvas, points, item, scan, ranges, speeds, colour)
         return
     picture, sheet, box = canvas
+    # A full turn is bounded by the ends of the beams alone; else the sensor is a corner, too.
     add_polygon(sheet, box, points, 1 if scan.surrounds else 0, scan.count if scan.surrounds else scan.count + 1)
     paint(picture, sheet, box, item.colours[AREA], False)
     apart = (scan.count + MOST_BEAMS - 1) // MOST_BEAMS
@@ -68,6 +69,7 @@ def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> N
         max(points[0, 0], points[i, 0]) + width, max(points[0, 1], points[i, 1]) + width,
     )  # fmt: skip
     x, y = points[0, 0] + across, points[0, 1] + down
+    # The four sides of the thin rectangle around the beam: across at its end, back, and across at the sensor.
     for corner in range(4):
         middle = i if corner in (0, 1) else 0
         if corner in (1, 3):
@@ -128,6 +130,4 @@ def paint_hits(
             _mix(colour, scan, speeds[i] if speeds.shape[0] else 0.0, 1.0)
             add_disc(sheet, box, x, y, scan.mark, 1.0)
             paint(picture, sheet, box, colour, False)
-            add_disc(sheet, box, x, y, scan.mark + 0.5 * scan.mark_edge, 1.0)
-            add_disc(sheet, box, x, y, scan.mark - 0.5 * scan.mark_edge, -1.0)
-            paint(picture, sheet, box, scan.rim, False)
+            paint_ring(canvas, x, y, scan.mark, scan.mark_edge, scan.rim)

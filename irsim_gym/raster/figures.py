@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Pose, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.areas import add_disc, add_line, add_polygon
+from irsim_gym.raster.areas import add_disc, add_line, add_polygon, paint_ring
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import (
     AREA,
@@ -40,6 +40,7 @@ LEFT, RIGHT, LOW, HIGH = 0, 1, 2, 3
 def set_place(place: Floats, view: Floats, pose: Pose) -> None:
     """Write the transform from a frame at a pose [m, m, rad] to pixels; see ``ways.paint_outline``."""
     x, y, cosine, sine, scale = pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]), view[2]
+    # Rows count downwards, so the second line has the opposite sign.
     place[0], place[1], place[2] = scale * cosine, -scale * sine, scale * x + view[0]
     place[3], place[4], place[5] = -scale * sine, -scale * cosine, view[1] - scale * y
     place[6] = scale
@@ -73,6 +74,7 @@ def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: 
     if not is_area:
         area = nothing
     elif area[3] >= 1.0 and (n_discs > 1 or n_discs * n_segments > 0):
+        # Edges first, twice as wide: the areas then cover the inner half, and all of it where parts overlap.
         line = 2.0 * width, item.style, item.snapped
         paint_outline(canvas, scratch.points, outline, scratch.place, (nothing, edge), line)
         edge = nothing
@@ -122,6 +124,7 @@ def _centre(outline: RasterOutline, box: Floats) -> tuple[float, float, float]:
         share = min(max(share, 0.0), 1.0)
         dx, dy = segments[row, 0] + share * dx - x, segments[row, 1] + share * dy - y
         nearest2 = min(nearest2, dx * dx + dy * dy)
+    # At least a part of the smaller extent, because the mean of the edges may lie near an edge, or outside.
     return x, y, max(np.sqrt(nearest2), 0.15 * min(box[RIGHT] - box[LEFT], box[HIGH] - box[LOW]))
 
 
@@ -218,6 +221,7 @@ def paint_path(
         return
     width = item.width * view[2] if item.in_metres else item.width
     steps = 1 if item.in_metres else FADE_STEPS
+    # The path is cut into ``steps`` runs of equally many points. Only runs that have points count for the fading.
     n_parts, before = 0, 0
     for step in range(1, steps + 1):
         after = step * (count - 1) // steps
@@ -233,6 +237,7 @@ def paint_path(
         share = part / (n_parts - 1.0) if n_parts > 1 else 0.0
         faintest = 1.0 if item.in_metres else FAINTEST
         colour[3] = item.colours[EDGE][3] * (faintest + (1.0 - faintest) * share)
+        # The run is copied behind all points, where ``add_way`` has room for dashes.
         for i in range(after - before + 1):
             points[count + i, 0], points[count + i, 1] = points[before + i, 0], points[before + i, 1]
         add_way(sheet, box, points[count:], after - before + 1, (width, item.style, length), False, False)
@@ -252,6 +257,7 @@ def _thin(points: Floats, count: int, view: Floats) -> int:
         before = np.floor(along / APART)
         if i > 0:
             along += np.sqrt((x - last_x) * (x - last_x) + (y - last_y) * (y - last_y))
+        # Keeps the first point of each stretch of APART pixels, and both ends.
         if i == 0 or i == count - 1 or count < 3 or np.floor(along / APART) > before:
             points[kept, 0], points[kept, 1] = x, y
             kept += 1
@@ -275,9 +281,7 @@ def paint_goal(
         colour[channel] = item.colours[OTHER if arrived else AREA][channel]
     colour[3] *= faint * faint
     paint(picture, sheet, box, colour, False)
-    add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
-    add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
-    paint(picture, sheet, box, item.colours[EDGE], False)
+    paint_ring(canvas, x, y, radius, item.width, item.colours[EDGE])
 
 
 @kernel

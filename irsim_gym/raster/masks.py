@@ -30,6 +30,7 @@ def paint_mask(
         place = begin + (y - top) * width - left
         for x in range(max(left, box[0]), min(left + width, box[2])):
             if masks[place + x] > 0:
+                # Of 256 parts, so that full opacity replaces the colour and the division is a shift; 128 rounds it.
                 share = int(masks[place + x] * colour[3] * (256.0 / 255.0) + 0.5)
                 for channel in range(3):
                     old = int(picture[y, x, channel])
@@ -64,6 +65,7 @@ def paint_image(
     for y in range(max(int(np.floor(low_y)) - 1, box[1]), min(int(np.ceil(high_y)) + 1, box[3])):
         for x in range(max(int(np.floor(low_x)) - 1, box[0]), min(int(np.ceil(high_x)) + 1, box[2])):
             dx, dy = x + 0.5 - corner[0], y + 0.5 - corner[1]
+            # Column and row in the image, where its pixels' centres are whole numbers; rows count from the top.
             u = (dx * along[0] + dy * along[1]) / length2 * width - 0.5
             v = (1.0 - (dx * across[0] + dy * across[1]) / height2) * height - 0.5
             if u > -1.0 and v > -1.0 and u < width and v < height:
@@ -80,6 +82,7 @@ def _paint_sample(
     column, line = int(np.floor(u)), int(np.floor(v))
     right, low = u - column, v - line
     opacity = 0.0
+    # The opacity comes first, because blending needs it. Pixels beyond the image count as transparent.
     for channel in range(3, -1, -1):
         value = 0.0
         for i in range(2):
@@ -107,6 +110,7 @@ def paint_cells(picture: Bytes, box: Ints, cells: Flags, frame: Floats, view: Fl
     """
     share = int(colour[3] * 256.0 + 0.5)
     for y in range(box[1], box[3]):
+        # The cells whose centres lie in the row of pixels; where pixels are smaller than cells, the one in its middle.
         low = int(np.floor(((view[1] - y - 1.0) / view[2] - frame[1]) / frame[3] + 0.5))
         high = max(int(np.floor(((view[1] - y) / view[2] - frame[1]) / frame[3] + 0.5)), low + 1)
         middle = int(np.floor(((view[1] - y - 0.5) / view[2] - frame[1]) / frame[3]))
@@ -150,6 +154,7 @@ def paint_fog(
     red, green, blue = int(colour[0] + 0.5), int(colour[1] + 0.5), int(colour[2] + 0.5)
     strength = np.float32(256.0 * colour[3])
     for y in range(box[1], box[3]):
+        # Place of the pixel among the centres of cells: the cover is interpolated between the four nearest.
         v = min(max((view[1] - y - 0.5) * along - frame[1] / frame[3] - 0.5, 0.0), lines - 1.0)
         j = min(int(v), max(lines - 2, 0))
         m, high = min(j + 1, lines - 1), np.float32(v - j)
@@ -157,6 +162,7 @@ def paint_fog(
         for x in range(box[0], box[2]):
             u = min(max(first + x * across, 0.0), columns - 1.0)
             i = min(int(u), max(columns - 2, 0))
+            # Between two centres the cover is linear in x: its value at the left one, and its rise to the right one.
             if i != known:
                 k, known = min(i + 1, columns - 1), i
                 low = strength * (soft[i, j] + (soft[i, m] - soft[i, j]) * high)
@@ -179,6 +185,7 @@ def soften(explored: Flags, soft: Rays) -> None:
     columns, lines = explored.shape[0], explored.shape[1]
     for i in range(columns):
         left, right = max(i - 1, 0), min(i + 1, columns - 1)
+        # How many of three neighbouring cells are unexplored in the row before, in this one and in the row after.
         here = (0 if explored[left, 0] else 1) + (0 if explored[i, 0] else 1) + (0 if explored[right, 0] else 1)
         before = here
         for j in range(lines):

@@ -64,10 +64,9 @@ from irsim_gym.raster.records import (
 )
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
-from irsim_gym.world.model import STATE
+from irsim_gym.world.model import ROBOT, STATE
 from irsim_gym.world.rows import row_of
 
-ROBOT = 0
 LABEL_GAP = 0.08
 """Gap between a body and the label above it [m]."""
 
@@ -183,6 +182,7 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
     """Draw the path or the past outlines of a body, beginning with the oldest."""
     model, past = source.model, source.past
     b, n_slots, count = item.body, past.noted.shape[1], 0
+    # The slot of a step is its number modulo the number of slots, see ``world.trails``.
     for step in range(_first_step(past, w, item), past.latest[w] + 1):
         if not _was_there(past, w, step, item):
             continue
@@ -305,13 +305,14 @@ def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int,
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
     outline = RasterOutline(state.segments[w], segment_rows, state.discs[w], disc_rows)
-    if item.kind == GOAL_LABEL:  # its own flag stands there
+    if item.kind == GOAL_LABEL:  # above the goal is its own flag
         below = model.goal_threshold[row_of(model.goal_threshold, w), b] + height
         x, y = state.goal[w, b, 0], state.goal[w, b, 1] - below
     elif item.in_metres:
         x, y = x + item.x, y + item.y
     elif extent(box, outline):
         x, y = 0.5 * (box[LEFT] + box[RIGHT]), box[HIGH] + LABEL_GAP
+        # The text is about 0.7 times as wide as its height times its number of letters.
         if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, source, look, view):
             y = box[LOW] - height
     shown = look.boxes[f, PLOT]
@@ -375,6 +376,7 @@ def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, lo
         if not colours[f, 3] > 0.0:
             continue
         view, points, bounds = look.views[f], scratch.points, look.bounds
+        # A line of an odd width is sharp if it runs through the middle of pixels.
         shift = 0.5 if int(width + 0.5) % 2 == 1 else 0.0
         for i in range(4):
             x, y = bounds[0] if i in (0, 3) else bounds[2], bounds[1] if i < 2 else bounds[3]

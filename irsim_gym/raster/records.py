@@ -32,12 +32,15 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
 ) = range(16)
 """Kinds of items."""
 WEDGE, WINDSCREEN, ARROW = 0, 1, 2
+"""Marks that show a heading."""
 AT_BODY, AT_GOAL = 0, 1
 """Anchors of shapes."""
 OWN, CIRCLE, RECTANGLE, CURVE = 0, 1, 2, 3
+"""Forms of past outlines: the body's own, a shape around it, its own as a mere line."""
 WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
 """Boxes: the world, the world with the full lines of its walls, the plot area, the picture, the world and its rim."""
-AREA, EDGE, OTHER, LAST = 0, 1, 2, 3
+AREA, EDGE, OTHER = 0, 1, 2
+"""Rows of an item's colours: of its area, of its edge, and of whatever else it has."""
 
 ITEM = np.dtype(
     (
@@ -55,7 +58,7 @@ ITEM = np.dtype(
             ("turns", np.bool_),
             ("filled", np.bool_),
             ("in_metres", np.bool_),
-            ("colours", np.float64, (4, 4)),
+            ("colours", np.float64, (3, 4)),
             ("width", np.float64),
             ("other_width", np.float64),
             ("x", np.float64),

@@ -29,7 +29,9 @@ from irsim_gym.jit import kernel
 TILE_BITS = 4
 TILE = 1 << TILE_BITS
 HEADER = 4
+# A colour, and its first three channels as 16-bit numbers.
 Ink = tuple[Floats, Any, Any, Any]
+# Half of 256, so that the division by 256 (``>> 8``) rounds to the nearest number.
 MIDDLE = np.uint16(128)
 FARTHEST = 1e9
 SLACK = 1e-3
@@ -59,9 +61,11 @@ def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: fl
     header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
     if not (left < box[2] and foot > box[1] and top < box[3]):
         return
+    # An edge changes the pixel that it crosses and the one to the right of it, hence two columns beyond ``right``.
     first_row, end_row = max(int(max(top, 0.0)), box[1]), min(int(min(foot, float(box[3]))) + 1, box[3])
     left -= SLACK
     first, end = max(int(max(left, 0.0)), box[0]), min(int(min(max(right, float(box[0])), float(box[2]))) + 2, width)
+    # Numbers of the header only grow, from 0 if empty: first row and column are distances from the other end.
     sheet[header, 0] = max(sheet[header, 0], np.float32(header - first_row))
     sheet[header, 1] = max(sheet[header, 1], np.float32(end_row))
     sheet[header, 2] = max(sheet[header, 2], np.float32(width - first))
@@ -71,6 +75,7 @@ def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: fl
 @kernel(inlined=True)
 def scan_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float) -> None:
     """Add an edge within the noted region; see ``add_edge``."""
+    # Edges that go up count negative, so the two sides of an area cancel beyond it.
     sign = 1.0
     if ay > by:
         ax, ay, bx, by, sign = bx, by, ax, ay, -1.0
@@ -100,9 +105,11 @@ def _cross(
     """Add the part of an edge within a row; ``height`` is the signed height of the row that it crosses."""
     low, high = min(x, end_x), max(x, end_x)
     column = int(max(low, x_low))
+    # The usual case: the whole part lies in one pixel. ``share`` is its mean distance from the left side of the pixel.
     if low >= x_low and high <= float(column + 1) and high < x_high:
         _deposit(sheet, width, row, column, height, 0.5 * (low + high) - float(column))
         return
+    # Left of the box: all pixels of the row lie to the right of the edge.
     if high <= x_low:
         sheet[np.uint64(row), np.uint64(column)] += np.float32(height)
         sheet[np.uint64(row), np.uint64(width + column // TILE)] = ONE
@@ -112,11 +119,13 @@ def _cross(
     first, place, high = column, max(low, x_low), min(high, x_high)
     if not place < high:
         return
+    # The part to the left of the box counts in full from the first column on.
     if low < x_low:
         line[np.uint64(column)] += np.float32(per_column * (x_low - low))
     while place < high:
         until = min(float(column + 1), high)
         part = per_column * (until - place)
+        # In the pixel, only what is right of the edge is covered; the rest of ``part`` is carried to the next one.
         right = part * (0.5 * (place + until) - float(column))
         line[np.uint64(column)] += np.float32(carried + part - right)
         place, carried, column = until, right, column + 1
@@ -128,6 +137,7 @@ def _cross(
 @kernel(inlined=True)
 def _deposit(sheet: Rays, width: int, row: int, column: int, height: float, share: float) -> None:
     """Add the height that an edge crosses within a pixel, on average ``share`` of its width from its left side."""
+    # The edge covers the pixel to its right only; the rest of the height comes in with the next pixel.
     line, right = sheet[np.uint64(row)], height * share
     line[np.uint64(width + column // TILE)] = ONE
     line[np.uint64(width + (column + 1) // TILE)] = ONE
@@ -147,7 +157,7 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
         even_odd: If true, a point lies within an area if the boundary winds around it an odd number of times; if false,
             if it winds around it a nonzero number of times.
     """
-    last = picture.shape[2]  # a channel that there is not has any value
+    last = picture.shape[2]  # place of the opacity; with fewer than three channels it stands in for the missing ones
     red, green, blue = colour[0] + 0.5, colour[min(1, last)] + 0.5, colour[min(2, last)] + 0.5
     ink = colour, np.uint16(red), np.uint16(green), np.uint16(blue)
     cover(picture, sheet, box, even_odd, float(colour[last]), ink, blend_channels, fill_channels)
@@ -179,6 +189,7 @@ def cover(
             if tile < 0:
                 break
             column = tile << TILE_BITS
+            # Between two touched tiles the sum does not change: one share fills all of it.
             if share > 0 and painted < column:
                 fill(line, painted, min(column, box[2]), ink, share)
             painted = column + TILE
@@ -234,7 +245,7 @@ def _list_touched(sums: Rays, width: Any, first_tile: Any, end_tile: Any) -> Any
 def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
     """Turn a tile's changes of coverage into the signed winding number of the boundary around its pixels.
 
-    Return the sum, with which the next tile goes on. With the even-odd rule the coverage is written instead. Four
+    Return the sum, from which the next tile continues. With the even-odd rule the coverage is written instead. Four
     pixels are summed at a time, so that only every fourth has to wait for the sum before it.
     """
     for quarter in range(TILE // 4):
@@ -266,6 +277,7 @@ def fill_channels(line: Bytes, first: int, end: int, ink: Ink, share: Any) -> No
             for place in range(first, end):
                 line[place, channel] = (np.int32(line[place, channel]) * np.int32(256 - share) + value) >> 8
         return
+    # 255 * 256 + 128 fits into 16 bits.
     keep, part = np.uint16(256 - share), np.uint16(share)
     red, green, blue = np.uint16(red * part + MIDDLE), np.uint16(green * part + MIDDLE), np.uint16(blue * part + MIDDLE)
     for place in range(np.uint32(first), np.uint32(max(end, first))):  # unsigned: no index counts from the end

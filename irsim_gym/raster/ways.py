@@ -34,7 +34,10 @@ def add_way(
         return
     if not is_near(points, 0, count):
         return
+    # Parts 0 and 2 are dashes, 1 and 3 gaps; ``left`` is what is left of the part. The points of a dash are collected
+    # from ``fresh`` on; ``ahead`` is the next free place.
     part, left, fresh, ahead = 0, DASHES[style, 0] * width, count, count
+    # Go on where the dashes of the line before ended.
     rest = before % (DASHES[style].sum() * width)
     while rest >= left > 0.0:
         rest, part = rest - left, (part + 1) % 4
@@ -63,6 +66,7 @@ def add_way(
                 ahead += 1
             part = (part + 1) % 4
             left = DASHES[style, part] * width
+    # The last dash is cut off by the end of the line.
     if part % 2 == 0 and ahead > fresh:
         last = 0 if closed else count - 1
         points[ahead, 0], points[ahead, 1] = points[last, 0], points[last, 1]
@@ -104,6 +108,7 @@ def paint_outline(
         for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
             x, y = discs[row, 0], discs[row, 1]
             column = place[0] * x + place[1] * y + place[2]
+            # -1 winds as polygons do that are counter-clockwise in the world, so that parts which overlap add up.
             add_disc(sheet, box, column, place[3] * x + place[4] * y + place[5], discs[row, 2] * place[6], -1.0)
         paint(picture, sheet, box, area, False)
     if edge[3] > 0.0 and width > 0.0:
@@ -133,6 +138,7 @@ def load_chain(points: Floats, segments: Floats, row: int, end: int, place: Floa
             column, line = np.floor(column + 0.5) + shift, np.floor(line + 0.5) + shift
         points[count, 0], points[count, 1] = column, line
         count += 1
+        # The first round writes the beginning of the first segment, each further one the end of a segment.
         if count > 1 and (last + 1 == end or not _follows(segments, last, last + 1)):
             break
         if count > 1:

@@ -211,6 +211,7 @@ class SceneArtists:
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))]) / self._metre
         red, green, blue, opacity = rgba(way.pen.edge)
         for k, (first, last) in enumerate(pairwise(cuts)):
+            # There is one part less than cuts, and the last part has full opacity.
             share = FAINTEST + (1.0 - FAINTEST) * k / max(len(cuts) - 2, 1)
             line = Line2D(*points[first : last + 1].T, color=(red, green, blue, share * opacity), lw=way.pen.width)
             line.set(dash_capstyle="butt", solid_capstyle="butt", solid_joinstyle="round", dash_joinstyle="round")

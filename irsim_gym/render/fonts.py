@@ -81,6 +81,7 @@ def _is_missing(font: Path, letter: str) -> bool:
 def _has(font: Path, letter: str) -> bool:
     """Return whether a font has a letter."""
     looked_at = _opened(font)
+    # A font draws all letters that it lacks alike: a letter that looks like one that no font has is missing.
     return looked_at is not None and bytes(looked_at.getmask(letter)) != bytes(looked_at.getmask(NOBODY))
 
 

@@ -115,6 +115,7 @@ def lay_out(
     scale = max(min((room_x - 2 * padding) / span_x, (room_y - 2 * padding) / span_y), 1e-9)
     plot_width = min(round(span_x * scale + 2 * padding), round(room_x))
     plot_height = min(round(span_y * scale + 2 * padding), round(room_y))
+    # The drawing area is a whole number of pixels, so it shows a little more than the world, equally on both sides.
     margin_x = (plot_width / scale - span_x) / 2.0
     margin_y = (plot_height / scale - span_y) / 2.0
     return Layout(
@@ -135,6 +136,7 @@ def tick_positions(low: float, high: float, room: float) -> Floats:
     """Return round numbers between low and high [m], about one per 70 pixels of ``room`` at most, shape ``(n,)``."""
     if not low < high:
         return np.zeros(0)
+    # The least round step (1, 2, 5 or 10 times a power of ten) that is not below the one wanted.
     wanted = (high - low) / max(min(room / 70.0, 12.0), 1.0)
     magnitude = 10.0 ** np.floor(np.log10(wanted))
     step = next(factor * magnitude for factor in (1.0, 2.0, 5.0, 10.0) if factor * magnitude >= wanted * (1 - 1e-9))
@@ -151,6 +153,7 @@ def _margins(axis: bool, title: bool) -> Limits:
 def _natural_size(span_x: float, span_y: float, axis: bool, title: bool) -> tuple[int, int]:
     """Return a frame size that gives all worlds a drawing area of equal area, unless they are very long."""
     left, right, top, bottom = _margins(axis, title)
+    # Both sides multiply to BASE_SIDE^2, whatever the world's proportions are.
     side_x = BASE_SIDE * np.sqrt(span_x / span_y)
     side_y = BASE_SIDE * np.sqrt(span_y / span_x)
     shrink = min(1.0, LONGEST_SIDE / max(side_x, side_y))

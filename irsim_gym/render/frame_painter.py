@@ -155,6 +155,7 @@ class FramePainter:
         scratch = self._scratch.get(slot)
         if scratch is None:
             layout, model = self._layout, self._model
+            # The longest list of points; behind it is room for a copy of a part and for its dashes (``ways.add_way``).
             n_points = max(MOST_CORNERS, LONGEST, 2 * len(self.plan.angles), model.local_segments.shape[1]) + 16
             scratch = self._scratch[slot] = records.Scratch(
                 sheet=new_sheet(layout.height, layout.width),
@@ -210,6 +211,7 @@ class FramePainter:
     def _boxes(self, layout: Layout) -> Ints:
         plot = plot_box(layout)
         wall = HALF_A_WALL * self.point
+        # In the order of ``records.WORLD`` to ``records.MARKS``.
         inner = [world_box(layout, 0.0), world_box(layout, wall)] if self._clipped else [plot, plot]
         whole, rim = np.array([0, 0, layout.width, layout.height]), np.array([0, 0, 1, 1])
         return np.array([*inner, plot, whole, np.minimum(inner[0] + rim, whole[[2, 3, 2, 3]])], np.int64)

@@ -51,6 +51,7 @@ class Masks:
     def add(self, mask: Bytes, left: int, top: int) -> int:
         """Add a mask ``(height, width)`` with its upper left corner at ``left``, ``top``, and return its number."""
         height, width = mask.shape
+        # The mask begins where the opacities so far end.
         self.rows = np.vstack([self.rows, np.array([[len(self.levels), width, height, left, top]])])
         self.levels = np.concatenate([self.levels, np.ascontiguousarray(mask).ravel()])
         return len(self.rows) - 1
@@ -84,6 +85,7 @@ class Masks:
             font = self._font(file, size, written)
             placed.append((advance, part, font))
             advance += float(font.getlength(part))
+        # Boxes relative to the left end of the baseline: columns to the right, rows downwards.
         boxes = [np.add(font.getbbox(part, anchor="ls"), (x, 0, x, 0)) for x, part, font in placed]
         left, top = (round(value) for value in np.min(boxes, axis=0)[:2].tolist())
         right, foot = (round(value) for value in np.max(boxes, axis=0)[2:].tolist())

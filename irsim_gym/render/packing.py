@@ -56,6 +56,7 @@ def packed(rows: ArrayLike, unit: float, *, still: bool = True) -> dict[str, Any
     if still and len(whole) > 1 and np.array_equal(whole, np.broadcast_to(whole[0], whole.shape), equal_nan=True):
         whole = whole[:1]
     absent = np.isnan(whole)
+    # For each row and column, the latest row with a number, counted from 1; row 0 of ``padded`` is the 0 before.
     known = np.where(absent, 0, np.arange(1, len(whole) + 1)[:, None])
     latest = np.maximum.accumulate(known, axis=0)
     padded = np.vstack([np.zeros((1, whole.shape[1])), np.nan_to_num(whole)])
@@ -69,5 +70,6 @@ def unpacked(data: Mapping[str, Any], count: int) -> Floats:
     """Return the numbers that were packed, shape ``(count, width)``."""
     values: Sequence[int | None] = data["values"]
     table = np.array([np.nan if value is None else value for value in values], np.float64).reshape(-1, data["width"])
+    # Missing numbers add 0, so the next difference still counts from the latest number.
     sums = np.where(np.isnan(table), np.nan, np.cumsum(np.nan_to_num(table), axis=0)) * data["unit"]
     return np.array(np.broadcast_to(sums, (count, data["width"])) if len(sums) == 1 else sums)

@@ -77,6 +77,7 @@ class Plan:
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
         if fog:
             live.append(((GROUND, RANKS["fog"], 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
+        # What never moves is painted once for all pictures if nothing that is drawn anew, and no mark, lies below it.
         floor = min([lowest, *(key[0] for key, _ in live)])
         fixed = [b for b in self._ordered() if not model.movable[b]]
         live += [row for b in fixed if self._styles[b].order > floor for row in self._fixed_items(b)]
@@ -235,6 +236,8 @@ class Plan:
         count = len((shape.chains or shape.offsets)[0])
         corners = np.zeros((count, 6))
         if shape.chains:
+            # A goal's shape is linear in its tolerance: what a metre adds follows from the shapes for 1 m and 2 m, and
+            # the shape for a tolerance of 0 from both.
             per_metre = (farther or shape.chains)[0] - shape.chains[0]
             corners[:, :2], corners[:, 2:4] = shape.chains[0] - per_metre, per_metre
         if shape.offsets:
@@ -319,12 +322,15 @@ class Plan:
             "heading": heading,
             "range_min": getattr(options, "range_min", 0.0),
             "range_max": options.range_max,
+            # Beams over a full turn may leave out the last one, which looks like the first: half a beam's spacing of
+            # tolerance.
             "surrounds": span > 2.0 * np.pi * (1.0 - 1.5 / max(count, 2)),
         }
         if speed is not None:
             known |= {
                 "coloured": speed.coloured,
                 "full_speed": speed.full_speed,
+                # Sizes of marks are areas in square points, as in matplotlib; half of the side is the radius.
                 "mark": 0.5 * np.sqrt(speed.mark_size) * self._point,
                 "mark_edge": speed.mark_edge_width * self._point,
                 "rest": colour(speed.rest_colour, 1.0),

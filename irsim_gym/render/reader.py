@@ -213,6 +213,7 @@ class SceneReader:
 
 def discs_in(occupied: Flags, radius_x: float, radius_y: float) -> Flags:
     """Return a finer map with discs in the middle of occupied cells; radii are in widths and heights of a cell."""
+    # Each cell becomes parts x parts smaller ones, as many as the finer map may have.
     parts = max(min(PARTS, int(math.sqrt(MOST_PARTS / occupied.size))), 1)
     middles = (np.arange(parts) + 0.5) / parts - 0.5
     disc = (middles[:, None] / radius_x) ** 2 + (middles[None, :] / radius_y) ** 2 <= 1.0

@@ -153,6 +153,8 @@ class ScanTrack:
             ranges[moment] = np.linalg.norm(view.ends - view.origin, axis=1)
             places[moment] = *view.origin, view.heading
             speeds[moment] = np.where(view.valid, view.speeds, 0.0)
+            # The page knows hits by their range alone: below the shortest one of a beam without a hit, and above the
+            # longest one that is too near.
             far = min(far, ranges[moment][~view.hits].min(initial=np.inf))
             near = max(near, ranges[moment][view.hits & ~view.valid].max(initial=-1.0))
         moving = bool(np.nan_to_num(speeds).any())
@@ -190,6 +192,7 @@ class FogTrack:
         covered = view.covered.ravel()
         changed = np.flatnonzero(covered != self._covered)
         if len(changed):
+            # Numbers of cells as distances from the one before, which compress well.
             self._changes.append([moment, np.diff(changed, prepend=0).tolist()])
         self._covered = covered.copy()
 
@@ -216,6 +219,7 @@ def map_figure(view: MapView) -> Figure:
     """Return a map as boxes of occupied cells, with a thin edge that keeps thin walls visible and hides seams."""
     boxes: list[list[int]] = []
     open_runs: dict[tuple[int, int], int] = {}
+    # Equal runs of occupied cells in neighbouring columns form one box. The empty column at the end closes all.
     for column, cells in enumerate([*view.occupied, np.zeros(view.occupied.shape[1], np.bool_)]):
         edges = np.flatnonzero(np.diff(np.concatenate([[0], cells.astype(np.int8), [0]]))).tolist()
         runs = set(zip(edges[0::2], edges[1::2], strict=True))

@@ -34,6 +34,7 @@ class ScanReader:
         self._styles = [scan_style(one) for one in options]
         self._angles: Floats = group.arrays["angles"].astype(np.float64)
         span = float(self._angles[-1] - self._angles[0])
+        # As in ``plan.Plan``: a full turn may leave out the beam that looks like the first one.
         self._surrounds = span > 2.0 * np.pi * (1.0 - 1.5 / max(len(self._angles), 2))
 
     def read(self, world: int, poses: Floats, present: Flags) -> list[ScanView]:

@@ -66,6 +66,7 @@ class Screen:
             self._end = weakref.finalize(self, _close, self._window, self._process, threading.get_ident())
             self._shown_until = time.perf_counter()
         else:
+            # Pictures keep to a common clock, so that small delays do not add up; a long one starts it anew.
             due = self._shown_until + seconds
             self._window.wait(due - time.perf_counter())
             late = time.perf_counter() - due

@@ -160,6 +160,7 @@ def _draw_panel(axes: Axes, panel: SectorPanel, reach: float) -> None:
     every = math.ceil(len(panel.sectors) / MOST_NUMBERS)
     for k, (begin, end) in enumerate(panel.sectors):
         shade = 0.06 + 0.6 * float(np.clip(panel.values[k], 0.0, 1.0))
+        # Straight ahead is up in the panel, 90 degrees from its x axis.
         middle = math.radians(90.0 + 0.5 * (begin + end))
         tip = reach * math.cos(middle), reach * math.sin(middle)
         if begin == end:

@@ -126,6 +126,7 @@ def _columns(count: int, shape: tuple[int, ...]) -> int:
     height, width = shape
     least = READABLE * REFERENCE_SIDE * math.sqrt(width / height)
     most = max(int(WIDEST / min(width, least)), 1)
+    # The fewest empty cells in the last row, then the most columns.
     return count if count <= most else min(range(max(most - 1, 1), most + 1), key=lambda k: (-count % k, -k))
 
 

@@ -54,7 +54,7 @@ def strobe(recording: Recording, layout: Layout, count: int = GHOSTS) -> Scene:
             is_agent = name in recording.agents
             faint = 0.18 + 0.42 * moment / max(len(recording) - 1, 1) if is_agent else OTHERS
             ghosts.append(replace(view, style=replace(view.style, alpha=faint * view.style.alpha), heading=NOTHING))
-            if name == recording.agents[0]:
+            if recording.agents[:1] == (name,):
                 told.append((view, recording.times[moment]))
     labels = (*last.labels, *_time_labels(told, LABEL_ROOM * layout.enlargement / layout.scale))
     return replace(last, scans=(), fields=(), trails=tuple(ways), ghosts=tuple(ghosts), labels=labels)

@@ -63,6 +63,7 @@ def fitting(
 
     def quality(n: int) -> tuple[float, float]:
         rows = math.ceil(count / n)
+        # First the size of pictures, times the share of cells in use; among equals, proportions near the room's.
         proportions = n * width / (rows * height) / (room[0] / room[1])
         return round(share(n) * count / (n * rows), 6), -abs(math.log(proportions))
 

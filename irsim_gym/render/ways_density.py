@@ -60,6 +60,7 @@ class Density:
     def shares(self) -> Floats:
         """Return the shares, row 0 at the top, shape ``(n_rows, n_columns)``."""
         rows, columns = (length // FINER for length in self._sum.shape)
+        # Each cell is the mean of FINER x FINER pixels, so that edges are smooth.
         cut = self._sum[: rows * FINER, : columns * FINER].reshape(rows, FINER, columns, FINER).mean(axis=(1, 3))
         return np.asarray(cut / max(self._levels, 1))
 

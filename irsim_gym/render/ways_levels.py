@@ -76,6 +76,7 @@ def worth_showing(levels: Sequence[DrawnLevel], count: int) -> list[DrawnLevel]:
     often = Counter(level.outcome for level in by_number)
     failures = sorted((outcome for outcome in often if outcome != "success"), key=lambda name: (often[name], name))
     room: Counter[str] = Counter()
+    # One level more of each outcome in turn, the rarest first, until the room is used.
     while room.total() < count and any(room[outcome] < often[outcome] for outcome in failures):
         for outcome in failures:
             if room[outcome] < often[outcome] and room.total() < count:

@@ -67,6 +67,7 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
     Writes: tables (discs, ends, inverse, limits, ranges, rays, rounds, sides).
     """
     ends, limits, discs, rays = tables.ends[slot], tables.limits[slot], tables.discs[slot], tables.rays[slot]
+    # The row of directions that is in ``rays``: it is laid out again only where another sensor has another row.
     laid = -1
     for w in worlds:
         reaches, rows, rings = model.reach[row_of(model.reach, w)], state.segments[w], state.discs[w]
@@ -93,6 +94,8 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
                     discs.radius[n_rounds] = rings[d, 2]
                     n_rounds += 1
                 start, end, limit = model.segment_start[b], model.segment_start[b] + n_segments[b], 0.0
+                # From outside, only an area's front sides can be hit. A curve, or an area around the sensor, shows
+                # both.
                 if not model.solid[b] or (
                     distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, (eye.x, eye.y))
                 ):
@@ -131,6 +134,7 @@ def cast_chunk(
     """
     discs, sides, rounds = tables.discs[slot], tables.sides[slot], tables.rounds[slot]
     rays, inverse = tables.rays[slot], tables.inverse[slot]
+    # Discs are prepared in whole vectors: the places behind the last are filled with points that are 1 m ahead.
     whole_lanes = (n_rounds + 7) // 8 * 8
     fan = Fan(inverse.shape[0], np.float32(tables.first), np.float32(tables.density))
     for j in range(n_rounds, whole_lanes):
@@ -141,6 +145,7 @@ def cast_chunk(
     span_discs(n_rounds, fan, rounds)
     raise_by_segments(list_kept(n_sides, sides), sides, rays)
     raise_by_discs(list_kept(n_rounds, rounds), rounds, rays)
+    # The rare cases in which the fast formulas fail: segments seen edge-on, and discs around the sensor.
     if n_edges + n_around > 0:
         beams_x, beams_y = tables.beams_x[row], tables.beams_y[row]
         for i in range(inverse.shape[0]):
@@ -152,6 +157,7 @@ def cast_chunk(
             if rounds.mark[j] < 0:
                 inverse_depth_disc(rounds.x[j], rounds.y[j], np.float32(discs.radius[j]), beams_x, beams_y, inverse)
         for i in range(inverse.shape[0]):
+            # Place of beam i's depth in ``rays``, see ``lay_beams``.
             at = i // BLOCK * AWAY + i % BLOCK
             rays[at] = max(rays[at], inverse[i])
     return 0
@@ -161,6 +167,7 @@ def cast_chunk(
 def write_ranges(rays: Rays, range_min: float, range_max: float, ranges: Rays) -> None:
     """Turn inverse depths into ranges; a beam that meets nothing in range reports range_max."""
     shortest, farthest = np.float32(range_min), np.float32(range_max)
+    # A smaller inverse depth is a larger range; up to ``least``, the range is exactly range_max.
     least = np.float32(1.0) / farthest
     for b in range(rays.shape[0] // AWAY):
         depths, row = rays[AWAY * b : AWAY * b + BLOCK], ranges[BLOCK * b : BLOCK * b + BLOCK]

@@ -81,6 +81,7 @@ def name_hits(far: np.float32, map_body: int, ranges: Rays, nearest: Rays, hit: 
     for j in range(hit.shape[0]):
         if ranges[j] >= far:
             hit[j] = -1
+        # 1 / ``nearest`` is the distance of the nearest body. A range clearly shorter than that ends at the map.
         elif map_body >= 0 and nearest[j] * (ranges[j] * (1.0 + SAME) + SAME) < 1.0:
             hit[j] = map_body
 
@@ -120,9 +121,11 @@ def write_radial_velocity(
         for k in range(tables.members.shape[0]):
             own, row, error = tables.members[k], beam_row(w, k, tables), 0.0
             shortest, farthest = np.float32(tables.range_min[k]), np.float32(tables.range_max[k])
+            # How much of the sensor's own velocity is subtracted.
             share = 0.0 if params[k].motion_compensate else 1.0
             heading = state.pose[w, own, 2] + tables.offset[k, 2]
             for j in range(tables.hit.shape[2]):
+                # Drawn for every beam, so that the stream does not depend on what the beams hit.
                 if params[k].velocity_noise_std > 0.0:
                     error = normal(state.random, w, 0.0, params[k].velocity_noise_std)
                 radial_velocity[w, k, j] = 0.0

@@ -45,6 +45,7 @@ def add_range_noise(worlds: Ints, tables: ScanTables, state: State) -> None:
             shortest, farthest = np.float32(tables.range_min[k]), np.float32(tables.range_max[k])
             ranges = tables.ranges[w, k]
             for j in range(ranges.shape[0]):
+                # Drawn for free beams, too, see above.
                 error = np.float32(normal(state.random, w, 0.0, tables.range_std[k]))
                 if ranges[j] < farthest:
                     ranges[j] = min(max(ranges[j] + error, shortest), farthest)

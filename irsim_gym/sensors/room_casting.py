@@ -39,6 +39,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
     limits, discs, rays = tables.limits[slot], tables.discs[slot], tables.rays[slot]
     seen, owners, areas = tables.seen[slot], tables.owners[slot], tables.areas[slot]
     laid, n_rings, n_areas = -1, 0, 0
+    # ``note_rows`` holds for the next world, too, if worlds share their outlines' rows and every body is present.
     is_noted, is_shared = False, model.segment_count.shape[0] == 1 and model.disc_count.shape[0] == 1
     for w in worlds:
         rows, rings, here, there = state.segments[w], state.discs[w], state.pose[w], model.present[w]
@@ -53,20 +54,22 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
                 n_rings, n_areas = note_rows(w, slot, tables, model)
                 is_noted = is_complete
             for s in range(model.segment_start[own], model.segment_start[own] + n_segments[own]):
+                # The body of the sensor is not seen. The limits written here are no longer those of ``note_rows``.
                 limits[s], is_noted = -np.inf, False
             for m in range(n_areas):
                 b = areas[m]
                 dx, dy, start, count = here[b, 0] - eye.x, here[b, 1] - eye.y, model.segment_start[b], n_segments[b]
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
                 if is_near and contains_point(rows, start, count, (eye.x, eye.y)):
+                    # From within an area, its sides are seen from behind.
                     limits[start : start + count], is_noted = np.inf, False
-            n_rounds: Any = np.int64(
-                0
-            )  # a literal has a type of its own, for which cast_chunk would be compiled a second time
+            # A literal has a type of its own, for which cast_chunk would be compiled a second time.
+            n_rounds: Any = np.int64(0)
             for m in range(n_rings):
                 d = seen[m]
                 dx, dy, within = rings[d, 0] - eye.x, rings[d, 1] - eye.y, far + rings[d, 2]
                 discs.x[n_rounds], discs.y[n_rounds], discs.radius[n_rounds] = dx, dy, rings[d, 2]
+                # A disc out of range, or of the body itself, is overwritten by the next one.
                 n_rounds += (owners[m] != own) & (dx * dx + dy * dy <= within * within)
             if row != laid:
                 lay_beams(tables.beams_x[row], tables.beams_y[row], rays)

@@ -95,6 +95,7 @@ def mount(pose: Floats, direction: Floats, offset: Floats) -> Eye:
     cosine, sine = turned(pose[2], direction)
     x = pose[0] + cosine * offset[0] - sine * offset[1]
     y = pose[1] + sine * offset[0] + cosine * offset[1]
+    # A sensor that is mounted straight ahead has the heading of its body, whose cosine and sine are known.
     if offset[2] != 0.0:
         cosine, sine = np.cos(pose[2] + offset[2]), np.sin(pose[2] + offset[2])
     return Eye(x, y, cosine, sine)

@@ -58,8 +58,10 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
     """
     first, angles = group.options[0], beam_angles(group.options[0])
     n_worlds, n_members, n_beams = len(model.present), len(group.members), len(angles)
+    # Tables of beams hold whole blocks; the places after the last beam look ahead (direction 0), and nobody reads them.
     padded, spread = -(-n_beams // BLOCK) * BLOCK, angles[-1] - angles[0]
     directions = np.concatenate([angles, np.zeros(padded - n_beams)])
+    # Without noise, all members look in the same directions at all times and share one row.
     n_rows = n_worlds * n_members if first.noise else 1
     names = "offset", "range_min", "range_max", "std", "angle_std"
     given = {name: np.array([getattr(one, name) for one in group.options], np.float64) for name in names}

@@ -92,6 +92,7 @@ def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState,
     for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
+            # The outcome is still that of the step before.
             episode.over[w, a] = episode.outcome[w, a] != RUNNING
             if episode.over[w, a]:
                 continue
@@ -128,6 +129,7 @@ def measure_standstill(
             is_slow = state.stopped[w, b] or vx * vx + vy * vy < slow * slow
             stands = is_slow and model.has_goal[b] and not state.arrived[w, b]
             episode.stalled[w, a] = episode.stalled[w, a] + model.step_time[0] if stands else 0.0
+            # Half a step of tolerance, because a sum of step times may end up just below ``patience``.
             episode.deadlocked[w, a] = stands and episode.stalled[w, a] > patience - 0.5 * model.step_time[0]
 
 
@@ -149,6 +151,7 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
                 continue
             found = RUNNING
             for k in range(outcomes.shape[0]):
+                # Endings come in order of precedence: the first one that applies counts.
                 if episode.ending[w, a, k] and found == RUNNING:
                     found = outcomes[k]
             episode.terminated[w, a] = found != RUNNING

@@ -245,6 +245,7 @@ def rest(worlds: Ints, agents: Ints, model: Model, episode: EpisodeState) -> Non
                 continue
             for c in range(episode.action.shape[2]):
                 low, high = slowest[b, c], fastest[b, c]
+                # The action that ``write_commands`` maps to 0.
                 still = -(low + high) / (high - low) if high > low else 0.0
                 episode.action[w, a, c] = min(max(still, -1.0), 1.0)
                 episode.previous_action[w, a, c] = episode.action[w, a, c]

@@ -280,11 +280,13 @@ class Episodes:
     def _step(self, shard: Shard) -> None:
         """Play one step in the shard's worlds; this method defines the order of a step."""
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
+        # Flags are those of the step before: learners have seen the end of their episode, then the body goes.
         if self.task.ended == "vanish":
             account.note_ended(shard.worlds, state)
             simulation.vanish(shard, self._agents, state.over)
         self._act(shard)
         simulation.advance(shard)
+        # Exact as far as a term asks for it, or a new minimum needs it; ``clearance`` serves as its own limit.
         account.limit_clearance(shard.worlds, self._minded_clearance, state)
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._record_step(shard)

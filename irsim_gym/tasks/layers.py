@@ -86,6 +86,7 @@ class Merged:
 
     def _origin(self, problem: Problem) -> tuple[str, Problem]:
         place, node = self.origins[min(problem.line, len(self.origins)) - 1]
+        # A problem may lie deeper than the numbered value; the rest of its path is put behind that of the origin.
         suffix = problem.path[len(dotted(place)) :]
         path = dotted((*node.layer.prefix, *node.place)) + suffix
         message = problem.message + ("" if suffix else node.layer.remark(node.place))
@@ -217,6 +218,7 @@ def _without_unused(tree: Node, complaints: list[tuple[Node, str]]) -> Node:
 def _flat(node: Node, place: Place, origins: list[tuple[Place, Node]], lines: dict[Place, int]) -> Any:
     """Return plain data, and number all values."""
     origins.append((place, node))
+    # The "line" of a value is the number of its origin, from 1: ``_origin`` finds the value's file and line by it.
     lines[place] = len(origins)
     if isinstance(node.value, dict):
         return {key: _flat(item, (*place, key), origins, lines) for key, item in node.value.items()}

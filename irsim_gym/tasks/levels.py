@@ -45,6 +45,7 @@ def take_levels(worlds: Ints, episode: EpisodeState) -> None:
             here = later_level(int(episode.first_level[w]), int(episode.episode[w]))
         episode.chosen[w] = CHAIN
         episode.stream[w] = level_key(episode.base[w], int(count), int(here))
+        # With a file of levels, what is reported is the number of the level in its split.
         here = here % count if count > 0 else here
         for a in range(episode.level.shape[1]):
             episode.level[w, a] = here

@@ -64,6 +64,7 @@ def write_team_state(worlds: Ints, agents: Ints, model: Model, state: State, out
                 unit((state.pose[w, b, 1] - middle_y) / half_y),
             )
             row[2], row[3] = np.float32(np.cos(state.pose[w, b, 2])), np.float32(np.sin(state.pose[w, b, 2]))
+            # One scale for both components, because the velocity is given in the world frame.
             largest = max(np.abs(fastest[b, 0]), np.abs(slowest[b, 0]))
             if largest > 0.0 and not state.stopped[w, b]:
                 row[4], row[5] = unit(state.twist[w, b, 0] / largest), unit(state.twist[w, b, 1] / largest)

@@ -212,6 +212,7 @@ class WatchedReward(Watched):
             yield f"writes {amounts[tuple(place)]} {self._name(place, worlds)}: a reward must be a finite number"
             return
         role, weight = self._options.role, self._options.weight
+        # What an agent was paid so far in this episode; the first step begins anew.
         sums = self._paid[worlds] * (episode.steps[worlds] > 1) + amounts
         self._paid[worlds] = sums
         slack = SLACK * max(1.0, weight)
@@ -338,7 +339,7 @@ class WatchedAction(Watched):
         """Keep the latest action, which the term may read."""
 
     def _is_untouched(self, term: Term, target: Numbers, worlds: Ints) -> bool:
-        return False  # see _ignored_input
+        return False  # nothing is marked; ``_ignored_input`` finds actions without effect
 
     def _values(self, term: Term, episode: EpisodeState, worlds: Ints, before: Numbers) -> Iterator[str]:
         acted = episode.action[worlds]

@@ -59,6 +59,7 @@ def aligned(shape: tuple[int, ...], dtype: DTypeLike) -> Any:
     """Return zeros that begin at a cache line: vectors that lie across two of them cost half as much again."""
     n_bytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
     room = np.zeros(n_bytes + CACHE_LINE, np.uint8)
+    # Up to the next multiple of CACHE_LINE.
     begin = -room.ctypes.data % CACHE_LINE
     return room[begin : begin + n_bytes].view(dtype).reshape(shape)
 
@@ -113,6 +114,7 @@ class Arrays(Struct):
         groups = [(names, arrays[names[0]]) for names in cls.together]
         starts, end = [], 0
         for names, one in groups:
+            # The next multiple of the item's size, so that every group is aligned for its type.
             starts.append(-(-end // one.itemsize) * one.itemsize)
             end = starts[-1] + len(names) * one.nbytes
         room = aligned((end,), np.uint8)

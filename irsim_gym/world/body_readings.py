@@ -248,6 +248,7 @@ class BodyReadings(ABC):
         return self._array(np.array(self._middle()))
 
     def _middle(self) -> tuple[float, float]:
+        # The centroid is given in the body frame: turn it by the heading, then shift it.
         x, y, heading = map(float, self._state.pose[self._w, self._b])
         ahead, left = map(float, self._of(self._measures[1]))
         cosine, sine = math.cos(heading), math.sin(heading)

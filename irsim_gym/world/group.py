@@ -120,14 +120,14 @@ def find_sensor(
 def records(options: Sequence[object]) -> Any:
     """Return the numeric fields of dataclass instances as an array of records that kernels read by name.
 
-    It is a plain array whose rows are ``np.record``: Numba takes 3 us longer to recognise a ``np.recarray``.
+    It is a plain array with the dtype ``np.record``: Numba takes 3 us longer to recognise an ``np.recarray``.
 
     Numbers and booleans enter it, choices (``Literal``) as the index of the choice, tuples of numbers as
     sub-arrays and an absent number (None) as NaN; text and ragged values do not. The array always has at
     least the field ``index``.
     """
     hints = {kind: get_type_hints(kind) for kind in {type(item) for item in options}}
-    read: dict[int, dict[str, NDArray[Any]]] = {}  # a crowd shares one instance
+    read: dict[int, dict[str, NDArray[Any]]] = {}  # by identity: the members of a crowd share one instance
     for item in options:
         if id(item) not in read:
             read[id(item)] = _numbers(item, hints[type(item)])

@@ -32,6 +32,7 @@ class IrSimReadings(BodyReadings, ABC):
     def heading(self) -> float:
         """Direction of travel [rad]: for ``omni`` that of its velocity while it moves, else ``orientation``."""
         vx, vy = self._moving()
+        # Omnidirectional drives keep the heading of their frame, so IR-SIM gives the direction of motion instead.
         is_omni = self._model.drive[self._b] in (OMNI_WORLD, OMNI_BODY)
         return math.atan2(vy, vx) if is_omni and (vx or vy) else self.orientation
 
@@ -125,6 +126,7 @@ class IrSimReadings(BodyReadings, ABC):
             return 0.0, 0.0
         ahead, aside = map(float, self._of(self._model.velocity_max)[:2])
         bearing = math.atan2(dy, dx)
+        # IR-SIM scales both axes by their own limits, so the speed differs between directions.
         vx, vy = ahead * math.cos(bearing), (aside if self._moves_sideways else ahead) * math.sin(bearing)
         speed = max(math.hypot(vx, vy), 1.0) if normalized else 1.0
         return vx / speed, vy / speed

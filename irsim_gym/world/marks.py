@@ -1,4 +1,4 @@
-"""What somebody draws over a world, as plain data; it never changes what happens there."""
+"""Drawings over a world, as plain data; they never change what happens in it."""
 
 from __future__ import annotations
 

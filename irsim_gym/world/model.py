@@ -22,9 +22,13 @@ from irsim_gym.arraytypes import (
 from irsim_gym.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
+"""Values of ``role``."""
 POSITION, STATE = 0, 1
+"""Values of ``arrive_mode``: with STATE, the heading decides about arrival too."""
 STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES = 0, 1, 2
+"""Values of ``collision_mode``: a collision stops all that touch, nobody, or robots alone."""
 KEEP_GOAL, WANDER, LOOP = 0, 1, 2
+"""Values of ``goal_renewal``: what happens to goals after arrival."""
 NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 1, 2, 3, 4
 """How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
 
@@ -84,8 +88,7 @@ class Model(Arrays):
     watchers: Flags = column("watching body", np.bool_, "", "whose behaviour sees the bodies with this row; row 0: all")
     seen_row: Ints = column("body", np.int64, "", "row of watchers that says whose behaviour sees the body")
     acceleration_limit: Floats = column("world* body 3", np.float64, "m/s2 or rad/s2", "largest change; may be inf")
-    heading_low: Floats = column("body", np.float64, "rad", "lower end of the interval that headings wrap into")
-    wraps_heading: Flags = column("body", np.bool_, "", "headings wrap into [heading_low, heading_low + 2 pi]")
+    heading_low: Floats = column("body", np.float64, "rad", "low end of the full turn that headings wrap into")
     segment_start: Ints = column("body", np.int64, "", "first row of the body's segments")
     segment_count: Ints = column("world* body", np.int64, "", "number of the body's segments")
     local_segments: Floats = column("world* segment 4", np.float64, "m", "x0, y0, x1, y1 in the body frame")

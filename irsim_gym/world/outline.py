@@ -36,6 +36,7 @@ class Outline:
 
 def chain(vertices: Floats, *, closed: bool) -> Floats:
     """Return the segments that join vertices ``(n, 2)`` [m] in order, shape ``(n_segments, 4)``."""
+    # A closed chain also joins the last vertex to the first one.
     ends = np.roll(vertices, -1, axis=0) if closed else vertices[1:]
     starts = vertices if closed else vertices[:-1]
     return np.hstack([starts, ends])
@@ -56,6 +57,7 @@ def placed(segments: Floats, discs: Floats, pose: tuple[float, float, float]) ->
     """Return an outline in its own frame as it stands at a pose x, y, heading [m, m, rad]."""
     x, y, heading = pose
     cosine, sine = math.cos(heading), math.sin(heading)
+    # The transpose of the usual rotation matrix, because points are rows and stand on its left.
     turn, at = np.array([[cosine, sine], [-sine, cosine]]), np.array([x, y])
     ends = np.hstack([segments[:, :2] @ turn + at, segments[:, 2:] @ turn + at])
     return ends, np.column_stack([discs[:, :2] @ turn + at, discs[:, 2]])
@@ -129,6 +131,7 @@ def place_outline(model: Model, state: State, w: int, b: int) -> None:
     x, y, heading = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w, b, 2]
     _, first_segment, n_segments, _, first_disc, n_discs, _ = outline_of(model, state, w, b)
     segments, discs = state.segments[w], state.discs[w]
+    # A disc around the origin looks the same at any heading: the usual robot needs no cosine and no sine.
     is_turned = n_segments > 0
     for d in range(first_disc, first_disc + n_discs):
         is_turned = is_turned or local_discs[d, 0] != 0.0 or local_discs[d, 1] != 0.0

@@ -72,6 +72,7 @@ def find_hits(scan: OwnScan, w: int, k: int, limit: float, points: Floats) -> in
     x, y, ranges = scan.offset[s, 0], scan.offset[s, 1], scan.ranges[w, s]
     least, most = np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
     for i in range(ranges.shape[0]):
+        # Strictly between both: a range of range_max is a beam without a hit, one of range_min too near to be true.
         if least < ranges[i] < most and ranges[i] <= limit:
             points[0, count] = x + ranges[i] * scan.beams_x[s, i]
             points[1, count] = y + ranges[i] * scan.beams_y[s, i]

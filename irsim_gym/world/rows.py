@@ -13,6 +13,6 @@ from irsim_gym.jit import kernel
 def row_of(values: NDArray[Any], w: int) -> int:
     """Return the row of world ``w`` in an array; a first axis of length 1 means that all worlds share the row.
 
-    It compares because a division would take as long as all the rest of many a kernel.
+    It compares, because ``w % n`` divides, which takes as long as all the rest of many a kernel.
     """
     return w if w < values.shape[0] else 0

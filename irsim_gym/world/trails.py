@@ -1,4 +1,4 @@
-"""Where bodies have been, for those who draw their paths."""
+"""Where bodies have been, for pictures of their paths."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Trails:
             note(worlds, self.bodies, steps, poses, LONGEST, self._noted, self._latest, self._poses)
 
     def _grow(self, step: int) -> None:
-        """Make room for a step; steps keep their places, since none has come round to the beginning yet."""
+        """Make room for a step; no step has wrapped around yet, so all keep their slots."""
         length = self._noted.shape[1]
         while length <= step and length < LONGEST:
             length *= 2
@@ -88,16 +88,17 @@ class Trails:
             chosen = slice(0, last + 1, every)  # every step from the first on: nothing has to be copied
             return steps[chosen], self._poses[world, chosen]
         slots = np.flatnonzero((steps >= 0) & (steps % every == 0))
+        # Slots go by the step modulo the length, so the oldest pose may be anywhere.
         slots = slots[np.argsort(steps[slots])]
         return steps[slots], self._poses[world, slots]
 
     def tables(self) -> tuple[Floats, Ints, Ints]:
-        """Return the tables for who reads them in a kernel.
+        """Return the tables, for kernels that read them.
 
         Returns:
             Poses [m, m, rad] by world, slot and tracked body, shape ``(n_worlds, n_slots, n_tracked, 3)``; the step of
-            each slot, -1 for none, shape ``(n_worlds, n_slots)``; and the latest step of each world, -1 for none. A
-            step stands in the slot of its rest modulo the number of slots.
+            each slot, -1 for none, shape ``(n_worlds, n_slots)``; and the latest step of each world, -1 for none. The
+            slot of a step is its number modulo the number of slots.
         """
         return self._poses, self._noted, self._latest
 
@@ -129,10 +130,12 @@ def note(
     length, highest = noted.shape[1], -1
     for i in range(worlds.shape[0]):
         highest = max(highest, steps[i])
+    # The caller makes the table longer and calls again; at its greatest length, steps wrap around instead.
     if highest >= length and length < longest:
         return highest
     for i in range(worlds.shape[0]):
         w, step = worlds[i], steps[i]
+        # An earlier step than the latest: a new episode has begun.
         if step < latest[w]:
             for slot in range(length):
                 noted[w, slot] = -1

@@ -154,3 +154,17 @@ def test_a_body_that_waits_has_one_time(crossed: tuple[World, Recording]) -> Non
         recording.note(renderer.scene(0, ""), world.state.pose[0], [{}])
     texts = [label.text for label in strobe(recording, lay_out(world.model.bounds), count=5).labels]
     assert texts == ["0.0\N{EN DASH}2.0 s", "3.0 s"]
+
+
+def test_a_strobe_without_agents_has_faint_outlines_alone(crossed: tuple[World, Recording]) -> None:
+    world, _ = crossed
+    renderer, recording = world.renderer(), Recording(world.scenario)
+    for k in range(5):
+        world.move(1, 2.0 + k, 2.0)
+        recording.note(renderer.scene(0, ""), world.state.pose[0])
+        world.step()
+    scene = strobe(recording, lay_out(world.model.bounds), count=5)
+    stood = [view.anchor[0] for view in scene.ghosts if view.name != "robot_0"]
+    assert stood == pytest.approx([2.0, 3.0, 4.0, 5.0])
+    assert all(view.style.alpha == pytest.approx(0.12) for view in scene.ghosts)
+    assert (scene.trails, scene.labels) == ((), ())

@@ -175,6 +175,7 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
     if length == 0.0:
         return
     along_x, along_y = (qx - px) / length, (qy - py) / length
+    # The normal points from the disc to the segment's line, which the disc touches when it has closed ``gap``.
     side = 1.0 if px * along_y - py * along_x >= 0.0 else -1.0
     normal_x, normal_y = side * along_y, -side * along_x
     gap = px * normal_x + py * normal_y - own
@@ -184,6 +185,7 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
         if towards <= 0.0:
             continue
         way = max(gap, 0.0) / towards
+        # Where on the segment the disc touches, from its first end [m].
         place_along = way * (ahead_x[j] * along_x + ahead_y[j] * along_y) - start
         if way < row[j] and 0.0 <= place_along <= length:
             row[j] = np.float32(way)
@@ -205,6 +207,8 @@ def stop_at_cells(cells: CellMaps | None, w: int, place: Place, ways: Directions
         way, before = 0.0, -np.inf
         for _ in range(LONGEST_WALK):
             x, y = place.x + way * dx, place.y + way * dy
+            # No cell is nearer than ``room``, so the disc may move that far in any direction (sphere tracing, Hart
+            # 1996). In contact it goes on in small steps while the room grows: a disc at a wall may move away from it.
             room = segment_cells_distance(here, x, y, x, y, own + row[j]) - own
             if room < NEAR_ENOUGH and room <= before:
                 row[j] = np.float32(max(way, 0.0))

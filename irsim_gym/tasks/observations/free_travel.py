@@ -137,6 +137,7 @@ def way_columns(options: Any, table: Any, agent: int, far: float) -> list[Column
         far: Maximum distance [m].
     """
     ahead = np.arctan2(table.ahead_y.astype(np.float64), table.ahead_x.astype(np.float64))
+    # In float32, the sine of -pi may have either sign, and the angle may become +pi.
     ahead[0] = -np.pi
     scale = f"s = way of a disc of {float(table.radius[agent]):.3g} m around it, as {coded(options, 's', far)}"
     directions = tuple((angle, angle) for angle in ahead.tolist())
@@ -162,6 +163,8 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
             )
             row[:] = far
             scan = ways.ranges[w, ways.members[a]]
+            # A point that limits a way of at most ``far`` is within ``far`` + radius of the body, and within that plus
+            # the mount's distance of the sensor.
             beyond = np.sqrt(mount[a, 0] * mount[a, 0] + mount[a, 1] * mount[a, 1]) + radius
             limit = min(ways.sight[a], far + beyond)
             for k in range(scan.shape[0]):
@@ -182,7 +185,9 @@ def shorten(
         along = x * ahead_x[j] + y * ahead_y[j]
         aside = y * ahead_x[j] - x * ahead_y[j]
         room = radius2 - aside * aside
+        # The disc touches the point when its centre is sqrt(radius^2 - aside^2) before the foot of the perpendicular.
         way = along - np.sqrt(room if room > nothing else nothing)
         way = way if way > nothing else nothing
+        # Only a point ahead, within the disc's width, is in the way. One that is within the disc leaves a way of 0.
         way = way if (room > nothing) & (along > nothing) else far
         row[j] = way if way < row[j] else row[j]

@@ -148,6 +148,7 @@ def write_nearest(
                 if b == own or model.unobstructed[b] or not model.present[w, b] or (moving_only and model.stands[b]):
                     continue
                 dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
+                # Not nearer than the last one in the list, whatever its outline is: skip the exact search.
                 nearest_possible = np.sqrt(dx * dx + dy * dy) - model.reach[row_of(model.reach, w), b]
                 if nearest_possible >= distance[n_found - 1]:
                     continue
@@ -180,6 +181,7 @@ def nearest_on_discs(discs: Floats, x: float, y: float) -> tuple[float, float, f
         dx, dy, radius = discs[d, 0] - x, discs[d, 1] - y, discs[d, 2]
         away = np.sqrt(dx * dx + dy * dy)
         if away - radius < gap:
+            # From inside, the distance is negative, and the point on the edge lies behind.
             share = (away - radius) / away if away > 0.0 else 1.0
             gap, px, py = away - radius, x + share * dx, y + share * dy
     return gap, px, py
@@ -213,12 +215,14 @@ def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: floa
     for d in range(discs.shape[0]):
         cx, cy = discs[d, 0] - x, discs[d, 1] - y
         along, aside = cx * ahead_x + cy * ahead_y, cy * ahead_x - cx * ahead_y
+        # Half of the chord, squared: the ray in the direction leaves the disc at ``along`` + half of the chord.
         room = discs[d, 2] * discs[d, 2] - aside * aside
         if room >= 0.0:
             farthest = max(farthest, along + np.sqrt(room))
     for s in range(segments.shape[0]):
         ax, ay = segments[s, 0] - x, segments[s, 1] - y
         bx, by = segments[s, 2] - x, segments[s, 3] - y
+        # Distances of both ends from the line of the direction, with sign: if they differ, the segment crosses it.
         a_aside, b_aside = ay * ahead_x - ax * ahead_y, by * ahead_x - bx * ahead_y
         if a_aside * b_aside <= 0.0 and a_aside != b_aside:
             share = a_aside / (a_aside - b_aside)

@@ -220,6 +220,7 @@ def paint_goal(worlds: Ints, slot: int, term: Bound, paints: Paints, model: Mode
             aside, below = image_column(view, x, y) - half, image_row(view, x, y) - half
             radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * view.scale, LEAST_GOAL)
             away = max(np.abs(aside), np.abs(below))
+            # A goal beyond the image is drawn towards the middle until its disc touches the border from within.
             share = max(half - radius, 0.0) / away if away > half - radius else 1.0
             add_disc(sheet, box, half + share * aside, half + share * below, radius, 1.0)
             last = picture.shape[2] - 1

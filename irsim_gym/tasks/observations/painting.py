@@ -132,6 +132,7 @@ def add_wall(canvas: Canvas, a: Point, b: Point) -> None:
     if length > 0.0:
         dx, dy = 0.5 * LINE * dx / length, 0.5 * LINE * dy / length
         px, py, qx, qy = px - dx, py - dy, qx + dx, qy + dy
+        # Four sides of the rectangle around the line; (dx, dy) is half of its thickness along it.
         add_edge(sheet, box, px + dy, py - dx, qx + dy, qy - dx)
         add_edge(sheet, box, qx + dy, qy - dx, qx - dy, qy + dx)
         add_edge(sheet, box, qx - dy, qy + dx, px - dy, py + dx)
@@ -191,6 +192,7 @@ def add_rectangle(canvas: Canvas, lower_left: Point, upper_right: Point) -> None
         image_column(view, left, high),
         image_row(view, left, high),
     )
+    # One note for all four sides, in place of one for each as ``add_edge`` makes.
     note(sheet, box, min(ax, bx, cx, dx), min(ay, by, cy, dy), max(ax, bx, cx, dx), max(ay, by, cy, dy))
     scan_edge(sheet, box, bx, by, ax, ay)
     scan_edge(sheet, box, cx, cy, bx, by)
@@ -238,6 +240,7 @@ def add_outside(canvas: Canvas, bounds: Floats) -> None:
     box, view = canvas.box, canvas.camera
     size = (box[2] - box[0] + box[3] - box[1]) / view.scale
     left, low, right, high = bounds[0], bounds[1], bounds[2], bounds[3]
+    # Four rectangles around the world, which reach beyond the image wherever its middle is.
     from_x, from_y = min(left, view.x) - size, min(low, view.y) - size
     to_x, to_y = max(right, view.x) + size, max(high, view.y) + size
     add_rectangle(canvas, (from_x, from_y), (left, to_y))

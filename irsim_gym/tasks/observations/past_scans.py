@@ -188,6 +188,7 @@ def project(
         row: Output, ``(n_sectors,)``; the first sector begins straight behind.
     """
     n_sectors = row.shape[0]
+    # The pose of then in the frame of now: rotation by ``turn``, origin at ``along``, ``aside``.
     turn = then[2] - now[2]
     cosine, sine = np.cos(turn), np.sin(turn)
     ahead, left = np.cos(now[2]), np.sin(now[2])
@@ -199,5 +200,6 @@ def project(
         x, y = mount[0] + scan[k] * beams[0, k], mount[1] + scan[k] * beams[1, k]
         there_x, there_y = along + cosine * x - sine * y, aside + sine * x + cosine * y
         depth = np.float32(max(np.sqrt(there_x * there_x + there_y * there_y) - reach, 0.0))
+        # 0.5 puts the first sector straight behind; an angle of exactly pi belongs to it again.
         sector = int((np.arctan2(there_y, there_x) / (2.0 * np.pi) + 0.5) * n_sectors) % n_sectors
         row[sector] = min(row[sector], depth)

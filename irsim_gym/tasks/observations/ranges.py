@@ -92,5 +92,6 @@ def encoded(depth: np.float32, code: RangeCode) -> np.float32:
     """Return the code of a depth [m]."""
     one = np.float32(1.0)
     if code.number == INVERSE:
+        # 1 in contact (depth 0), 0 at the depth of 1 / zero - near.
         return (one / (depth + code.near) - code.zero) / (one / code.near - code.zero)
     return one - depth / code.far

@@ -156,6 +156,7 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
     half = half_beam(angles)
     width = (angles[-1] - angles[0] + 2.0 * half) / count
     place = (angles - angles[0] + half) / width if width > 0.0 else np.zeros(n_beams)
+    # A beam on the border of two sectors belongs to the second one, whatever is rounded.
     sector = np.floor(place + 1e-9).astype(np.int64).clip(0, count - 1)
     first = np.searchsorted(sector, np.arange(count), side="left").astype(np.int64)
     last = np.searchsorted(sector, np.arange(count), side="right").astype(np.int64)

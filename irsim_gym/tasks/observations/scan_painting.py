@@ -59,6 +59,7 @@ def beams_of(simulation: Simulation, agents: Ints, name: str) -> ScanBeams:
     """Return the agents' live ranges and beams."""
     group, members = shared_sensors(simulation, agents, name)
     angles, mounts = group.arrays["angles"], [group.options[k] for k in members]
+    # Half of the angle between neighbouring beams; a single beam is as wide as WIDEST lets it be.
     half = 0.5 * (angles[-1] - angles[0]) / (len(angles) - 1) if len(angles) > 1 else np.inf
     turned = np.array([angles + mount.offset[2] for mount in mounts])
     return ScanBeams(
@@ -122,6 +123,7 @@ def add_fan(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays
         ahead_x = cosine * directions[k, 0] - sine * directions[k, 1]
         ahead_y = sine * directions[k, 0] + cosine * directions[k, 1]
         end_x, end_y, half = x + scan[k] * ahead_x, y + scan[k] * ahead_y, scan[k] * beams.spread
+        # Beams that do not touch are triangles of their own: back to the sensor between two of them.
         if k > 0 and not beams.do_touch:
             add_side(canvas, at, eye)
             at = eye

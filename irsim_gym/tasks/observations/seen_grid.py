@@ -146,6 +146,8 @@ def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: State,
             if steps % seen.every != 0 or steps == seen.noted[w, a]:
                 continue
             pose, cells, count = state.pose[w, term.agents[a]], seen.cells[w, a], 0
+            # The order matters: what beams have passed becomes known and free first, then what they hit becomes
+            # occupied.
             if seen.follows:
                 mark_passed(seen.scan, w, a, pose, seen.grid, cells)
             if doubted.shape[0] > 0:

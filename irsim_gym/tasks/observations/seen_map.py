@@ -150,6 +150,8 @@ def write_seen(worlds: Ints, slot: int, term: Bound, bins: SeenBins, state: Stat
                     occupied += 1 if known & OCCUPIED != 0 else 0
                     unknown += 1 if known == UNKNOWN else 0
                     n += 1
+                # Bin k is sector k % sectors of ring k // sectors. A ring's occupied shares come before its unknown
+                # ones.
                 place = term.column + 2 * sectors * (k // sectors) + k % sectors
                 episode.observation[w, a, place] = np.float32(occupied / (n - first))
                 episode.observation[w, a, place + sectors] = np.float32(unknown / (n - first))

@@ -92,6 +92,7 @@ def narrow_ways(worlds: Ints, term: Bound, ways: SeenWays, model: Model, episode
                 ways.target[w, a, 0] = np.nan
                 continue
             for n in range(seen.n_fresh[w, a]):
+                # Quarters are numbered on a grid that is twice as fine; 0.5 * (k + 0.5) is the middle of one [cells].
                 number, columns = int(fresh[n]), 2 * seen.grid.columns
                 narrow(levels, 0.5 * (number % columns + 0.5), 0.5 * (number // columns + 0.5), reach)
 
@@ -128,6 +129,8 @@ def find_way(ways: SeenWays, slot: int, w: int, a: int, place: Point, goal: Poin
         target[0], target[1] = goal[0], goal[1]
         begin_costs(inner_cell(grid, goal), least)
     count = follow_costs(levels, least, start, way)
+    # ``follow_costs`` gave up after raising many bounds: computing all costs anew is faster then. NEVER: there is no
+    # path.
     if count == 0 and least.reshape(-1)[start] < NEVER:
         spread_costs(levels, inner_cell(grid, goal), ways.queues[slot], least)
         count = follow_costs(levels, least, start, way)

@@ -76,6 +76,7 @@ class TimeToCollision:
         model = simulation.model
         top = [fastest(model, int(b)) if self.speed is None else self.speed for b in agents]
         speeds = np.outer(top, np.arange(1, self.speeds + 1) / self.speeds).astype(np.float32)
+        # Speed after speed, and all directions of each.
         ahead, aside = ((speeds[:, :, None] * unit).reshape(len(agents), -1) for unit in directions(self.directions))
         return Velocities(ahead, aside, model.reach[:, agents].max(axis=0) + self.margin)
 
@@ -186,6 +187,7 @@ def meet_disc(point: MovingPoint, ahead: Rays, aside: Rays, row: Rays) -> None:
     for j in range(row.shape[0]):
         ux, uy = ahead[j] - vx, aside[j] - vy
         along = x * ux + y * uy
+        # The smaller root of u.u t^2 - 2 p.u t + (p.p - R^2) = 0; a sum in the denominator, so that nothing cancels.
         root = along * along - (ux * ux + uy * uy) * beyond
         meets = (along > nothing) & (root >= nothing)
         time = beyond / (along + np.sqrt(root if root > nothing else nothing)) if meets else row[j]
@@ -203,6 +205,7 @@ def meet_side(end: MovingPoint, along_x: float, along_y: float, ahead: Rays, asi
     if length == 0.0:
         return
     tx, ty = along_x / length, along_y / length
+    # The normal points from the agent towards the segment's line; the disc touches the line when it has closed ``gap``.
     side = 1.0 if end.x * ty - end.y * tx >= 0.0 else -1.0
     nx, ny = side * ty, -side * tx
     gap, start = max(end.x * nx + end.y * ny - end.radius, 0.0), end.x * tx + end.y * ty
@@ -212,6 +215,7 @@ def meet_side(end: MovingPoint, along_x: float, along_y: float, ahead: Rays, asi
         if towards <= 0.0:
             continue
         time = gap / towards
+        # Where on the segment it touches, from its first end [m].
         place = time * (ux * tx + uy * ty) - start
         if time < row[j] and 0.0 <= place <= length:
             row[j] = np.float32(time)

@@ -94,6 +94,7 @@ def write_trail(worlds: Ints, term: Bound, marks: Marks, state: State, episode: 
             row = episode.observation[w, a, term.column : term.column + options.sectors]
             row[:] = np.float32(0.0)
             n = marks.count[w, a]
+            # The marks that are kept, but for the latest ``fresh`` ones; mark m is in row m % size.
             for m in range(max(0, n - size), n - options.fresh):
                 dx, dy = places[m % size, 0] - x, places[m % size, 1] - y
                 turn = (np.arctan2(dy, dx) - heading) / (2.0 * np.pi) + 0.5

@@ -97,6 +97,7 @@ def write_velocity(
                 largest = max(np.abs(low), np.abs(high))
                 scaled = 0.0
                 if largest > 0.0 and not state.stopped[w, b]:
+                    # Limits that exclude 0 are widened to it, as a body at rest has velocity 0.
                     scaled = min(max(state.velocity[w, b, c], min(low, 0.0)), max(high, 0.0)) / largest
                 episode.observation[w, a, column + c] = np.float32(scaled)
 

@@ -125,6 +125,7 @@ def write_ways_seen(
                     rest = np.inf
                 else:
                     place = last_in_sight(here, grid, levels, way, count)
+                    # Costs are whole numbers, STRAIGHT for a step of one cell.
                     rest = ways.least[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
                     if rest > 0.0:
                         there = centre(grid, place // grid.columns, place % grid.columns)

@@ -121,6 +121,7 @@ def pay_field_gain(
         for a in range(term.agents.shape[0]):
             b = term.agents[a]
             here = field_at(fields.field[w, a], grid, state.pose[w, b, 0], state.pose[w, b, 1])
+            # Without a path from here, nothing is gained or lost in this step.
             here = here if here < np.inf else potential[w, a]
             episode.reward_term[w, a, term.column] = rate * (potential[w, a] - here)
             potential[w, a] = here

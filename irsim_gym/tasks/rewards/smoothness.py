@@ -51,4 +51,5 @@ def pay_change(worlds: Ints, column: int, amount: float, sizes: Ints, episode: E
             for c in range(episode.action.shape[2]):
                 change = episode.action[w, a, c] - episode.previous_action[w, a, c]
                 squared += change * change
+            # Each component changes by 2 at most, from bound to bound: 4 squared, for as many as the agent has.
             episode.reward_term[w, a, column] = amount * squared / (4.0 * sizes[a])
