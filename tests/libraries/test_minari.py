@@ -5,6 +5,7 @@ from __future__ import annotations
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
 
 import irsim_gym
 
@@ -15,7 +16,7 @@ ABOUT = {"algorithm_name": "dash", "author": "me", "author_email": "me@example.o
 @pytest.fixture
 def minari(tmp_path, monkeypatch):
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "minari"))
-    return pytest.importorskip("minari")
+    return library("minari")
 
 
 def test_demonstrations_become_a_dataset_and_stay_the_same(minari, tmp_path):

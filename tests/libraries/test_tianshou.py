@@ -5,6 +5,7 @@ from __future__ import annotations
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
 
 import irsim_gym
 
@@ -13,7 +14,7 @@ LIMIT = 12
 
 @pytest.fixture(scope="module")
 def page():
-    pytest.importorskip("tianshou")
+    library("tianshou")
     return pages.shown("tianshou")
 
 
