@@ -6,14 +6,13 @@ import importlib.metadata
 import os
 import subprocess
 import sys
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import library_pages as pages
 import pytest
+from needed import skip_without
 
-PACKAGES = {"sbx": "sbx-rl", "sample_factory": "sample-factory", "pufferlib": "pufferlib-core", "own_loops": "torch"}
-"""Packages that are not named as their module."""
 GIVEN = {"rl_zoo3": ["--help"], "sample_factory": ["--env=empty_goal", "--help"]}
 """Arguments of scripts that train, which their own tests do."""
 HIDING = """
@@ -76,13 +75,7 @@ def only_with(packages: set[str], folder: Path) -> dict[str, str]:
 
 @pytest.mark.parametrize("name", pages.names())
 def test_blocks_run(name, tmp_path):
-    try:
-        here = version(PACKAGES.get(name, name))
-    except PackageNotFoundError:
-        pytest.skip(f"{name} is not installed")
-    told = pages.HEAD.match(pages.text_of(name))[2]
-    if told and here != told:
-        pytest.skip(f"{name} {here} is here, the page is about {told}")
+    skip_without(name)
     blocks = pages.blocks(name)
     assert blocks
     environment = only_with(installed_by(name), tmp_path / "first")
