@@ -21,7 +21,7 @@ GLUE = re.findall(r"(?:by|of) (\d+) lines.*\(libraries/(\w+)\.md\)", TABLE)
 
 def sets() -> dict[str, dict[str, str]]:
     """Return what `make test-libraries` installs beside our package: for each set, packages and their versions."""
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("\\\n", "")
     found: dict[str, dict[str, str]] = {}
     for name, line in re.findall(r"^(?:REQUIRED|ALONE)_(\w+) := (.+)$", makefile, re.MULTILINE):
         for one in map(Requirement, shlex.split(line)):
