@@ -132,7 +132,8 @@ REQUIRED_benchmarl := benchmarl==1.5.2 torchrl==0.11.1
 REQUIRED_zoo := rl_zoo3==2.9.2 sbx-rl==0.28.0
 REQUIRED_tianshou := tianshou==2.0.1
 REQUIRED_pufferlib := pufferlib-core==3.0.19
-REQUIRED_sample_factory := "signal-slot-mp<2" faster-fifo "huggingface-hub<1" opencv-python-headless pyglet tensorboardx wandb
+REQUIRED_sample_factory := "signal-slot-mp<2" colorlog faster-fifo "huggingface-hub<1" opencv-python-headless psutil \
+	pyglet tensorboardx threadpoolctl wandb
 REQUIRED_demonstrations := "minari[create,hdf5]==0.5.4" datasets huggingface_sb3 sacred scikit-learn
 REQUIRED_agilerl := agilerl==2.58.0 peft==0.21.0
 EXTRA_rllib := rllib

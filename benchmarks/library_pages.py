@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -11,6 +12,7 @@ from typing import Any
 FOLDER = Path(__file__).parents[1] / "docs" / "libraries"
 HEAD = re.compile(r"^# (.+?)(?: ([\d.]+))?\n")
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+INSTALLATION = re.compile(r"^pip install (.+)$", re.MULTILINE)
 
 
 def names() -> list[str]:
@@ -26,6 +28,11 @@ def text_of(name: str) -> str:
 def blocks(name: str) -> list[str]:
     """Return the code of a page."""
     return BLOCK.findall(text_of(name))
+
+
+def installations(name: str) -> list[list[str]]:
+    """Return the words after ``pip install`` in each of these commands of a page."""
+    return [shlex.split(line) for line in INSTALLATION.findall(text_of(name))]
 
 
 def shown(name: str) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needed import library
 from scenes import ENDS, LIMIT, paid_alone, team
 
 import irsim_gym
@@ -11,7 +12,7 @@ import irsim_gym
 
 @pytest.fixture(scope="module", autouse=True)
 def agilerl():
-    return pytest.importorskip("agilerl")
+    return library("agilerl")
 
 
 def whole():

@@ -5,12 +5,13 @@ from __future__ import annotations
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
 from scenes import ENDS, LIMIT, paid_alone, team
 
 
 @pytest.fixture(scope="module")
 def task():
-    pytest.importorskip("benchmarl")
+    library("benchmarl")
     return pages.shown("benchmarl")["Team"]("known", {"scenario": team(), "max_cycles": LIMIT})
 
 

@@ -6,13 +6,14 @@ import gc
 
 import numpy as np
 import pytest
+from needed import library
 
 import irsim_gym
 
 
 @pytest.fixture(scope="module", autouse=True)
 def imitation():
-    return pytest.importorskip("imitation")
+    return library("imitation")
 
 
 @pytest.fixture(scope="module")

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+import sys
+
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
 
 import irsim_gym
+from irsim_gym.scenario.library import names
 
 NAME = "irsim/shown-v0"
 ABOUT = {"algorithm_name": "dash", "author": "me", "author_email": "me@example.org", "code_permalink": "none"}
@@ -15,7 +21,7 @@ ABOUT = {"algorithm_name": "dash", "author": "me", "author_email": "me@example.o
 @pytest.fixture
 def minari(tmp_path, monkeypatch):
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "minari"))
-    return pytest.importorskip("minari")
+    return library("minari")
 
 
 def test_demonstrations_become_a_dataset_and_stay_the_same(minari, tmp_path):
@@ -45,3 +51,18 @@ def test_its_collector_records_a_loop(minari):
     dataset = env.create_dataset(NAME, **ABOUT)
     assert (dataset.total_episodes, dataset.total_steps) == (2, 10)
     assert next(dataset.iterate_episodes()).truncations.tolist() == [False] * 4 + [True]
+
+
+def test_an_environment_is_made_again_by_its_path_without_an_import(minari, tmp_path):
+    mine = tmp_path / "mine.yaml"
+    shutil.copyfile(names()["empty_goal"], mine)
+    env = minari.DataCollector(irsim_gym.make(mine, max_steps=1))
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    env.create_dataset(NAME, **ABOUT)
+    code = (
+        f"import minari; env = minari.load_dataset({NAME!r}).recover_environment(); env.reset(); print(env.spec.kwargs)"
+    )
+    again = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=600)
+    assert again.returncode == 0, again.stderr
+    assert str(mine) in again.stdout

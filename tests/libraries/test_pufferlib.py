@@ -5,12 +5,13 @@ from __future__ import annotations
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
 from scenes import ENDS, LIMIT, paid_alone, team
 
 
 @pytest.fixture(scope="module")
 def rows_class():
-    pytest.importorskip("pufferlib")
+    library("pufferlib")
     return pages.shown("pufferlib")["Rows"]
 
 

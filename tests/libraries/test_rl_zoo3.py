@@ -8,6 +8,7 @@ import sys
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
 
 ID = "irsim_gym/empty_goal-v0"
 SETTINGS = f"""
@@ -23,7 +24,7 @@ SETTINGS = f"""
 
 @pytest.fixture(scope="module", autouse=True)
 def zoo():
-    return pytest.importorskip("rl_zoo3")
+    return library("rl_zoo3")
 
 
 @pytest.mark.parametrize("native", [False, True])

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needed import library
 from scenes import ENDS, FORMS, LIMIT, paid_alone, team
 
 os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"  # before Ray is imported: on the loopback alone
@@ -22,7 +23,7 @@ LONGEST_S = 500
 
 @pytest.fixture(scope="module", autouse=True)
 def ray():
-    return pytest.importorskip("ray")
+    return library("ray")
 
 
 def configured(scenario: Any, kind: str = "PPO", **chosen: Any) -> Any:

@@ -9,13 +9,14 @@ import sys
 from pathlib import Path
 
 import pytest
+from needed import library
 
 PAGE = (Path(__file__).parents[2] / "docs" / "rllib.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module", autouse=True)
 def ray():
-    return pytest.importorskip("ray")
+    return library("ray")
 
 
 def blocks(language: str) -> list[str]:

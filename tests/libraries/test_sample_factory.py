@@ -6,11 +6,11 @@ import subprocess
 import sys
 
 import library_pages as pages
-import pytest
+from needed import library
 
 
 def test_it_trains(tmp_path):
-    pytest.importorskip("sample_factory")
+    library("sample_factory")
     (tmp_path / "train.py").write_text(pages.blocks("sample_factory")[0], encoding="utf-8")
     what = ["--env=empty_goal", "--algo=APPO", "--device=cpu", "--experiment=e", "--train_dir=runs"]
     size = ["--num_workers=1", "--num_envs_per_worker=2", "--rollout=16", "--batch_size=64"]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needed import library
 
 import irsim_gym
 
 
 @pytest.fixture(scope="module")
 def sbx():
-    return pytest.importorskip("sbx")
+    return library("sbx")
 
 
 @pytest.mark.parametrize("name", ["PPO", "SAC"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needed import library
 from scenes import ENDS, FORMS, LIMIT, paid_alone, team
 
 import irsim_gym
@@ -14,7 +15,7 @@ KWARGS = ("learning_rate_scheduler", "observation_preprocessor", "state_preproce
 
 @pytest.fixture(scope="module", autouse=True)
 def skrl():
-    return pytest.importorskip("skrl")
+    return library("skrl")
 
 
 def models(env, uid=None):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needed import library
 from scenes import FORMS, LIMIT, paid_alone, team
 
 import irsim_gym
@@ -11,7 +12,7 @@ import irsim_gym
 
 @pytest.fixture(scope="module")
 def supersuit():
-    return pytest.importorskip("supersuit")
+    return library("supersuit")
 
 
 def test_a_vector_environment(supersuit):
@@ -40,7 +41,7 @@ def test_other_forms(supersuit, form):
 
 
 def test_stable_baselines3_trains(supersuit):
-    stable_baselines3 = pytest.importorskip("stable_baselines3")
+    stable_baselines3 = library("stable_baselines3")
     env = supersuit.pettingzoo_env_to_vec_env_v1(irsim_gym.parallel_env(team(), black_death=True))
     env = supersuit.concat_vec_envs_v1(env, 2, base_class="stable_baselines3")
     model = stable_baselines3.PPO("MlpPolicy", env, n_steps=24, batch_size=36, n_epochs=1, device="cpu")

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from needed import library
 from test_rllib import LONGEST_S, family, waited_for
 
 from irsim_gym.training.checkpoint_files import list_checkpoints
@@ -25,7 +26,7 @@ hyperparameters: {n_envs: 8, n_steps: 64, batch_size: 64, n_epochs: 4, checkpoin
 
 @pytest.fixture(scope="module", autouse=True)
 def ray():
-    return pytest.importorskip("ray")
+    return library("ray")
 
 
 def started(folder: Path) -> subprocess.Popen[str]:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import library_pages as pages
 import numpy as np
 import pytest
+from needed import library
+from scenes import ENDS, paid_alone, team
+from scenes import LIMIT as TEAM_LIMIT
 
 import irsim_gym
 
@@ -13,7 +16,7 @@ LIMIT = 12
 
 @pytest.fixture(scope="module")
 def page():
-    pytest.importorskip("tianshou")
+    library("tianshou")
     return pages.shown("tianshou")
 
 
@@ -62,3 +65,29 @@ def test_a_number_of_episodes_leaves_worlds_that_are_done_alone(envs, page):
     collector = Collector(page["learner"](envs), envs, VectorReplayBuffer(300, 3))
     collector.reset()
     assert collector.collect(n_episode=4).lens.tolist() == [LIMIT] * 4
+
+
+def test_its_own_vector_environments_take_single_ones(page):
+    from tianshou.env import DummyVectorEnv
+
+    envs = DummyVectorEnv([lambda: irsim_gym.make("empty_goal", max_steps=LIMIT)] * 2)
+    envs.reset()
+    steps = [envs.step(np.zeros((2, 2), np.float32)) for _ in range(LIMIT)]
+    assert [step[3].tolist() for step in steps] == [[False, False]] * (LIMIT - 1) + [[True, True]]
+    assert [info["steps"] for info in steps[-1][4]] == [LIMIT, LIMIT]
+
+
+@pytest.mark.parametrize("black_death", [False, True])
+def test_a_team_ends_with_its_first_robot_unless_all_stay(page, black_death):
+    from pettingzoo.utils.conversions import parallel_to_aec
+    from tianshou.env import PettingZooEnv
+
+    env = PettingZooEnv(parallel_to_aec(irsim_gym.parallel_env(team(), black_death=black_death)))
+    env.reset(seed=0)
+    ended, n_steps, paid = False, 0, np.zeros(len(ENDS))
+    while not ended:
+        _, rewards, terminated, truncated, _ = env.step(np.zeros(2, np.float32))
+        ended, n_steps, paid = terminated or truncated, n_steps + 1, paid + rewards
+    assert n_steps == len(ENDS) * (TEAM_LIMIT if black_death else ENDS["robot_0"])
+    if black_death:
+        np.testing.assert_allclose(paid, list(paid_alone().values()), rtol=1e-6)

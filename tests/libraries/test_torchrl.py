@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from needed import library
 from scenes import ENDS, FORMS, LIMIT, paid_alone, team
 
 import irsim_gym
@@ -18,7 +19,7 @@ ID = "irsim_gym/empty_goal-v0"
 
 @pytest.fixture(scope="module")
 def envs():
-    return pytest.importorskip("torchrl.envs")
+    return library("torchrl.envs")
 
 
 def drawn(env, seed=0):
