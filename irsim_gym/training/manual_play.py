@@ -6,6 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,8 @@ from irsim_gym.families import BEHAVIORS
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Outcome
-from irsim_gym.training.recorder import Recorder
+from irsim_gym.training.inputs import check_inputs
+from irsim_gym.training.recorder import Recorder, check_demonstrations
 
 if TYPE_CHECKING:
     from irsim_gym.envs.worlds import Worlds
@@ -313,6 +315,9 @@ class Player:
 
 def play(settings: PlaySettings) -> PlayResult:
     """Open a window, and let a person drive; see ``Player``."""
+    record, chosen = settings.record, {"task": settings.task, "parameters": settings.parameters}
+    output = partial(check_demonstrations, record) if record is not None else lambda: None
+    check_inputs(settings.scenario, output, **chosen, split=settings.split, strict=settings.strict)
     return Player(settings).run()
 
 
