@@ -117,7 +117,7 @@ class SeveralProblemsError(IrsimGymError):
 
     def __init__(self, problems: Sequence[IrsimGymError]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(dict.fromkeys(map(str, problems))))
+        super().__init__("\n".join(map(str, self.problems)))
 
     def __reduce__(self) -> tuple[type[SeveralProblemsError], tuple[tuple[IrsimGymError, ...]]]:
         return type(self), (self.problems,)
@@ -140,8 +140,9 @@ def report_together(*checks: Callable[[], object]) -> None:
             found += error.problems
         except IrsimGymError as error:
             found.append(error)
-    if found:
-        raise found[0] if len(found) == 1 else SeveralProblemsError(found)
+    different = list({str(error): error for error in found}.values())
+    if different:
+        raise different[0] if len(different) == 1 else SeveralProblemsError(different)
 
 
 class MissingExtraError(IrsimGymError, ModuleNotFoundError):
