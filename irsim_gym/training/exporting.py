@@ -37,9 +37,8 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.exported_network import ExportedNetwork, export_network
-from irsim_gym.training.inputs import check_folder
+from irsim_gym.training.inputs import check_folder, check_trained
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
-from irsim_gym.training.policy_places import check_file
 from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import Settings, run_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
@@ -78,7 +77,7 @@ def export(
     """
     target = folder / f"{name}{SUFFIX}"
     report_together(
-        lambda: check_file(policy_file(source)),
+        lambda: check_trained(source),
         lambda: _check_name(name, target, overwrite),
         lambda: check_folder(folder),
         *(partial(_check_results, file) for file in results),

@@ -113,6 +113,17 @@ def _refuse(missing: Sequence[UnknownPolicyError]) -> None:
     raise all_unknown(missing)
 
 
+def check_trained(source: str | Path) -> None:
+    """Check that a source is a policy with weights, and that its file can be read.
+
+    Raises:
+        IrsimGymError: If it is a behaviour, or there is no such policy.
+    """
+    if is_named_policy(source):
+        raise IrsimGymError(f"{source} is a behavior, which has no weights: name the folder of a run or a policy.zip")
+    check_file(policy_file(source))
+
+
 def check_folder(folder: Path | None) -> None:
     """Check that results can be written into a folder, which need not exist.
 

@@ -10,9 +10,7 @@ from irsim_gym.scenario.source import read_file
 from irsim_gym.training.algorithms import ALGORITHMS, find_algorithm
 from irsim_gym.training.hyperparameter_files import check_device
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
-from irsim_gym.training.inputs import Check, world_checks
-from irsim_gym.training.policies import policy_file
-from irsim_gym.training.policy_places import check_file
+from irsim_gym.training.inputs import Check, check_trained, world_checks
 from irsim_gym.training.run import environment_id
 from irsim_gym.training.training_request import TrainingRequest
 
@@ -49,8 +47,7 @@ def _methods(request: TrainingRequest) -> Iterator[Check]:
     if request.hyperparameters is not None:
         yield partial(_read_hyperparameters, request)
     if request.origin is not None:
-        origin = request.origin
-        yield lambda: check_file(policy_file(origin))
+        yield partial(check_trained, request.origin)
     yield from (partial(_check_log, name) for name in request.log)
 
 

@@ -111,6 +111,8 @@ def test_all_problems_of_a_training_are_told_at_once(
     assert run(monkeypatch, "train", "cluttered_rom", *given) == 1
     told = capsys.readouterr().err
     assert [text for text in (SCENARIO, *(text for _, text in wrong.values())) if text not in told] == []
+    assert run(monkeypatch, "train", "cluttered_room", "--from", "dash") == 1
+    assert "dash is a behavior, which has no weights: name the folder of a run" in capsys.readouterr().err
     assert run(monkeypatch, "train", "cluttered_room", "--hyperparameters", "broken.yaml", "--from", "runs/empty") == 1
     told = capsys.readouterr().err
     assert "not valid YAML" in told
