@@ -212,12 +212,13 @@ def run_rollout(
 
     if team and record is not None:
         raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
+    given: dict[str, Any] = {"task": task, "parameters": parameters, "policies": [policy], "split": split, "team": team}
     check_inputs(
         scenario,
         lambda: None if frames is None else check_suffix(frames, FILMS, "a film"),
         lambda: None if record is None else check_demonstrations(record),
-        **{"task": task, "parameters": parameters, "policies": [policy], "split": split, "team": team},
         strict=strict,
+        **given,
     )
     used = remembered_parameters(scenario, [policy], parameters, strict=strict)
     report_changes(scenario, [policy], task, strict=strict)

@@ -315,9 +315,10 @@ class Player:
 
 def play(settings: PlaySettings) -> PlayResult:
     """Open a window, and let a person drive; see ``Player``."""
-    record, chosen = settings.record, {"task": settings.task, "parameters": settings.parameters}
-    output = partial(check_demonstrations, record) if record is not None else lambda: None
-    check_inputs(settings.scenario, output, **chosen, split=settings.split, strict=settings.strict)
+    record = settings.record
+    chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
+    outputs = [] if record is None else [partial(check_demonstrations, record)]
+    check_inputs(settings.scenario, *outputs, split=settings.split, **chosen)
     return Player(settings).run()
 
 

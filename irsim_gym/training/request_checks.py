@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 from irsim_gym.errors import report_together
 from irsim_gym.scenario.source import read_file
@@ -32,9 +33,11 @@ def check_request(request: TrainingRequest, *further: Check) -> None:
 
 
 def _worlds(request: TrainingRequest) -> Iterator[Check]:
-    parts = [(part.scenario, part.parameters) for part in request.mixture] or [(request.scenario, request.parameters)]
-    for scenario, parameters in parts:
-        yield from world_checks(scenario, request.task, parameters, team=True, strict=request.strict)
+    how: dict[str, Any] = {"team": True, "strict": request.strict}
+    if not request.mixture:
+        yield from world_checks(request.scenario, request.task, request.parameters, **how)
+    for part in request.mixture:
+        yield from world_checks(part.scenario, request.task, part.parameters, **how)
 
 
 def _methods(request: TrainingRequest) -> Iterator[Check]:
@@ -58,8 +61,8 @@ def _read_hyperparameters(request: TrainingRequest) -> None:
     if algorithm not in ALGORITHMS:
         read_file(request.hyperparameters)
         return
-    chosen = {"file": request.hyperparameters, "overrides": request.overrides}
-    load_hyperparameters(algorithm, environment_id(request.scenario), task=request.task_name, **chosen)  # type: ignore[arg-type]
+    chosen: dict[str, Any] = {"file": request.hyperparameters, "overrides": request.overrides}
+    load_hyperparameters(str(algorithm), environment_id(request.scenario), task=request.task_name, **chosen)
 
 
 def _check_log(name: str) -> None:
