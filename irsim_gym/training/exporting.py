@@ -76,12 +76,7 @@ def export(
         IrsimGymError: If the policy cannot be exported, or the settings and the cost of its training are unknown.
     """
     target = folder / f"{name}{SUFFIX}"
-    report_together(
-        lambda: check_trained(source),
-        lambda: _check_name(name, target, overwrite),
-        lambda: check_folder(folder),
-        *(partial(_check_results, file) for file in results),
-    )
+    _check(source, name, target, results, overwrite)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy) or not isinstance(loaded.model, BaseAlgorithm):
         raise IrsimGymError(f"{source} is not a trained policy of Stable-Baselines3")
@@ -111,6 +106,16 @@ def export(
     write_json(card_file(target), card.model_dump())
     write_bytes(target, content)
     return target
+
+
+def _check(source: Path, name: str, target: Path, results: Sequence[Path], overwrite: bool) -> None:
+    """Check the arguments of ``export``, and report all problems together."""
+    report_together(
+        lambda: check_trained(source),
+        lambda: _check_name(name, target, overwrite),
+        lambda: check_folder(target.parent),
+        *(partial(_check_results, file) for file in results),
+    )
 
 
 def _check_results(file: Path) -> None:
