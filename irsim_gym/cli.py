@@ -276,11 +276,9 @@ def play(
     modules: Imports = None,
 ) -> None:
     """Drive a robot by hand in a window, level after level. The window lists the keys; esc quits."""
-    from irsim_gym.tasks.levels import check_split
     from irsim_gym.training.manual_play import PlaySettings
     from irsim_gym.training.manual_play import play as play_by_hand
 
-    check_split(split)
     settings = PlaySettings(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")

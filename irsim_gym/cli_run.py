@@ -10,7 +10,7 @@ import typer
 from irsim_gym.cli_completion import scenarios
 from irsim_gym.cli_options import Given, Imports, Lenient
 from irsim_gym.cli_tools import progress, read_parameters
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, report_together
 
 
 def run_by_itself(
@@ -29,10 +29,11 @@ def run_by_itself(
 ) -> None:
     """Run a file with its own behaviours, without learning, and print the status of its robots at the end."""
     from irsim_gym.live import load
+    from irsim_gym.scenario.load import load_scenario
 
-    if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
-        raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")
     parameters = read_parameters(given)
+    how: dict[str, Any] = {"strict": not lenient, "warn": False, "may_pend": True}
+    report_together(lambda: _check_film(film), lambda: load_scenario(scenario, parameters, **how))
     chosen: dict[str, Any] = {"record": film is not None, "strict": not lenient}
     with load(scenario, seed=seed, **chosen, **parameters) as world:
         world.resume()
@@ -46,3 +47,8 @@ def run_by_itself(
             print(f"{robot.name}: {flag} at ({', '.join(f'{value:.2f}' for value in robot.state)})")
         if film is not None:
             print(world.save_html(film) if film.suffix.lower() == ".html" else world.save_animation(film))
+
+
+def _check_film(film: Path | None) -> None:
+    if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
+        raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")

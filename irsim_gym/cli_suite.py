@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from irsim_gym.cli_options import Imports, Levels, Split
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, report_together
 
 suite = typer.Typer(help="The benchmark suite: list it, play policies on it, print tables.", no_args_is_help=True)
 
@@ -44,11 +44,20 @@ def run_suite(
     from irsim_gym.suite.members import shipped_suite
     from irsim_gym.suite.playing import play_suite
     from irsim_gym.suite.suite_tables import markdown
+    from irsim_gym.tasks.levels import check_split
+    from irsim_gym.training.inputs import check_folder, check_policies
     from irsim_gym.training.methods import read_methods
 
-    members = shipped_suite().chosen([name for name in names.split(",") if name])
-    if not members:
+    chosen = [name for name in names.split(",") if name]
+    if not chosen:
         raise IrsimGymError("name a tier or a benchmark, such as core; `irsim-gym suite list` shows them")
+    report_together(
+        lambda: shipped_suite().chosen(chosen),
+        lambda: check_policies(policies),
+        lambda: check_split(split),
+        lambda: check_folder(out),
+    )
+    members = shipped_suite().chosen(chosen)
     folder = out or Path("runs") / f"suite-{names.replace(',', '-')}"
     record = play_suite(members, read_methods(policies), folder, levels=levels, split=split, overwrite=overwrite)
     print(markdown(record))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import sys
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -106,6 +106,43 @@ def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
         for place, problem in zip(places, problems, strict=True)
     ]
     return "\n".join([head, *rows])
+
+
+class SeveralProblemsError(IrsimGymError):
+    """Several arguments cannot be used; the message lists what is wrong with each.
+
+    Args:
+        problems: The errors of the arguments.
+    """
+
+    def __init__(self, problems: Sequence[IrsimGymError]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(map(str, self.problems)))
+
+    def __reduce__(self) -> tuple[type[SeveralProblemsError], tuple[tuple[IrsimGymError, ...]]]:
+        return type(self), (self.problems,)
+
+
+def report_together(*checks: Callable[[], object]) -> None:
+    """Run checks that do not depend on each other, and report all problems together.
+
+    Args:
+        *checks: Functions that raise an ``IrsimGymError`` if something is wrong.
+
+    Raises:
+        IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
+    """
+    found: list[IrsimGymError] = []
+    for check in checks:
+        try:
+            check()
+        except SeveralProblemsError as error:
+            found += error.problems
+        except IrsimGymError as error:
+            found.append(error)
+    different = list({str(error): error for error in found}.values())
+    if different:
+        raise different[0] if len(different) == 1 else SeveralProblemsError(different)
 
 
 class MissingExtraError(IrsimGymError, ModuleNotFoundError):

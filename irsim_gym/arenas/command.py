@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.arenas.contest import Arena, arena
+from irsim_gym.arenas.entrants import check_entrants
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.training.folders import evaluation_folder
+from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.interruption import ctrl_c_as_error
 from irsim_gym.training.remembered import remembered_parameters, report_changes
 
@@ -41,6 +44,9 @@ def run_arena(
     Raises:
         TrainingInterruptedError: If the user presses Ctrl-C; the rows of finished policies are on disk.
     """
+    given: dict[str, Any] = {"task": chosen.get("task"), "parameters": parameters, "policies": policies}
+    entered = partial(check_entrants, policies)
+    check_inputs(scenario, entered, split=split, folder=out, team=bool(chosen.get("team")), strict=strict, **given)
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
     report_changes(scenario, policies, chosen.get("task"), strict=strict)
     of_teams = bool(chosen.get("team") or chosen.get("mix"))

@@ -10,7 +10,8 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.training.policies import Source, known_names, load_policies, policy_digest, policy_names
+from irsim_gym.training.policies import Source, load_policies, policy_digest, policy_names
+from irsim_gym.training.policy_places import cure_of
 
 
 @dataclass(frozen=True)
@@ -50,15 +51,30 @@ def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None)
     Raises:
         IrsimGymError: If there are no policies, some do not exist, or one is given twice.
     """
-    if not sources:
-        raise IrsimGymError(f"an arena needs policies: a .zip, a run's folder, or any of {', '.join(known_names())}")
+    check_entrants(sources)
     called = policy_names(sources) if names is None else list(names)
-    texts = [str(source) if isinstance(source, str | Path) else None for source in sources]
-    twice = sorted({text for text in texts if text is not None and texts.count(text) > 1})
-    if twice:
-        raise IrsimGymError(f"an arena plays each policy once, but {', '.join(twice)} is given more than once")
+    texts = _texts(sources)
     loaded = load_policies(sources)
     return [
         Entrant(*parts, None if parts[2] is None else policy_digest(parts[2]))
         for parts in zip(called, loaded, texts, strict=True)
     ]
+
+
+def check_entrants(sources: Sequence[Source]) -> None:
+    """Check that there are policies, each of them once.
+
+    Raises:
+        IrsimGymError: If there is none, or one is given twice.
+    """
+    if not sources:
+        raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
+    texts = [text for text in _texts(sources) if text is not None]
+    twice = sorted({text for text in texts if texts.count(text) > 1})
+    if twice:
+        raise IrsimGymError(f"an arena plays each policy once, but {', '.join(twice)} is given more than once")
+
+
+def _texts(sources: Sequence[Source]) -> list[str | None]:
+    """Return the name or path of each policy; None for objects."""
+    return [str(source) if isinstance(source, str | Path) else None for source in sources]

@@ -257,10 +257,12 @@ def _chosen(
     known = "\n".join(f"    {line}" for line in _lines(specs, {}))
     listed = f"; it has\n{known}" if known else "; it has none"
     unknown = [name for name in given if name not in declared]
+    values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
     if unknown:
         names = ", ".join(f"'{name}'{meant(name, declared, _TAKEN_BY)}" for name in unknown)
-        raise UnknownParameterError(unknown[0], f"{source.title} has no parameter {names}{listed}")
-    values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
+        refused = {name: specs[name].refusal(values[name]) for name in given if name in specs}
+        wrong = "".join(f"; '{name}' {refusal}" for name, refusal in refused.items() if refusal)
+        raise UnknownParameterError(unknown[0], f"{source.title} has no parameter {names}{wrong}{listed}")
     problems = sorted(
         source.problem((*place, name), specs[name].refusal(values[name]))
         for place, name in _sections(source.data)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +20,12 @@ from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.folders import evaluation_folder, has_results
+from irsim_gym.training.inputs import check_folder, check_inputs
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, report_changes
+from irsim_gym.training.request_checks import check_request
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
 from irsim_gym.training.training_request import TrainingRequest
@@ -56,6 +59,7 @@ def run_training(
 
     if resume and overwrite:
         raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
+    check_request(request, lambda: check_folder(out))
     console = Console(stderr=True)
     settings = request.settings()
     folder, remark = (out, "") if out is not None else request.choose_folder(settings, resume, overwrite)
@@ -159,6 +163,8 @@ def run_evaluation(
     """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
+    chosen: dict[str, Any] = {"task": task, "parameters": parameters, "split": split, "team": team, "strict": strict}
+    check_inputs(scenario, policies=policies, folder=out, **chosen)
     methods = {method.name: method.sources for method in read_methods(policies)}
     sources = [source for seeds in methods.values() for source in seeds]
     parameters = remembered_parameters(scenario, sources, parameters, strict=strict)
@@ -202,11 +208,18 @@ def run_rollout(
         IrsimGymError: If ``record`` is combined with ``team``: a file holds demonstrations of a single robot.
     """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
+    from irsim_gym.training.recorder import check_demonstrations, record_demonstrations
 
-    if frames is not None:
-        check_suffix(frames, FILMS, "a film")
     if team and record is not None:
         raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
+    given: dict[str, Any] = {"task": task, "parameters": parameters, "policies": [policy], "split": split, "team": team}
+    check_inputs(
+        scenario,
+        lambda: None if frames is None else check_suffix(frames, FILMS, "a film"),
+        lambda: None if record is None else check_demonstrations(record),
+        strict=strict,
+        **given,
+    )
     used = remembered_parameters(scenario, [policy], parameters, strict=strict)
     report_changes(scenario, [policy], task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
@@ -223,8 +236,6 @@ def run_rollout(
     if frames is not None:
         print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
     if record is not None:
-        from irsim_gym.training.recorder import record_demonstrations
-
         kept = record_demonstrations(scenario, policy, record, levels, split=split, task=task, strict=strict, **used)
         print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
 
@@ -256,14 +267,18 @@ def run_record(
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
         strict: Whether unused keys are an error; False ignores them.
     """
-    from irsim_gym.training.record import record_film, record_html, record_sheet
+    from irsim_gym.training.record import check_output, record_film, record_html, record_sheet
 
+    names_page = out is not None and out.suffix.lower() == ".html"
+    kind = "replay" if kind == "film" and names_page else kind
+    given: dict[str, Any] = {"task": task, "parameters": parameters, "policies": policies, "split": split, "team": team}
+    output = partial(check_output, out, kind, len(policies) * len(levels))
+    check_inputs(scenario, output, strict=strict, **given)
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
     report_changes(scenario, policies, task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     chosen |= {"team": team}
-    names_page = out is not None and out.suffix.lower() == ".html"
-    if kind == "replay" or (kind == "film" and names_page):
+    if kind == "replay":
         print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))
     elif kind == "film":
         print(record_film(scenario, policies, levels, out or Path("runs/film.mp4"), **chosen))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,12 @@ from irsim_gym.envs.description import Block, Description
 from irsim_gym.envs.description_text import show
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.inputs import check_inputs
+from irsim_gym.training.inspection import check_drawing
 
 if TYPE_CHECKING:
     from irsim_gym.render.sectors_plot import ImagePanel, SectorPanel
 
-SUFFIXES = (".png", ".pdf", ".svg")
 FAR = 5.0
 """Largest radius of drawn sectors [m]."""
 LEVEL = 0
@@ -48,8 +50,8 @@ def describe_scenario(
     Raises:
         IrsimGymError: If the picture's suffix is not ``.png``, ``.pdf`` or ``.svg``, or there is nothing to draw.
     """
-    if picture is not None and picture.suffix.lower() not in SUFFIXES:
-        raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{picture}'")
+    output = partial(check_drawing, picture)
+    check_inputs(scenario, output, task=task, parameters=parameters, team=team, strict=strict)
     worlds = Worlds(scenario, task=task, parameters=parameters, team=team, strict=strict)
     found = list(_each(worlds, team))
     if as_json:

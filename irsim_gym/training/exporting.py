@@ -7,6 +7,7 @@ import io
 import json
 import zipfile
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from rich.console import Console
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym import __version__
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.metrics import Summary
 from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.evaluation.tables import plain, write_bytes, write_json
@@ -36,6 +37,7 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.exported_network import ExportedNetwork, export_network
+from irsim_gym.training.inputs import check_folder, check_trained
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import Settings, run_of
@@ -74,7 +76,7 @@ def export(
         IrsimGymError: If the policy cannot be exported, or the settings and the cost of its training are unknown.
     """
     target = folder / f"{name}{SUFFIX}"
-    _check_name(name, target, overwrite)
+    _check(source, name, target, results, overwrite)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy) or not isinstance(loaded.model, BaseAlgorithm):
         raise IrsimGymError(f"{source} is not a trained policy of Stable-Baselines3")
@@ -104,6 +106,21 @@ def export(
     write_json(card_file(target), card.model_dump())
     write_bytes(target, content)
     return target
+
+
+def _check(source: Path, name: str, target: Path, results: Sequence[Path], overwrite: bool) -> None:
+    """Check the arguments of ``export``, and report all problems together."""
+    report_together(
+        lambda: check_trained(source),
+        lambda: _check_name(name, target, overwrite),
+        lambda: check_folder(target.parent),
+        *(partial(_check_results, file) for file in results),
+    )
+
+
+def _check_results(file: Path) -> None:
+    if not file.is_file():
+        raise IrsimGymError(f"--results: no file {file}; irsim-gym evaluate writes summary.json")
 
 
 def _check_name(name: str, target: Path, overwrite: bool) -> None:

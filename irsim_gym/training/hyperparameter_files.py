@@ -138,9 +138,23 @@ def _own_value(key: str, value: object, place: Place, report: Report) -> Any:
     info = option_fields(RunKeys)[key]
     found = read_field(info, _whole(value) if info.annotation is int else value, place, report)
     if key == "device" and isinstance(found, str) and not _DEVICE.fullmatch(found):
-        near = suggestion("cuda" if found.lower() == "gpu" else found, ["auto", "cpu", "cuda", "mps"])
-        report.add(place, f"must be auto, cpu, cuda, cuda:1 (and so on) or mps, got {show(found)}{near}")
+        report.add(place, _no_device(found))
     return found
+
+
+def check_device(name: str) -> None:
+    """Check the name of a device of PyTorch; whether it is there is not checked.
+
+    Raises:
+        IrsimGymError: If it is no such name.
+    """
+    if not _DEVICE.fullmatch(name):
+        raise IrsimGymError(f"device {_no_device(name)}")
+
+
+def _no_device(name: str) -> str:
+    near = suggestion("cuda" if name.lower() == "gpu" else name, ["auto", "cpu", "cuda", "mps"])
+    return f"must be auto, cpu, cuda, cuda:1 (and so on) or mps, got {show(name)}{near}"
 
 
 def _argument(key: str, value: object, algorithm: Algorithm, place: Place, report: Report) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.levels import check_split
+from irsim_gym.training.inputs import check_inputs
 
 Parameters = Mapping[str, object] | None
 
@@ -33,8 +35,8 @@ def draw_level(
     from irsim_gym.render import Renderer
     from irsim_gym.render.sheet import save_sheet
 
-    if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
-        raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{out}'")
+    output = partial(check_drawing, out)
+    check_inputs(scenario, output, task=task, parameters=parameters, split=split, strict=strict)
     simulation = begin_level(load_scenario(scenario, parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
     parts = simulation.model, simulation.state, simulation.sensors
@@ -46,6 +48,16 @@ def draw_level(
         renderer.save(path)
     renderer.close()
     return path
+
+
+def check_drawing(out: Path | None) -> None:
+    """Check that the name of a picture, if any, ends in ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises:
+        IrsimGymError: If it does not.
+    """
+    if out is not None and out.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{out}'")
 
 
 def team_error(scenario: Scenario) -> ScenarioError | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from irsim_gym.engine import Simulation, compile
-from irsim_gym.errors import IrsimGymError, several
+from irsim_gym.errors import IrsimGymError, report_together, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.certificate_measures import is_disc
 from irsim_gym.evaluation.metrics import OUTCOMES
@@ -31,6 +32,7 @@ from irsim_gym.scenario.level_set import LevelSet, set_hash
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.training.inputs import Check, check_inputs
 from irsim_gym.training.policies import load_policy
 from irsim_gym.world.model import ACKERMANN
 
@@ -59,6 +61,16 @@ class ScenarioRequest:
     parameters: Mapping[str, object] | None = None
     strict: bool = True
 
+    def check(self, *further: Check, **chosen: Any) -> None:
+        """Check the scenario, the task and a command's other arguments, and report all problems together.
+
+        Args:
+            *further: Checks of the command's own.
+            **chosen: Further arguments of ``check_inputs``: policies, split.
+        """
+        given: dict[str, Any] = {"task": self.task, "parameters": self.parameters, "team": self.team}
+        check_inputs(self.scenario, *further, strict=self.strict, **given, **chosen)
+
     def simulation(self, n_worlds: int) -> Simulation:
         """Return worlds with the agents of the task; without agents if there is no task and no robot can learn.
 
@@ -84,16 +96,19 @@ class ScenarioRequest:
 
 def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Path) -> LevelSet:
     """Draw ``count`` levels of each split, write them to a file, and return them."""
-    check_suffix(out)
-    for split in splits:
-        check_split(split)
-    if len(set(splits)) < len(splits):
-        raise IrsimGymError(f"--split names a split twice: {','.join(splits)}")
+    wanted.check(partial(check_suffix, out), partial(_check_splits, splits))
     simulation = wanted.simulation(min(WORLDS, count))
     with bar("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
     write_levels(drawn, out)
     return drawn
+
+
+def _check_splits(splits: Sequence[str]) -> None:
+    """Check that splits exist, and that none is named twice."""
+    report_together(*(partial(check_split, split) for split in splits))
+    if len(set(splits)) < len(splits):
+        raise IrsimGymError(f"--split names a split twice: {','.join(splits)}")
 
 
 def write_levels(levels: LevelSet, out: Path) -> None:
@@ -117,9 +132,7 @@ def run_certify(
         out: File to write; None for one beside the scenario's file. For a shipped scenario, it is in the current
             folder.
     """
-    if out is not None:
-        check_suffix(out)
-    check_split(split)
+    wanted.check(lambda: None if out is None else check_suffix(out), policies=policies or (), split=split)
     episodes = wanted.episodes(min(WORLDS, count))
     made = _certified(episodes, split, count, policies)
     own = Path(wanted.scenario)

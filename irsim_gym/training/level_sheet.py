@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import check_count
 from irsim_gym.levels.certificate import Certificate
 from irsim_gym.levels.played import played_levels
-from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.level_commands import WORLDS, ScenarioRequest
 
 SIDE = 320
@@ -33,9 +33,7 @@ def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, ou
     Raises:
         IrsimGymError: If the file has another suffix.
     """
-    if out is not None and out.suffix != ".png":
-        raise IrsimGymError(f"a sheet of levels is a .png file, got '{out.name}'")
-    check_split(split)
+    wanted.check(partial(_check_suffix, out), split=split)
     simulation = wanted.simulation(min(WORLDS, count))
     _, here = simulation.level_base(split)
     certificate = _certificate(simulation, split, min(count, here) if here else count)
@@ -48,6 +46,11 @@ def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, ou
     path = out or Path(f"{simulation.scenario.name}-levels.png")
     _draw(simulation, split, chosen, certificate, path)
     return path
+
+
+def _check_suffix(out: Path | None) -> None:
+    if out is not None and out.suffix != ".png":
+        raise IrsimGymError(f"a sheet of levels is a .png file, got '{out.name}'")
 
 
 def _certificate(simulation: Simulation, split: str, count: int) -> Certificate | None:

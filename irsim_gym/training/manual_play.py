@@ -6,6 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,8 @@ from irsim_gym.families import BEHAVIORS
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Outcome
-from irsim_gym.training.recorder import Recorder
+from irsim_gym.training.inputs import check_inputs
+from irsim_gym.training.recorder import Recorder, check_demonstrations
 
 if TYPE_CHECKING:
     from irsim_gym.envs.worlds import Worlds
@@ -313,6 +315,10 @@ class Player:
 
 def play(settings: PlaySettings) -> PlayResult:
     """Open a window, and let a person drive; see ``Player``."""
+    record = settings.record
+    chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
+    outputs = [] if record is None else [partial(check_demonstrations, record)]
+    check_inputs(settings.scenario, *outputs, split=settings.split, **chosen)
     return Player(settings).run()
 
 

@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.sb3_critic_parts import actor_observation_space, for_actor, has_critic_parts, lone_name
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
-from irsim_gym.errors import IrsimGymError, suggestion
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.perception import Perception, perception_from
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
-from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds, reference_policy
+from irsim_gym.evaluation.reference_policies import is_named_policy, reference_policy
 from irsim_gym.extras import require
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint_files import POLICY, newest_checkpoint
+from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, missing_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, read_policy, shelf_files
 from irsim_gym.training.trained_perception import trained_perception
@@ -44,19 +45,6 @@ CHUNK = 64
 
 class UnfitPolicyError(IrsimGymError):
     """Raised if a policy was trained with other observations or actions than those of the task."""
-
-
-class UnknownPolicyError(IrsimGymError):
-    """Raised if there is no policy of a name, and no such file or folder.
-
-    Args:
-        source: Name or path.
-        problem: Description of the problem, without the valid names.
-    """
-
-    def __init__(self, source: str | Path, problem: str) -> None:
-        super().__init__(f"{problem}; use a .zip, a run's folder, or one of {', '.join(known_names())}")
-        self.source, self.problem = source, problem
 
 
 class SavedPolicy:
@@ -253,7 +241,7 @@ def load_policies(sources: Sequence[Source]) -> list[Policy]:
         except UnknownPolicyError as error:
             missing.append(error)
     if missing:
-        raise UnknownPolicyError(missing[0].source, "\n".join(error.problem for error in missing))
+        raise all_unknown(missing)
     return loaded
 
 
@@ -277,19 +265,13 @@ def policy_file(source: str | Path) -> Path:
         newest = newest_checkpoint(Run(path).checkpoints)
         path = path / POLICY if (path / POLICY).is_file() or newest is None else newest / POLICY
     if not path.is_file():
-        near = suggestion(str(source), known_names())
-        raise UnknownPolicyError(source, f"no policy at {source}{near}")
+        raise UnknownPolicyError(source, missing_policy(source))
     return path
 
 
 def is_on_shelf(source: object) -> bool:
     """Return whether a source is the name of a shipped policy. A ``Path`` is never taken as a name."""
     return isinstance(source, str) and source in shelf_files()
-
-
-def known_names() -> tuple[str, ...]:
-    """Return the names of behaviours and of shipped policies."""
-    return (*policy_kinds(), *shelf_files())
 
 
 def _check_one_meaning(source: str | Path, other: str) -> None:

@@ -128,7 +128,7 @@ def record_sheet(
 
     cast = load_players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
-    check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
+    check_output(path, "strobe" if strobe else "sheet", len(pairs))
     with _bar(console) as bar:
         track = bar.track(pairs, description="drawing")
         if not strobe:
@@ -186,3 +186,22 @@ def check_suffix(path: Path, known: Sequence[str], what: str) -> None:
     """
     if path.suffix.lower() not in known:
         raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")
+
+
+def check_output(path: Path | None, kind: str, episodes: int) -> None:
+    """Check that the name of a file, if any, fits what is written into it.
+
+    Args:
+        path: The file; None for a default name.
+        kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
+        episodes: Number of episodes.
+
+    Raises:
+        IrsimGymError: If it has another suffix.
+    """
+    drawings = DRAWINGS if kind == "strobe" and episodes == 1 else ()
+    known, what = {"film": (FILMS, "a film"), "replay": (REPLAYS, "a replay")}.get(
+        kind, ((*PICTURES, *drawings), "such a picture")
+    )
+    if path is not None:
+        check_suffix(path, known, what)

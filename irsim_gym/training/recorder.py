@@ -45,8 +45,7 @@ class Recorder:
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], path: Path) -> None:
-        if path.suffix != SUFFIX:
-            raise DemonstrationError(f"demonstrations must be {SUFFIX} files, got '{path.name}'")
+        check_demonstrations(path)
         self.path, self.about = path, _about(env)
         self._earlier = load_demonstrations(path) if path.exists() else None
         if self._earlier is not None:
@@ -253,3 +252,13 @@ def _about(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
         "observation_space": describe_space(world.observation_space),
         "action_space": describe_space(world.action_space),
     }
+
+
+def check_demonstrations(path: Path) -> None:
+    """Check that the name of a file of demonstrations ends in ``.npz``.
+
+    Raises:
+        DemonstrationError: If it does not.
+    """
+    if path.suffix != SUFFIX:
+        raise DemonstrationError(f"demonstrations must be {SUFFIX} files, got '{path.name}'")

@@ -188,6 +188,8 @@ def read_policy(file: Path) -> ShelfPolicy:
     Raises:
         IrsimGymError: It is no policy of the shelf.
     """
+    if not zipfile.is_zipfile(file):
+        raise IrsimGymError(f"{file} is no policy of the shelf: it is no .npz archive of irsim-gym policies export")
     try:
         with np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}

@@ -11,7 +11,7 @@ from rich.text import Text
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.messages import with_parameters
-from irsim_gym.training.cards import CardResult, CardShare, PolicyCard, read_card
+from irsim_gym.training.cards import CardResult, CardShare, PolicyCard, card_file, read_card
 from irsim_gym.training.shelf import SUFFIX, shelf_file, shelf_files, shelf_folder
 
 
@@ -52,7 +52,9 @@ def percent(share: CardShare) -> str:
 def _card(file: Path) -> PolicyCard:
     card = read_card(file)
     if card is None:
-        raise IrsimGymError(f"{file} has no card beside it")
+        if not file.is_file():
+            raise IrsimGymError(f"no file {file}; `irsim-gym policies list` names the shipped policies")
+        raise IrsimGymError(f"{file} has no card beside it: `irsim-gym policies export` writes {card_file(file).name}")
     return card
 
 

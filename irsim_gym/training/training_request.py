@@ -123,7 +123,7 @@ class TrainingRequest:
             raise IrsimGymError("--engine rllib has no critic_observations: take a task without them, or leave it out")
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
-            "task": self._task_name(),
+            "task": self.task_name,
             "images": _observes_images(learned),
             "file": self.hyperparameters,
         }
@@ -137,7 +137,7 @@ class TrainingRequest:
 
     def folder(self, settings: Settings) -> Path:
         """Return the default folder of a run. Its name contains the settings that differ from the defaults."""
-        task = self._task_name()
+        task = self.task_name
         marks = [] if task is None else [task]
         marks += [] if self.curriculum is None else [self.curriculum]
         marks += [] if self.engine is None else [RLLIB]
@@ -150,8 +150,9 @@ class TrainingRequest:
             return default_folder(f"{named}.yaml", settings.algorithm, self.seed, None, mode, marks=marks)
         return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
 
-    def _task_name(self) -> str | None:
-        """Return the name of the task; None for the scenario's own."""
+    @property
+    def task_name(self) -> str | None:
+        """Name of the task; None for the scenario's own."""
         return None if self.task is None else Path(self.task).stem
 
     def _changed(self, settings: Settings) -> list[str]:
@@ -161,7 +162,7 @@ class TrainingRequest:
         loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
         names = settings.algorithm, environment_id(self.scenario)
         images = _observes_images(load_task(loaded, self.task, team=True))
-        chosen: dict[str, Any] = {"task": self._task_name(), "images": images, "given": self.overrides}
+        chosen: dict[str, Any] = {"task": self.task_name, "images": images, "given": self.overrides}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
         changed = _changed_values(usual, stated)

@@ -17,7 +17,9 @@ from irsim_gym.evaluation.tables import plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
+from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
+from irsim_gym.training.request_checks import check_request
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
 from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
@@ -103,7 +105,9 @@ def run_tuning(
         IrsimGymError: If an argument is invalid, the folder holds another study, or Optuna is not installed.
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops it. The same command continues the study.
     """
-    optuna, settings = _optuna(), request.settings()
+    optuna = _optuna()
+    check_request(request, lambda: check_folder(out), lambda: None if space is None else read_space(space))
+    settings = request.settings()
     chosen = read_space(space or shipped_space(settings.algorithm))
     check_space(request, settings, chosen)
     run = request.folder(settings)

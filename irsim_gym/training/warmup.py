@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 
 import numpy as np
 from rich.console import Console
@@ -13,7 +14,7 @@ from rich.progress import Progress
 from irsim_gym.engine import compile
 from irsim_gym.envs.batch import make_batch
 from irsim_gym.envs.single import WorldEnv
-from irsim_gym.errors import ScenarioError
+from irsim_gym.errors import ScenarioError, report_together
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.protocol import drive
@@ -40,6 +41,7 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
     chosen = names or scenario_names()
+    report_together(*(partial(load_scenario, name, strict=strict, warn=False) for name in names))
     watch.said = True  # the progress bar replaces the message about compilation
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in progress.track(chosen, description="compiling"):

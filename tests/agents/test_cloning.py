@@ -90,7 +90,7 @@ def _weights(run: Any) -> Any:
     ("wanted", "said"),
     [
         (settings(normalize={"norm_obs": True}), "statistics of normalize would change"),
-        (settings(clone="nobody"), "no policy at nobody"),
+        (settings(clone="nobody"), "no policy named 'nobody'"),
         (settings("cluttered_room", clone="random", clone_levels=3), "random wins none of 3 levels"),
     ],
 )

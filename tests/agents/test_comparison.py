@@ -117,7 +117,7 @@ def test_a_models_normalisation_comes_along_and_learns_nothing() -> None:
 
 
 def test_what_is_no_policy_is_told() -> None:
-    with pytest.raises(IrsimGymError, match=r"no policy at dsh \(did you mean 'dash'\?\); use a .zip"):
+    with pytest.raises(IrsimGymError, match=r"no policy named 'dsh' \(did you mean 'dash'\?\)\n  behaviors: "):
         irsim_gym.evaluate(PLAIN, "dsh")
     with pytest.raises(TypeError, match="a policy is a function, a model, a file or a name, got int"):
         load_policy(5)  # type: ignore[arg-type]

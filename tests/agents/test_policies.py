@@ -1,5 +1,6 @@
 """Saved policies drive as they were trained: same observations, same normalisation, whatever the batch."""
 
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -55,16 +56,19 @@ def test_it_acts_as_the_algorithm_predicts(tmp_path: Path) -> None:
 def test_all_unknown_policies_are_named_at_once() -> None:
     with pytest.raises(IrsimGymError) as refused:
         load_policies(["dsh", "dash", "runs/nowhere", "orcs"])
-    problems, cure = str(refused.value).split("; ")
-    assert {"cluttered_room", "dense_room"} <= set(cure.split(", "))
-    assert problems.splitlines() == [
-        "no policy at dsh (did you mean 'dash'?)",
-        "no policy at runs/nowhere",
-        "no policy at orcs (did you mean 'orca'?)",
+    problems, cures = str(refused.value).splitlines()[:3], str(refused.value).splitlines()[3:]
+    assert problems == [
+        "no policy named 'dsh' (did you mean 'dash'?)",
+        "no policy at runs/nowhere: no such file or folder",
+        "no policy named 'orcs' (did you mean 'orca'?)",
     ]
-    assert {"random", "dash", "rvo", "sfm", "orca"} <= set(
-        cure.removeprefix("use a .zip, a run's folder, or one of ").split(", ")
-    )
+    runs, behaviors, shipped, what = cures
+    assert runs.startswith("  runs here: ") or "no run is here yet" in runs
+    assert {"random", "dash", "rvo", "sfm", "orca"} <= set(behaviors.removeprefix("  behaviors: ").split(", "))
+    assert {"cluttered_room", "dense_room"} <= set(shipped.removeprefix("  shipped policies: ").split(", "))
+    assert "the folder of a run" in what
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (str(again), again.source) == (str(refused.value), "dsh")
 
 
 def test_sources() -> None:

@@ -231,7 +231,7 @@ def test_names_on_the_shelf_are_policies(tmp_path: Path, monkeypatch: pytest.Mon
     ]
     (entrant,) = load_entrants(["cluttered_room"])
     assert entrant.sha256 == policy_digest("cluttered_room") == card("cluttered_room").sha256
-    with pytest.raises(IrsimGymError, match="no policy at cluttered_rom \\(did you mean 'cluttered_room'"):
+    with pytest.raises(IrsimGymError, match="no policy named 'cluttered_rom' \\(did you mean 'cluttered_room'"):
         load_policy("cluttered_rom")
     with pytest.raises(UnknownNameError, match="no policy named 'dash' on the shelf"):
         irsim_gym.load_policy("dash")

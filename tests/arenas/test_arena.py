@@ -254,9 +254,9 @@ def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pyt
     [
         (
             ["dsh", "dash", "orcs"],
-            "no policy at dsh (did you mean 'dash'?)\nno policy at orcs (did you mean 'orca'?); use",
+            "no policy named 'dsh' (did you mean 'dash'?)\nno policy named 'orcs' (did you mean 'orca'?)\n  ",
         ),
-        ([], "an arena needs policies: a .zip, a run's folder, or any of random, dash"),
+        ([], "an arena needs policies\n"),
         (["dash", "dash"], "an arena plays each policy once, but dash is given more than once"),
         (["dash", "random", "--mix"], "needs two policies and two agents, got 2 and 1"),
         (["dash", "--resume", "--overwrite"], "pass only one of them"),

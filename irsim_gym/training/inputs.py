@@ -1,0 +1,137 @@
+"""What a command was given is checked before anything is played, and all problems are reported together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from irsim_gym.errors import IrsimGymError, report_together
+from irsim_gym.evaluation.reference_policies import is_named_policy
+from irsim_gym.scenario import library
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.source import read_file
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import load_task
+from irsim_gym.tasks.levels import check_split
+from irsim_gym.training.methods import read_methods
+from irsim_gym.training.policies import load_policy, policy_file
+from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, check_file
+
+Check = Callable[[], object]
+
+
+def check_inputs(
+    scenario: str,
+    *further: Check,
+    task: str | None = None,
+    parameters: Mapping[str, object] | None = None,
+    policies: Sequence[str] = (),
+    split: str | None = None,
+    folder: Path | None = None,
+    team: bool = False,
+    strict: bool = True,
+) -> None:
+    """Check the arguments that commands share.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a file.
+        *further: Checks of the command's own; each raises an ``IrsimGymError``.
+        task: Shipped name or path of a task; None for the scenario's own, which is not checked.
+        parameters: Values for the scenario's parameters.
+        policies: Policies as on the command line, with ``NAME=POLICY,POLICY`` for several seeds.
+        split: Split of the levels; None where there is none.
+        folder: Folder for results, which need not exist.
+        team: Whether all robots learn.
+        strict: Whether unused keys are an error.
+
+    Raises:
+        IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
+    """
+    report_together(
+        *world_checks(scenario, task, parameters, team=team, strict=strict),
+        lambda: check_policies(policies),
+        lambda: None if split is None else check_split(split),
+        lambda: check_folder(folder),
+        *further,
+    )
+
+
+def world_checks(
+    scenario: str,
+    task: str | None = None,
+    parameters: Mapping[str, object] | None = None,
+    *,
+    team: bool = False,
+    strict: bool = True,
+) -> Iterator[Check]:
+    """Yield the checks of a scenario and of its task. Where the scenario cannot be read, the task's file still is.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a file.
+        task: Shipped name or path of a task; None for the scenario's own, which is not checked.
+        parameters: Values for the scenario's parameters.
+        team: Whether all robots learn.
+        strict: Whether unused keys are an error.
+    """
+    loaded: list[Scenario] = []
+    yield lambda: loaded.append(load_scenario(scenario, parameters, strict=strict, warn=False))
+    if task is not None:
+        yield lambda: load_task(loaded[0], task, team=team) if loaded else read_file(library.find(task, "tasks"))
+
+
+def check_policies(texts: Sequence[str]) -> None:
+    """Check that policies exist and that their files can be read.
+
+    Args:
+        texts: Policies as on the command line.
+
+    Raises:
+        IrsimGymError: The problems of all of them.
+    """
+    sources = [source for method in read_methods(texts) for source in method.sources]
+    missing: list[UnknownPolicyError] = []
+    checks: list[Check] = []
+    for source in sources:
+        try:
+            checks.append(_reading(source))
+        except UnknownPolicyError as error:
+            missing.append(error)
+    if missing:
+        checks.insert(0, lambda: _refuse(missing))
+    report_together(*checks)
+
+
+def _reading(source: str) -> Check:
+    """Return the check that reads a policy; raise if there is no such policy."""
+    if is_named_policy(source):
+        return lambda: load_policy(source)
+    file = policy_file(source)
+    return lambda: check_file(file)
+
+
+def _refuse(missing: Sequence[UnknownPolicyError]) -> None:
+    raise all_unknown(missing)
+
+
+def check_trained(source: str | Path) -> None:
+    """Check that a source is a policy with weights, and that its file can be read.
+
+    Raises:
+        IrsimGymError: If it is a behaviour, or there is no such policy.
+    """
+    if is_named_policy(source):
+        raise IrsimGymError(f"{source} is a behavior, which has no weights: name the folder of a run or a policy.zip")
+    check_file(policy_file(source))
+
+
+def check_folder(folder: Path | None) -> None:
+    """Check that results can be written into a folder, which need not exist.
+
+    Raises:
+        IrsimGymError: If it is a file, or below one.
+    """
+    if folder is None:
+        return
+    file = next((one for one in (folder, *folder.parents) if one.exists() and not one.is_dir()), None)
+    if file is not None:
+        raise IrsimGymError(f"--out names a folder for the results, and {file} is a file")

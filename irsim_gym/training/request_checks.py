@@ -1,0 +1,71 @@
+"""The arguments of a training are checked together, before anything is loaded or written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from irsim_gym.errors import report_together
+from irsim_gym.scenario.source import read_file
+from irsim_gym.training.algorithms import ALGORITHMS, find_algorithm
+from irsim_gym.training.hyperparameter_files import check_device
+from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
+from irsim_gym.training.inputs import Check, check_trained, world_checks
+from irsim_gym.training.run import environment_id
+from irsim_gym.training.training_request import TrainingRequest
+
+LEAST = {"n_timesteps": 1, "n_envs": 1}
+"""The hyper-parameters without which there are none."""
+
+
+def check_request(request: TrainingRequest, *further: Check) -> None:
+    """Check the arguments of ``irsim-gym train`` that do not depend on each other.
+
+    Args:
+        request: The arguments.
+        *further: Further checks; each raises an ``IrsimGymError``.
+
+    Raises:
+        IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
+    """
+    report_together(*_worlds(request), *_methods(request), *further)
+
+
+def _worlds(request: TrainingRequest) -> Iterator[Check]:
+    how: dict[str, Any] = {"team": True, "strict": request.strict}
+    if not request.mixture:
+        yield from world_checks(request.scenario, request.task, request.parameters, **how)
+    for part in request.mixture:
+        yield from world_checks(part.scenario, request.task, part.parameters, **how)
+
+
+def _methods(request: TrainingRequest) -> Iterator[Check]:
+    if request.algorithm is not None:
+        yield partial(find_algorithm, request.algorithm)
+    for name, value in request.overrides.items():
+        yield partial(Hyperparameters.from_plain, {**LEAST, name: value})
+    if request.device is not None:
+        yield partial(check_device, request.device)
+    if request.hyperparameters is not None:
+        yield partial(_read_hyperparameters, request)
+    if request.origin is not None:
+        yield partial(check_trained, request.origin)
+    yield from (partial(_check_log, name) for name in request.log)
+
+
+def _read_hyperparameters(request: TrainingRequest) -> None:
+    """Read the file of hyper-parameters; without a known algorithm, only as YAML."""
+    assert request.hyperparameters is not None
+    algorithm = request.algorithm or ("ppo" if request.origin is None else None)
+    if algorithm not in ALGORITHMS:
+        read_file(request.hyperparameters)
+        return
+    chosen: dict[str, Any] = {"file": request.hyperparameters, "overrides": request.overrides}
+    load_hyperparameters(str(algorithm), environment_id(request.scenario), task=request.task_name, **chosen)
+
+
+def _check_log(name: str) -> None:
+    from irsim_gym.envs.sb3_trackers import find_tracker
+
+    find_tracker(name)
