@@ -40,11 +40,6 @@ class LevelMeasures:
     clearance: float
     least_time: float
 
-    @property
-    def tortuosity(self) -> float:
-        """Length of the shortest path divided by the straight length, at least 1; 1 if start and goals coincide."""
-        return max(self.length / self.straight, 1.0) if self.straight > 0.0 else 1.0
-
 
 def measure_level(
     model: Model, state: State, world: int, body: int, *, radius: float | None = None, cell: float = FINE

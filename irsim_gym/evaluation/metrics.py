@@ -110,11 +110,11 @@ class Rate:
     high: float
 
 
-def wilson(count: float, total: float, confidence: float = CONFIDENCE) -> tuple[float, float]:
+def wilson(count: float, total: float) -> tuple[float, float]:
     """Return the score interval of a share (Wilson 1927), which stays inside [0, 1] and is accurate near its ends."""
     if total == 0:
         return 0.0, 1.0
-    z = NormalDist().inv_cdf(0.5 + confidence / 2.0)
+    z = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2.0)
     share = count / total
     centre = share + z * z / (2.0 * total)
     spread = z * math.sqrt(share * (1.0 - share) / total + z * z / (4.0 * total * total))

@@ -40,7 +40,6 @@ def play_suite(
     levels: int = 1000,
     split: str = "test",
     overwrite: bool = False,
-    console: Console | None = None,
 ) -> SuiteRecord:
     """Play what has not been played yet, score all results, and return the folder's record.
 
@@ -54,13 +53,12 @@ def play_suite(
         levels: Number of levels of each benchmark, from level 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         overwrite: Remove existing results first.
-        console: Console of the progress bar.
 
     Raises:
         IrsimGymError: If the folder holds rows with other levels, policies or scenarios.
     """
     check_split(split)
-    screen = console or Console(stderr=True)
+    screen = Console(stderr=True)
     record = _begin(folder, levels, split, overwrite)
     record.add(members, methods)
     with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
