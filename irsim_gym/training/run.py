@@ -30,7 +30,7 @@ FILES = (
     *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
     "config.json",
 )
-"""Files that a run writes. The settings come last, because they are removed last."""
+"""Files that a run writes, each first to a temporary file. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""
 
