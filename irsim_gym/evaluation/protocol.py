@@ -12,7 +12,7 @@ from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.goals_reached import goals_per_minute, goals_reached
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
-from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
+from irsim_gym.evaluation.motion import MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
@@ -54,7 +54,7 @@ def evaluate(
         )
     found, motion = optima_of(split, optima), MotionLog(episodes)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(found, motion, watcher)):
+    for indices, worlds, played in drive(policy, episodes, levels, split, found, motion, watcher):
         for index, world, level in zip(indices, worlds, played, strict=True):
             rows[index] = episode_row(episodes, found, motion, world, level)
         if on_episodes is not None:
@@ -85,7 +85,7 @@ def check_count(simulation: Simulation, split: str, count: int) -> None:
 
 
 def drive(
-    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str, watcher: Watcher | None = None
+    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str, *watchers: Watcher | None
 ) -> Iterator[tuple[list[int], list[int], list[int]]]:
     """Drive each level once, and yield worlds as soon as the episodes of all their agents have ended.
 
@@ -94,7 +94,7 @@ def drive(
         episodes: The worlds.
         levels: Their number (levels 0, 1, ...) or their indices.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        watcher: Observes each step.
+        *watchers: They observe each step, in this order; None is ignored.
 
     Yields:
         Positions of the ended levels in ``levels``, the worlds that played them, and the levels.
@@ -102,12 +102,13 @@ def drive(
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
     check_count(episodes.simulation, split, int(chosen.max(initial=-1)) + 1)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
-    for indices, worlds in _run(driver, episodes, chosen, split, watcher):
+    told = [watcher for watcher in watchers if watcher is not None]
+    for indices, worlds in _run(driver, episodes, chosen, split, told):
         yield indices.tolist(), worlds.tolist(), chosen[indices].tolist()
 
 
 def _run(
-    policy: Policy, episodes: Episodes, levels: Ints, split: str, watcher: Watcher | None
+    policy: Policy, episodes: Episodes, levels: Ints, split: str, watchers: Sequence[Watcher]
 ) -> Iterator[tuple[Ints, Ints]]:
     running = np.arange(min(episodes.n_worlds, levels.size), dtype=np.int64)
     episode = np.full(episodes.n_worlds, -1, dtype=np.int64)
@@ -121,7 +122,7 @@ def _run(
             following += begun.size
             episodes.begin(begun, levels[episode[begun]], split)
             policy.begin(episodes, begun, levels[episode[begun]])
-            if watcher is not None:
+            for watcher in watchers:
                 watcher.began(episodes, begun, episode[begun])
         running = running[~np.isin(running, idle[begun.size :])]
         if not running.size:
@@ -131,11 +132,11 @@ def _run(
             actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
         actions[running] = chosen
         episodes.step(actions, running)
-        if watcher is not None:
+        for watcher in watchers:
             watcher.stepped(episodes, running)
         idle = running[(episodes.view.infos["outcome"][running] != Outcome.RUNNING).all(axis=1)]
         if idle.size:
-            if watcher is not None:
+            for watcher in watchers:
                 watcher.ended(episodes, idle, episode[idle])
             yield episode[idle], idle
 
