@@ -16,6 +16,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived, UnfitPerceptionError
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.played import played_levels
@@ -61,7 +62,7 @@ def play_suite(
     screen = Console(stderr=True)
     record = _begin(folder, levels, split, overwrite)
     record.add(members, methods)
-    with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+    with progress_bar(screen) as bar:
         for member in members:
             missing = [m for m in methods if len(record.done(member.name, m.name)) < len(m.sources)]
             if missing:

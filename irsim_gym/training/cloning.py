@@ -11,7 +11,6 @@ import torch
 from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.progress import Progress
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -21,6 +20,7 @@ from irsim_gym.envs.sb3_critic_parts import actor_observation_space
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent, percepts
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import make_episodes
@@ -131,7 +131,7 @@ def demonstrations(settings: Settings, source: str, console: Console) -> tuple[N
     )
     recorded, won = RecordingPolicy(load_policy(source)), set[tuple[int, int]]()
     levels = range(settings.first_level, settings.first_level + count)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+    with progress_bar(console) as bar:
         line = bar.add_task(f"{source} plays", total=count)
         for _, worlds, played in drive(recorded, episodes, levels, "train"):
             outcomes = episodes.view.infos["outcome"][worlds] == Outcome.SUCCESS
@@ -155,7 +155,7 @@ def imitate(
     batches = -(-len(observations) // BATCH)
     schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, epochs * batches)
     policy.set_training_mode(True)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+    with progress_bar(console) as bar:
         for _ in bar.track(range(epochs), description="imitating"):
             order = torch.randperm(len(observations))
             for part in (order[k : k + BATCH] for k in range(0, len(observations), BATCH)):

@@ -67,11 +67,11 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
     _say(screen, 3, f"evaluating on {levels:,} test levels, beside random and dash", done)
     policy, film = folder / FILES["policy"], folder / FILES["film"]
     if not done:
-        evaluate_policies(scenario, {"ppo": policy}, levels=levels, folder=folder, console=screen)
+        evaluate_policies(scenario, {"ppo": policy}, levels=levels, folder=folder)
     filmed = film.is_file() and film.stat().st_mtime >= policy.stat().st_mtime
     _say(screen, 4, "filming it beside dash", filmed)
     if not filmed:
-        record_film(scenario, [policy, "dash"], FILMED, film, names=["ppo", "dash"], console=screen)
+        record_film(scenario, [policy, "dash"], FILMED, film, names=["ppo", "dash"])
     print((folder / FILES["table"]).read_text(encoding="utf-8"))
     held = reached(points, 0.95)
     if held is not None:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.progress import Progress
 
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import IrsimGymError, several
@@ -20,6 +17,7 @@ from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.progress_bars import counting
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.evaluation.teams import evaluate_team
@@ -90,7 +88,7 @@ def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Pa
     if len(set(splits)) < len(splits):
         raise IrsimGymError(f"--split names a split twice: {','.join(splits)}")
     simulation = wanted.simulation(min(WORLDS, count))
-    with bar("drawing", count * len(splits)) as advance:
+    with counting("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
     write_levels(drawn, out)
     return drawn
@@ -134,7 +132,7 @@ def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[st
     """Return the certificate of levels, and show a progress bar; see ``run_certify``."""
     chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
     optima, worlds = Optima(split), Perceived(episodes)
-    with bar("certifying", count * (1 + len(chosen))) as advance:
+    with counting("certifying", count * (1 + len(chosen))) as advance:
         rows = {
             name: evaluate_team(policy, worlds.of(policy), count, split, optima=optima, on_episodes=advance)
             for name, policy in chosen.items()
@@ -182,12 +180,3 @@ def check_suffix(out: Path) -> None:
     """
     if out.suffix != ".npz":
         raise IrsimGymError(f"a file of levels ends in .npz, got '{out.name}'")
-
-
-@contextmanager
-def bar(words: str, total: int) -> Iterator[Any]:
-    """Show a progress bar, and yield a function that advances it. Only a terminal shows the bar."""
-    console = Console(stderr=True)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as shown:
-        line = shown.add_task(words, total=total)
-        yield lambda steps: shown.advance(line, steps)

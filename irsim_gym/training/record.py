@@ -6,11 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.progress import Progress
-
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.training.players import Players, load_players
 
 if TYPE_CHECKING:
@@ -27,8 +25,6 @@ def record_film(
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
-    *,
-    console: Console | None = None,
     **chosen: Any,
 ) -> Path:
     """Film policies on levels, one level after the other with one panel per policy, and return the film's path.
@@ -40,7 +36,6 @@ def record_film(
         sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
         **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
 
     Raises:
@@ -51,7 +46,7 @@ def record_film(
     check_suffix(path, FILMS, "a film")
     cast = load_players(scenario, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
-    with _bar(console) as bar:
+    with progress_bar() as bar:
         film.write(
             (
                 [_frames(cast, w, level) for w in range(len(cast.policies))]
@@ -68,8 +63,6 @@ def record_html(
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
-    *,
-    console: Console | None = None,
     **chosen: Any,
 ) -> Path:
     """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
@@ -79,7 +72,6 @@ def record_html(
         sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Page to write, ``.html``.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
         **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
 
     Raises:
@@ -90,7 +82,7 @@ def record_html(
     check_suffix(path, REPLAYS, "a replay")
     cast = load_players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
-    with _bar(console) as bar:
+    with progress_bar() as bar:
         recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
     cast.renderer.close()
     return save_html(path, recordings)
@@ -103,7 +95,6 @@ def record_sheet(
     path: Path,
     *,
     strobe: bool = False,
-    console: Console | None = None,
     **chosen: Any,
 ) -> Path:
     """Draw policies on levels into one picture, and return its path.
@@ -116,7 +107,6 @@ def record_sheet(
             ``.pdf`` or ``.svg``.
         strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.
             Otherwise each episode is a row of frames, evenly spaced from the start to the end.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
         **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
 
     Raises:
@@ -129,7 +119,7 @@ def record_sheet(
     cast = load_players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
-    with _bar(console) as bar:
+    with progress_bar() as bar:
         track = bar.track(pairs, description="drawing")
         if not strobe:
             shown = [_moments(cast, w, level) for w, level in track]
@@ -171,11 +161,6 @@ def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
     for status in cast.play(world, level):
         if cast.is_frame(world):
             yield cast.renderer.frame(world, status)
-
-
-def _bar(console: Console | None) -> Progress:
-    screen = console or Console(stderr=True)
-    return Progress(console=screen, disable=not screen.is_terminal, transient=True)
 
 
 def check_suffix(path: Path, known: Sequence[str], what: str) -> None:

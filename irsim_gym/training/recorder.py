@@ -9,13 +9,13 @@ from typing import Any
 import gymnasium
 import numpy as np
 from rich.console import Console
-from rich.progress import Progress
 
 import irsim_gym
 from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.evaluation.perception import Perceived
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.tasks import Outcome
 from irsim_gym.training.demonstrations import (
     FORMAT,
@@ -152,10 +152,10 @@ def record_demonstrations(
     assert isinstance(world, WorldEnv)
     _check_demonstrator(world, driver)
     recorder = Recorder(env, Path(path))
-    first, screen = np.zeros(1, np.int64), console or Console(stderr=True)
+    first = np.zeros(1, np.int64)
     chosen = range(levels) if isinstance(levels, int) else levels
     try:
-        with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        with progress_bar(console) as bar:
             for level in bar.track(chosen, description="driving"):
                 observation, _ = env.reset(options={"split": split, "level": int(level)})
                 driver.begin(world.worlds.episodes, first, np.array([level]))

@@ -6,11 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
-from rich.progress import Progress
 
 from irsim_gym.evaluation.metrics import summarize, wilson
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.team_metrics import summarize_team
@@ -66,7 +66,7 @@ def score_run(
         if not screen.is_terminal:
             count = f"{len(waiting)} checkpoint{'' if len(waiting) == 1 else 's'}"
             screen.print(f"scoring {count} on {levels:,} dev levels", highlight=False)
-        with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        with progress_bar(screen) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
                 policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures
                 found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
