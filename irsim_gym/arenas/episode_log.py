@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.pictures import make_renderer, world_status
 from irsim_gym.envs.replays import agent_values
 from irsim_gym.tasks import Episodes
 
@@ -25,12 +25,7 @@ class EpisodeLog:
     """
 
     def __init__(self, episodes: Episodes, split: str) -> None:
-        from irsim_gym.render import Renderer
-
-        simulation = episodes.simulation
-        parts = simulation.model, simulation.state, simulation.sensors
-        learners = simulation.agents.tolist()
-        self._renderer = Renderer(simulation.scenario, *parts, learners=learners, explored=simulation.explored)
+        self._renderer = make_renderer(episodes.simulation)
         self._split, self.policy = split, ""
         self._recordings: dict[int, Recording] = {}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from irsim_gym.engine import Simulation, compile
+from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
@@ -30,16 +30,13 @@ def draw_level(
     Raises:
         IrsimGymError: If the file's suffix is not ``.png``, ``.pdf`` or ``.svg``.
     """
-    from irsim_gym.render import Renderer
     from irsim_gym.render.sheet import save_sheet
 
     if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
         raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{out}'")
     simulation = begin_level(load_scenario(scenario, parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
-    parts = simulation.model, simulation.state, simulation.sensors
-    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
-    renderer = Renderer(simulation.scenario, *parts, **chosen)
+    renderer = make_renderer(simulation)
     if path.suffix == ".png":
         save_sheet(renderer.frame(0), path)
     else:

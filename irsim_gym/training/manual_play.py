@@ -14,7 +14,7 @@ import numpy as np
 import irsim_gym
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.controls import Driver
-from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.pictures import make_renderer, world_status
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
@@ -318,12 +318,9 @@ def play(settings: PlaySettings) -> PlayResult:
 
 def _screen(worlds: Worlds, body: int) -> PlayScreen:
     """Return the screen that shows the world of an environment to the person."""
-    from irsim_gym.render import Renderer
     from irsim_gym.render.play_screen import PlayScreen
 
-    simulation, scenario = worlds.simulation, worlds.scenario
-    parts = simulation.model, simulation.state, simulation.sensors
-    renderer = Renderer(scenario, *parts, learners=[body], explored=simulation.explored)
+    scenario, renderer = worlds.scenario, make_renderer(worlds.simulation)
     names, several = scenario.bodies[body].kinematics.command_names, len(scenario.robots) > 1
     return PlayScreen(renderer, names, several=several)
 

@@ -12,6 +12,7 @@ from rich.progress import Progress
 
 from irsim_gym.engine import compile
 from irsim_gym.envs.batch import make_batch
+from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import ScenarioError
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
@@ -82,10 +83,6 @@ def _drive(episodes: Episodes) -> None:
 
 
 def _draw(scenario: Scenario) -> None:
-    from irsim_gym.render import Renderer
-
-    level = begin_level(scenario)
-    parts = level.model, level.state, level.sensors
-    renderer = Renderer(scenario, *parts, learners=level.agents.tolist(), explored=level.explored)
+    renderer = make_renderer(begin_level(scenario))
     renderer.frame(0)
     renderer.close()
