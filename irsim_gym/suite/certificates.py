@@ -15,7 +15,8 @@ from irsim_gym.scenario import load_scenario
 from irsim_gym.suite.members import Member, shipped_suite
 from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord, read_record
-from irsim_gym.training.level_commands import WORLDS, ScenarioRequest, write_certificate
+from irsim_gym.training.level_commands import WORLDS, write_certificate
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 
 def certify_members(folder: Path, names: Sequence[str]) -> None:

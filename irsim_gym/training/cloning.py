@@ -23,10 +23,10 @@ from irsim_gym.evaluation.policy import Policy, by_agent, percepts
 from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.policies import load_policy, memory_shape
 from irsim_gym.training.run import Settings
+from irsim_gym.training.scenario_request import request_of
 
 BATCH = 1024
 """Rows of a minibatch."""
@@ -121,14 +121,7 @@ def demonstrations(settings: Settings, source: str, console: Console) -> tuple[N
         IrsimGymError: If the policy never succeeds.
     """
     count = settings.hyperparameters.clone_levels
-    episodes = make_episodes(
-        settings.scenario,
-        task=settings.task,
-        n_worlds=min(WORLDS, count),
-        parameters=settings.parameters,
-        team=settings.hyperparameters.team is not None,
-        strict=settings.strict,
-    )
+    episodes = request_of(settings).episodes(min(WORLDS, count))
     recorded, won = RecordingPolicy(load_policy(source)), set[tuple[int, int]]()
     levels = range(settings.first_level, settings.first_level + count)
     with progress_bar(console) as bar:

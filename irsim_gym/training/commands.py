@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,24 +11,26 @@ from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.tables import print_table
+from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
-from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.folders import evaluation_folder, has_results
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
-from irsim_gym.training.remembered import remembered_parameters, report_changes
+from irsim_gym.training.remembered import as_trained
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.verdict import look_command, verdict
 
-Parameters = Mapping[str, object] | None
 PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
@@ -140,16 +142,13 @@ def marks_table(points: Sequence[Point]) -> Table:
 
 
 def run_evaluation(
-    scenario: str,
+    asked: ScenarioRequest,
     policies: Sequence[str],
+    *,
     levels: int,
     split: str,
-    task: str | None,
-    out: Path | None,
-    references: bool,
-    parameters: Parameters = None,
-    team: bool = False,
-    strict: bool = True,
+    out: Path | None = None,
+    references: bool = True,
     overwrite: bool = False,
 ) -> Evaluation | TeamEvaluation:
     """Evaluate policies of single robots or of teams, print the tables, write the files, and return the results.
@@ -160,24 +159,11 @@ def run_evaluation(
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
     methods = {method.name: method.sources for method in read_methods(policies)}
-    sources = [source for seeds in methods.values() for source in seeds]
-    parameters = remembered_parameters(scenario, sources, parameters, strict=strict)
     if out is not None and has_results(out) and not overwrite:
         raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
-    folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
-    report_changes(scenario, sources, task, strict=strict)
-    evaluated = evaluate_team_policies if team else evaluate_policies
-    found = evaluated(
-        scenario,
-        methods,
-        levels=levels,
-        split=split,
-        task=task,
-        references=references,
-        folder=folder,
-        parameters=parameters,
-        strict=strict,
-    )
+    asked = as_trained(asked, [source for seeds in methods.values() for source in seeds])
+    folder = out or evaluation_folder(str(asked.scenario), split, asked.parameters, asked.team, overwrite=overwrite)
+    found = evaluate_policies(asked, methods, levels=levels, split=split, references=references, folder=folder)
     for table in found.tables:
         print_table(table)
     print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
@@ -185,88 +171,70 @@ def run_evaluation(
 
 
 def run_rollout(
-    scenario: str,
+    asked: ScenarioRequest,
     policy: str,
+    *,
     levels: int,
     split: str,
-    task: str | None,
-    frames: Path | None,
-    parameters: Parameters = None,
-    team: bool = False,
+    frames: Path | None = None,
     record: Path | None = None,
-    strict: bool = True,
 ) -> None:
     """Play a few levels with a policy, and print a line for each; with a team, a line for each robot.
 
     Raises:
-        IrsimGymError: If ``record`` is combined with ``team``: a file holds demonstrations of a single robot.
+        IrsimGymError: If ``record`` is combined with a team: a file holds demonstrations of a single robot.
     """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
 
     if frames is not None:
         check_suffix(frames, FILMS, "a film")
-    if team and record is not None:
+    if asked.team and record is not None:
         raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
-    used = remembered_parameters(scenario, [policy], parameters, strict=strict)
-    report_changes(scenario, [policy], task, strict=strict)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
-    if team:
-        of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
-        agents = [agent for row in next(iter(of_teams.rows.values())) for agent in row.agents]
-        rows = [(f"level {agent.episode.level}, {agent.agent}", agent.episode) for agent in agents]
-    else:
-        found = evaluate_policies(scenario, [policy], levels=levels, references=False, **chosen)
-        rows = [(f"level {row.level}", row) for row in next(iter(found.rows.values()))]
-    for who, row in rows:
-        hit = f" with {row.hit}" if row.hit else ""
-        print(f"{who}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
+    asked = as_trained(asked, [policy])
+    found = evaluate_policies(asked, [policy], levels=levels, split=split, references=False)
+    rows: Sequence[EpisodeRow | TeamRow] = next(iter(found.rows.values()))
+    for row in rows:
+        for who, one in _episodes(row):
+            hit = f" with {one.hit}" if one.hit else ""
+            print(f"{who}: {one.outcome}{hit} after {one.time:.1f} s, {one.path_length:.2f} m driven")
     if frames is not None:
-        print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
+        print(record_film(asked, [policy], range(levels), frames, split=split))
     if record is not None:
         from irsim_gym.training.recorder import record_demonstrations
 
-        kept = record_demonstrations(scenario, policy, record, levels, split=split, task=task, strict=strict, **used)
+        named: dict[str, Any] = {"task": asked.task, "strict": asked.strict, **(asked.parameters or {})}
+        kept = record_demonstrations(asked.scenario, policy, record, levels, split=split, **named)
         print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
 
 
+def _episodes(row: EpisodeRow | TeamRow) -> list[tuple[str, EpisodeRow]]:
+    """Return the episodes of a level, each with its name."""
+    if isinstance(row, EpisodeRow):
+        return [(f"level {row.level}", row)]
+    return [(f"level {agent.episode.level}, {agent.agent}", agent.episode) for agent in row.agents]
+
+
 def run_record(
-    scenario: str,
-    policies: Sequence[str],
-    levels: Sequence[int],
-    split: str,
-    task: str | None,
-    out: Path | None,
-    parameters: Parameters = None,
-    team: bool = False,
-    *,
-    kind: str = "film",
-    strict: bool = True,
+    asked: ScenarioRequest, policies: Sequence[str], levels: Sequence[int], split: str, out: Path | None, kind: str
 ) -> None:
     """Write a film, a replay page, a ``sheet`` or a ``strobe`` picture of policies, and print the file's name.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
+        asked: The scenario.
         policies: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name or path of a task; None for the scenario's own.
         out: File to write; None for a default name in ``runs``. A name that ends in ``.html`` means a replay page.
-        parameters: Values for the scenario's parameters.
-        team: Whether the policies drive all robots; if the task names robots, only these.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
-        strict: Whether unused keys are an error; False ignores them.
     """
     from irsim_gym.training.record import record_film, record_html, record_sheet
 
-    used = remembered_parameters(scenario, policies, parameters, strict=strict)
-    report_changes(scenario, policies, task, strict=strict)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
-    chosen |= {"team": team}
+    asked = as_trained(asked, policies)
     names_page = out is not None and out.suffix.lower() == ".html"
     if kind == "replay" or (kind == "film" and names_page):
-        print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))
+        print(record_html(asked, policies, levels, out or Path("runs/replay.html"), split=split))
     elif kind == "film":
-        print(record_film(scenario, policies, levels, out or Path("runs/film.mp4"), **chosen))
+        print(record_film(asked, policies, levels, out or Path("runs/film.mp4"), split=split))
     else:
         path = out or Path(f"runs/{kind}.png")
-        print(record_sheet(scenario, policies, levels, path, strobe=kind == "strobe", **chosen))
+        print(record_sheet(asked, policies, levels, path, split=split, strobe=kind == "strobe"))

@@ -13,6 +13,7 @@ from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import reached, score_run
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
@@ -49,7 +50,7 @@ def run_demo(
 
 
 def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: int) -> None:
-    screen, run = Console(stderr=True), Run(folder / "run")
+    screen, run, asked = Console(stderr=True), Run(folder / "run"), ScenarioRequest(scenario)
     request = TrainingRequest(scenario, "ppo", seed, steps)
     settings = request.settings()
     if run.exists():
@@ -67,11 +68,11 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
     _say(screen, 3, f"evaluating on {levels:,} test levels, beside random and dash", done)
     policy, film = folder / FILES["policy"], folder / FILES["film"]
     if not done:
-        evaluate_policies(scenario, {"ppo": policy}, levels=levels, folder=folder)
+        evaluate_policies(asked, {"ppo": policy}, levels=levels, folder=folder)
     filmed = film.is_file() and film.stat().st_mtime >= policy.stat().st_mtime
     _say(screen, 4, "filming it beside dash", filmed)
     if not filmed:
-        record_film(scenario, [policy, "dash"], FILMED, film, names=["ppo", "dash"])
+        record_film(asked, [policy, "dash"], FILMED, film, names=["ppo", "dash"])
     print((folder / FILES["table"]).read_text(encoding="utf-8"))
     held = reached(points, 0.95)
     if held is not None:

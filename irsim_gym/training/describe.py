@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from irsim_gym.envs.description import Block, Description
 from irsim_gym.envs.description_text import show
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
     from irsim_gym.render.sectors_plot import ImagePanel, SectorPanel
@@ -24,25 +25,14 @@ LEVEL = 0
 """Level that a picture shows."""
 
 
-def describe_scenario(
-    scenario: str,
-    task: str | None,
-    parameters: Mapping[str, object],
-    *,
-    team: bool,
-    strict: bool,
-    as_json: bool,
-    picture: Path | None,
-) -> None:
+def describe_scenario(asked: ScenarioRequest, *, as_json: bool, picture: Path | None) -> None:
     """Print the description of an environment, and draw the directions that its observations cover.
 
+    Robots of a team that observe and act alike are described once.
+
     Args:
-        scenario: Shipped name, id or path of a scenario file.
-        task: Shipped name or path of a task; None for the scenario's own.
-        parameters: Values for the scenario's parameters.
-        team: Whether all robots learn. Robots that observe and act alike are described once.
-        strict: Whether unused keys are an error; False ignores them.
-        as_json: Print JSON: an object, or a list of objects with ``team``.
+        asked: The scenario.
+        as_json: Print JSON: an object, or a list of objects for a team.
         picture: File to draw; None for none.
 
     Raises:
@@ -50,11 +40,11 @@ def describe_scenario(
     """
     if picture is not None and picture.suffix.lower() not in SUFFIXES:
         raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{picture}'")
-    worlds = Worlds(scenario, task=task, parameters=parameters, team=team, strict=strict)
-    found = list(_each(worlds, team))
+    worlds = Worlds(**vars(asked))
+    found = list(_each(worlds, asked.team))
     if as_json:
         plain = [description.as_dict() for description in found]
-        print(json.dumps(plain if team else plain[0], indent=2))
+        print(json.dumps(plain if asked.team else plain[0], indent=2))
     else:
         for k, description in enumerate(found):
             print(end="\n" if k else "")

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import IrsimGymError, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.certificate_measures import is_disc
@@ -24,12 +21,11 @@ from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate, certificate_beside
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
-from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.level_set import LevelSet, set_hash
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.world.model import ACKERMANN
 
 WORLDS = 64
@@ -37,47 +33,6 @@ REFERENCES = ("random", "dash", "orca", "dwa", "pursuit:known=seen", "pursuit")
 """Default reference policies: random, straight ahead, ORCA, local planning, paths on the seen and on the full map."""
 POSES = "hybrid_astar"
 """Further reference policy for robots that are not discs or steer like a car: it plans over poses."""
-
-
-@dataclass(frozen=True)
-class ScenarioRequest:
-    """The arguments that select a scenario and its task.
-
-    Attributes:
-        scenario: Shipped name, environment id, or path of a file.
-        task: Shipped name or path of a task; None for the scenario's own.
-        team: Whether all robots are agents; if the task names robots, only these.
-        parameters: Values for the scenario's parameters.
-        strict: Whether unused keys are an error; False ignores them.
-    """
-
-    scenario: str
-    task: str | None = None
-    team: bool = False
-    parameters: Mapping[str, object] | None = None
-    strict: bool = True
-
-    def simulation(self, n_worlds: int) -> Simulation:
-        """Return worlds with the agents of the task; without agents if there is no task and no robot can learn.
-
-        The agents affect the levels: each of them gets a path to its goal.
-        """
-        loaded = self.loaded()
-        try:
-            return self.episodes(n_worlds, loaded).simulation
-        except IrsimGymError:
-            if loaded.task or self.task is not None or self.team:
-                raise
-            return compile(loaded, n_worlds)
-
-    def episodes(self, n_worlds: int, loaded: Scenario | None = None) -> Episodes:
-        """Return worlds with the task."""
-        chosen: dict[str, Any] = {"task": self.task, "team": self.team, "strict": self.strict}
-        return make_episodes(loaded or self.loaded(), n_worlds=n_worlds, **chosen)
-
-    def loaded(self) -> Scenario:
-        """Return the scenario."""
-        return load_scenario(self.scenario, self.parameters, strict=self.strict)
 
 
 def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Path) -> LevelSet:
@@ -120,7 +75,7 @@ def run_certify(
     check_split(split)
     episodes = wanted.episodes(min(WORLDS, count))
     made = _certified(episodes, split, count, policies)
-    own = Path(wanted.scenario)
+    own = Path(str(wanted.scenario))
     path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _summary(made):
         print(line)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.engine import Simulation
+from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import check_count
 from irsim_gym.levels.certificate import Certificate
 from irsim_gym.levels.played import played_levels
 from irsim_gym.tasks.levels import check_split
-from irsim_gym.training.level_commands import WORLDS, ScenarioRequest
+from irsim_gym.training.level_commands import WORLDS
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 SIDE = 320
 """Width to which frames are reduced [pixel]."""
@@ -64,13 +65,10 @@ def _by_difficulty(certificate: Certificate, count: int, number: int) -> Ints:
 
 def _draw(simulation: Simulation, split: str, levels: Ints, certificate: Certificate | None, path: Path) -> None:
     """Draw the starts of levels, each with its number and, if certified, its difficulty and path length."""
-    from irsim_gym.render import Renderer
     from irsim_gym.render.film import EpisodeFilm
     from irsim_gym.render.sheet import reduced, save_sheet
 
-    parts = simulation.model, simulation.state, simulation.sensors
-    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
-    renderer = Renderer(simulation.scenario, *parts, **chosen)
+    renderer = make_renderer(simulation)
     frames: list[Bytes] = []
     for level in levels.tolist():
         simulation.reset(level, split)

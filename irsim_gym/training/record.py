@@ -10,6 +10,7 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.training.players import Players, load_players
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
     from irsim_gym.render.replay_data import Recording
@@ -21,7 +22,7 @@ DRAWINGS = (".pdf", ".svg")
 
 
 def record_film(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
@@ -32,11 +33,11 @@ def record_film(
     The film has a frame at the start, one every ``sample_time``, and one at the end of each episode.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
+        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
-        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
+        **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not that of a film.
@@ -44,7 +45,7 @@ def record_film(
     from irsim_gym.render.film import EpisodeFilm
 
     check_suffix(path, FILMS, "a film")
-    cast = load_players(scenario, sources, **chosen)
+    cast = load_players(asked, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
     with progress_bar() as bar:
         film.write(
@@ -59,7 +60,7 @@ def record_film(
 
 
 def record_html(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
@@ -68,11 +69,11 @@ def record_html(
     """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
+        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Page to write, ``.html``.
-        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
+        **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not ``.html``.
@@ -80,7 +81,7 @@ def record_html(
     from irsim_gym.render.replay_page import save_html
 
     check_suffix(path, REPLAYS, "a replay")
-    cast = load_players(scenario, sources, **chosen)
+    cast = load_players(asked, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with progress_bar() as bar:
         recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
@@ -89,7 +90,7 @@ def record_html(
 
 
 def record_sheet(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
@@ -100,14 +101,14 @@ def record_sheet(
     """Draw policies on levels into one picture, and return its path.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
+        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``; with ``strobe`` and a single episode also
             ``.pdf`` or ``.svg``.
         strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.
             Otherwise each episode is a row of frames, evenly spaced from the start to the end.
-        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
+        **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not that of such a picture.
@@ -116,7 +117,7 @@ def record_sheet(
     from irsim_gym.render.sheet import contact_sheet, save_sheet
     from irsim_gym.render.strobe import draw_strobe, save_strobe
 
-    cast = load_players(scenario, sources, **chosen)
+    cast = load_players(asked, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
     with progress_bar() as bar:

@@ -14,6 +14,7 @@ import irsim_gym
 from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.single import WorldEnv
+from irsim_gym.envs.worlds import ScenarioSource
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.tasks import Outcome
@@ -113,7 +114,7 @@ class Recorder:
 
 
 def record_demonstrations(
-    scenario: str | Path | Mapping[str, Any],
+    scenario: ScenarioSource,
     policy: str,
     path: str | Path,
     levels: int | Sequence[int] = 20,
@@ -127,7 +128,7 @@ def record_demonstrations(
     """Play levels with a policy, and write the demonstrations to a file.
 
     Args:
-        scenario: Shipped name, environment id, path of a scenario file, or plain data.
+        scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         policy: Policy, as ``load_policy`` takes it: ``dash``, ``rvo``, ``orca``, ``random``, the name of a shipped
             policy, a run's folder or a ``policy.zip``.
         path: File to write, ``.npz``. Appends to an existing file of the same environment.

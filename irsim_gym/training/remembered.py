@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardScenario
 from irsim_gym.training.run import lasting, run_of, scenario_name
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.shelf import card_of
 from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
@@ -95,14 +97,20 @@ def _changes_since_card(
     return [] if now.digest == card.sha256 else ["its hash is not that on the card"]
 
 
-def report_changes(
-    scenario: str, sources: Sequence[str | Path], task: str | None = None, *, strict: bool = True
-) -> None:
+def report_changes(asked: ScenarioRequest, sources: Sequence[str | Path]) -> None:
     """Print to standard error how a scenario has changed since policies were trained in it, a line for each policy."""
+    scenario, task = str(asked.scenario), None if asked.task is None else str(asked.task)
     for source in sources:
-        found = changes_since(scenario, source, task, strict=strict)
+        found = changes_since(scenario, source, task, strict=asked.strict)
         if found:
             _say(change_message(scenario, source, found))
+
+
+def as_trained(asked: ScenarioRequest, sources: Sequence[str | Path]) -> ScenarioRequest:
+    """Return a scenario with the parameters of the policies' trainings, and report how it has changed since then."""
+    used = remembered_parameters(str(asked.scenario), sources, asked.parameters, strict=asked.strict)
+    report_changes(asked, sources)
+    return replace(asked, parameters=used)
 
 
 def change_message(scenario: str | Path, source: str | Path, found: list[str]) -> str:

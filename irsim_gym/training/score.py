@@ -18,11 +18,11 @@ from irsim_gym.evaluation.teams import evaluate_team, top_speed
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint_files import RunProgress, list_checkpoints, load_progress
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.learning_curve import draw_curve
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.verdict import COLUMNS, failures
 
 DEV_LEVELS = 1000
@@ -59,7 +59,7 @@ def score_run(
     if waiting:
         is_team = settings.hyperparameters.team is not None
         places = [
-            (name, _worlds(part, levels), Optima("dev"))
+            (name, request_of(part).episodes(max(1, min(WORLDS, levels))), Optima("dev"))
             for name, part in zip(settings.names, run.own_settings().parts(), strict=True)
         ]
         screen = console or Console(stderr=True)
@@ -134,18 +134,6 @@ def scenario_point(point: Point, name: str) -> Point:
     """Return the scores in one scenario from a point of a mixture's curve."""
     own = {key.removeprefix(f"{name}/"): value for key, value in point.items() if key.startswith(f"{name}/")}
     return {**{key: point[key] for key in PROGRESS}, **own}
-
-
-def _worlds(settings: Settings, levels: int) -> Episodes:
-    """Return the worlds for scoring checkpoints."""
-    return make_episodes(
-        settings.scenario,
-        task=settings.task,
-        n_worlds=max(1, min(WORLDS, levels)),
-        parameters=settings.parameters,
-        strict=settings.strict,
-        team=settings.hyperparameters.team is not None,
-    )
 
 
 def _sorted(points: dict[int, Point]) -> list[Point]:
