@@ -117,11 +117,8 @@ class Contest:
     """Policies, the worlds they play in, and the folder of the results.
 
     Args:
-        entrants: The policies.
-        episodes: The worlds.
         folder: Folder of the results.
         levels: Number of levels of the split, from level 0.
-        split: Split of the levels.
         team: Whether the task's agents are a team.
         mix: Whether pairs of policies also drive one team.
 

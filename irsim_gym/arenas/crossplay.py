@@ -37,7 +37,6 @@ class MixedPolicy:
     Args:
         one: Policy of the first agent, the third and so on.
         other: Policy of the second agent, the fourth and so on.
-        n_agents: Number of agents.
     """
 
     def __init__(self, one: Policy, other: Policy, n_agents: int) -> None:
@@ -151,7 +150,6 @@ def meetings(names: Sequence[str], rows: Mapping[str, Sequence[TeamRow]]) -> lis
     """Return the results of each policy with each partner.
 
     Args:
-        names: Names of the policies.
         rows: Levels by name of the arrangement; all arrangements have the same levels.
     """
     return [_meeting(policy, partner, rows) for policy, partner in product(names, repeat=2)]

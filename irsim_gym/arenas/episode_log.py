@@ -16,10 +16,6 @@ if TYPE_CHECKING:
 class EpisodeLog:
     """Records all episodes that are played: a `Watcher`.
 
-    Args:
-        episodes: The worlds.
-        split: Split of the levels.
-
     Attributes:
         policy: Name of the policy that plays.
     """

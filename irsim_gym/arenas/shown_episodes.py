@@ -81,11 +81,7 @@ def record_episodes(
     """Play episodes again and yield their recordings; None for an episode that ended differently this time.
 
     Args:
-        board: The results of the first time.
         policies: The policies, in the order of the board.
-        worlds: The worlds to play in, as each policy perceives them.
-        split: Split of the levels.
-        chosen: The episodes.
     """
     log = EpisodeLog(worlds.episodes, split)
     for policy in sorted({shown.policy for shown in chosen}):

@@ -67,7 +67,6 @@ def stand(
 
     Args:
         rows: Episodes (levels for teams) by policy; may also hold those of arrangements of two policies.
-        policies: Names of the policies.
         team: Whether they drove teams.
         meetings: Results of each policy with each partner.
         level_set: The levels, and their certificate if they have one.

@@ -44,7 +44,6 @@ def strata_of_quarters(board: Board, quarter: Ints) -> list[Stratum]:
     """Return success by quarters of difficulty, the easiest first.
 
     Args:
-        board: The results.
         quarter: Quarter of each level, from 0 to 3, ``(n_levels,)``.
     """
     return [

@@ -42,7 +42,6 @@ class Pictures:
 
     Args:
         scenario: What is simulated.
-        episodes: The worlds.
         mode: One of these or None.
 
     Raises:

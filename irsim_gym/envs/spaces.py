@@ -122,7 +122,6 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Observat
     """Return the layout of the observations of a task.
 
     Args:
-        episodes: The task.
         agent: Leave out the columns that mean nothing to this agent; None for those of the richest.
     """
     columns: dict[str, slice | Ints] = {}

@@ -46,7 +46,6 @@ class Worlds:
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
-        n_worlds: How many.
         task: Name of a shipped task, path, plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         outer_limit: Another time limit [steps], in place of the task's; of it and ``max_steps`` the smaller one counts.

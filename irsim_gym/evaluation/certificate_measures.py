@@ -50,10 +50,7 @@ def measure_level(
     wider than the disc may be missed (see ``paths.reachability``). All paths found are tested exactly to be free.
 
     Args:
-        model: Constants of the episode.
         state: State at the start of the episode: outlines, and goals that are not reached yet.
-        world: Index of the world.
-        body: Index of the body.
         radius: Radius of the disc [m]; by default that of the disc about the body's origin that encloses its footprint.
         cell: Side of the cells [m].
 
@@ -127,10 +124,6 @@ def least_steps(model: Model, state: State, world: int, body: int, legs: Sequenc
     plugins are unknown, so one step counts as enough for them.
 
     Args:
-        model: Constants of the episode.
-        state: State at the start.
-        world: Index of the world.
-        body: Index of the body.
         legs: Lengths of the paths [m].
     """
     row, dt = world % len(model.velocity_max), float(model.step_time[0])

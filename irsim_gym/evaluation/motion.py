@@ -17,9 +17,6 @@ class MotionLog:
     Both are differences of the velocity vector in the world frame over a step, so that turning at full speed counts and
     turning on the spot does not. Steps that end in a collision are excluded, since a collision removes the velocity.
 
-    Args:
-        episodes: The worlds.
-
     Attributes:
         people: Measures how close agents come to people.
     """

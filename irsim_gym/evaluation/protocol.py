@@ -40,7 +40,6 @@ def evaluate(
         policy: A policy, or a function of the observation alone.
         episodes: Worlds with one agent each, see ``irsim_gym.tasks.Episodes``.
         levels: Their number (levels 0, 1, ...) or their indices.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima of earlier evaluations of the same split; new ones are added.
         on_episodes: Called with the number of episodes that have just ended.
         watcher: Observes each step.
@@ -91,9 +90,7 @@ def drive(
 
     Args:
         policy: A policy, or a function of the observation alone.
-        episodes: The worlds.
         levels: Their number (levels 0, 1, ...) or their indices.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         *watchers: They observe each step, in this order; None is ignored.
 
     Yields:

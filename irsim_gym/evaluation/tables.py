@@ -87,7 +87,6 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
     """Return the rows of a CSV file with a header line: the place of each, for messages, and its cells by column.
 
     Args:
-        path: The file.
         *kinds: Dataclasses that ``read_cells`` will make of the rows; fields without a default must be columns.
 
     Raises:

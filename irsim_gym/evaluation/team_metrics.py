@@ -222,7 +222,6 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
     """Summarise the levels of one policy.
 
     Args:
-        policy: Its name.
         rows: The levels that it played, all with the same number of agents.
         common: Levels that all compared policies solved, including this one; None if it is not compared.
     """

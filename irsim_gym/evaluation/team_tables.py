@@ -36,7 +36,6 @@ def write_agents(
     """Write one CSV row per policy, level and agent.
 
     Args:
-        path: The file.
         results: Levels by policy.
         drivers: Names of the policies that drive each agent, by the keys of ``results``, for a column ``driver``; None
             without cross-play.
@@ -55,7 +54,6 @@ def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
     """Return the levels that ``write_agents`` wrote, with rounded floats.
 
     Args:
-        path: The file.
         limit: The time limit [s].
 
     Raises:

@@ -39,7 +39,6 @@ def evaluate_team(
         policy: A policy, or a function that maps the agents' observations to their actions.
         episodes: Worlds with any number of agents, see ``irsim_gym.tasks.Episodes``.
         levels: Their number (levels 0, 1, ...) or their indices.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima of earlier evaluations of the same split; new ones are added.
         on_episodes: Called with the number of levels that have just ended.
         watcher: Observes each step.

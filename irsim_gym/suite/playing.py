@@ -48,11 +48,8 @@ def play_suite(
     record states the reason. Each policy perceives as in ``evaluate_policies``.
 
     Args:
-        members: The benchmarks.
-        methods: The methods that play.
         folder: Folder of rows and summary. Existing results are kept and not played again.
         levels: Number of levels of each benchmark, from level 0.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         overwrite: Remove existing results first.
 
     Raises:

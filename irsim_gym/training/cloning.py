@@ -79,7 +79,6 @@ def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -
     Args:
         model: A model of an on-policy algorithm without memory.
         settings: Settings of the run, with ``clone``.
-        console: Console for progress bars, which only a terminal shows.
 
     Returns:
         The elapsed wall-clock time and processor time [s].
@@ -113,9 +112,7 @@ def demonstrations(settings: Settings, source: str, console: Console) -> tuple[N
     """Return the observations and actions of a policy in its successful episodes, ``(n, ...)`` each.
 
     Args:
-        settings: Settings of the run.
         source: The policy, as ``load_policy`` takes it.
-        console: Console for the progress bar, which only a terminal shows.
 
     Raises:
         IrsimGymError: If the policy never succeeds.

@@ -46,7 +46,6 @@ def run_training(
     """Train a policy, score the checkpoints, print the results, and return the run.
 
     Args:
-        request: Arguments of the training.
         out: Folder of the run; None for the default folder.
         resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.
@@ -220,10 +219,7 @@ def run_record(
     """Write a film, a replay page, a ``sheet`` or a ``strobe`` picture of policies, and print the file's name.
 
     Args:
-        asked: The scenario.
         policies: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         out: File to write; None for a default name in ``runs``. A name that ends in ``.html`` means a replay page.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
     """

@@ -40,7 +40,6 @@ def run_demo(
         scenario: Shipped name, environment id, or path of a scenario file.
         steps: Number of training steps; None for that of the hyper-parameter file.
         levels: Number of ``test`` levels of the evaluation, and of ``dev`` levels of the learning curve.
-        seed: Seed of the training.
 
     Raises:
         TrainingInterruptedError: If Ctrl-C or, during training, SIGTERM stops it. The next call resumes.

@@ -31,7 +31,6 @@ def describe_scenario(asked: ScenarioRequest, *, as_json: bool, picture: Path | 
     Robots of a team that observe and act alike are described once.
 
     Args:
-        asked: The scenario.
         as_json: Print JSON: an object, or a list of objects for a team.
         picture: File to draw; None for none.
 

@@ -59,7 +59,6 @@ def export(
     Args:
         source: A run's folder, one of its checkpoints, or a ``policy.zip``.
         name: Name of the exported policy.
-        folder: Folder for the files.
         results: Files with results of the policy for its card, see ``read_results``. Without any, the exported policy
             is evaluated, in each scenario of a mixture.
         levels: Number of ``test`` levels of this evaluation.

@@ -59,7 +59,6 @@ def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, Scenar
     """Return the task of a scenario, or the reason why no robot can learn; neither for a scenario without robots.
 
     Args:
-        scenario: The scenario.
         team: Whether all robots have to be able to learn together.
 
     Raises:

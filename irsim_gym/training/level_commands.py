@@ -63,8 +63,6 @@ def run_certify(
     """Certify levels, write the certificate, print a summary, and return the certificate.
 
     Args:
-        wanted: The scenario.
-        split: ``train``, ``dev`` or ``test``.
         count: Number of levels.
         policies: Reference policies, as ``load_policy`` takes them; None for all default ones that fit the agents.
         out: File to write; None for one beside the scenario's file. For a shipped scenario, it is in the current

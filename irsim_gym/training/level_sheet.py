@@ -25,8 +25,6 @@ def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, ou
     """Draw the starts of levels into one picture, and return its path.
 
     Args:
-        wanted: The scenario.
-        split: ``train``, ``dev`` or ``test``.
         count: Number of levels to choose from, limited to those of the certificate or the file of levels.
         number: Number of levels to show: evenly spaced by difficulty, or the first ones without a certificate.
         out: File to write, ``.png``; None for a default name in the current folder.

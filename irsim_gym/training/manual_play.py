@@ -86,9 +86,6 @@ class Player:
     The keys are those of ``irsim_gym.load``: r restarts the level and discards its recording, n begins the next level,
     l reloads the file, x switches to the robot's behaviour and back, alt and a digit select another robot.
 
-    Args:
-        settings: Settings of the session.
-
     Raises:
         NoWindowError: If there is no display, or no working GUI toolkit.
         IrsimGymError: If the scenario or the task is invalid, there is no such robot, or the file for demonstrations

@@ -104,9 +104,7 @@ def load_players(
     """Load policies, and make a world for each.
 
     Args:
-        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         names: Names of the policies; None to derive them from the sources.
 
     Raises:

@@ -33,9 +33,7 @@ def record_film(
     The film has a frame at the start, one every ``sample_time``, and one at the end of each episode.
 
     Args:
-        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
         **chosen: ``split`` and ``names`` of ``load_players``.
 
@@ -69,9 +67,7 @@ def record_html(
     """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
 
     Args:
-        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
         path: Page to write, ``.html``.
         **chosen: ``split`` and ``names`` of ``load_players``.
 
@@ -101,9 +97,7 @@ def record_sheet(
     """Draw policies on levels into one picture, and return its path.
 
     Args:
-        asked: The scenario.
         sources: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
         path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``; with ``strobe`` and a single episode also
             ``.pdf`` or ``.svg``.
         strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.

@@ -37,7 +37,6 @@ class Recorder:
     """Records the steps of episodes, and writes them to a file. Appends to an existing file of the same environment.
 
     Args:
-        env: The environment.
         path: File to write, ``.npz``.
 
     Raises:

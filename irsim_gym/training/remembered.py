@@ -32,7 +32,6 @@ def remembered_parameters(
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
         given: Values that the user sets, which take precedence.
-        strict: Whether unused keys are an error; False ignores them.
     """
     own = dict(given or {})
     runs = [_trained_with(scenario, source) for source in sources if not is_named_policy(source)]
@@ -61,7 +60,6 @@ def changes_since(
         source: A run's folder, a policy in it, or a shipped policy. The result is empty for other policies, and for
             those trained in another scenario.
         task: Shipped name or path of a task. The result is empty if the policy was trained with another one.
-        strict: Whether unused keys are an error; False ignores them.
     """
     if is_named_policy(source):
         return []

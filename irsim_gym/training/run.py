@@ -172,7 +172,6 @@ class Run:
         """Write the settings, and a copy of the scenario and its task.
 
         Args:
-            settings: Settings of the run.
             now: Snapshot of the scenario and its task; None to take it.
         """
         now = now or settings.snapshot()

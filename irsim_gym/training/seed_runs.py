@@ -103,7 +103,6 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     Args:
         folder: Folder of the summary.
         settings: Settings of the runs in this scenario.
-        runs: The runs.
         levels: Number of levels of ``test``.
         part: Name of the scenario in a mixture; None if there is only one scenario.
     """

@@ -36,7 +36,6 @@ def summarize_seeds(scenario: str, runs: Sequence[Path], tests: Sequence[Figures
     """Return a summary of several seeds.
 
     Args:
-        scenario: Name of the scenario.
         runs: Folders of the runs, with scored checkpoints.
         tests: Evaluations of all runs, whose policies are named after the runs' folders. Only teams may have several.
         part: Name of the scenario in the curves of runs in a mixture; None if there is only one scenario.
@@ -210,8 +209,6 @@ def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None
     """Write ``NAME.json``, and ``NAME.png`` with the learning curves.
 
     Args:
-        folder: Folder for the files.
-        name: Name of the files.
         summary: Summary of ``summarize_seeds``.
         called: Name in the title of the figure; None for ``name``.
     """

@@ -60,7 +60,6 @@ def train(
     message if the scenario has changed. Nothing is written before the model exists.
 
     Args:
-        settings: Settings of the run.
         folder: Folder of the run.
         resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.

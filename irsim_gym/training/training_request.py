@@ -176,10 +176,6 @@ class TrainingRequest:
     def resumed_settings(self, run: Run, settings: Settings) -> Settings:
         """Return the settings that a run was started with. Later changes of the shipped files do not affect them.
 
-        Args:
-            run: The run to resume.
-            settings: The requested settings.
-
         Raises:
             IrsimGymError: If the run was started with other settings.
         """
@@ -210,7 +206,6 @@ class TrainingRequest:
         """Choose the folder of a run if the user names none, and return it with a remark, which may be empty.
 
         Args:
-            settings: Settings of the run.
             resume: Choose the newest run of the default name with these settings; unfinished runs take precedence.
             overwrite: Choose the default folder, even if it holds a run.
         """

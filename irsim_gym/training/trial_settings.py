@@ -29,9 +29,7 @@ def write_settings(
     """Write the files of a trial, and return the arguments of its training.
 
     Args:
-        place: Folder of the trial.
         request: Arguments of the training that is tuned.
-        settings: Settings of this training.
         hyperparameters: Drawn hyper-parameters by key.
         factors: Drawn factors on the weights of rewards, by reward.
 

@@ -36,7 +36,6 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
 
     Args:
         names: Shipped names, environment ids or paths of scenario files; empty for all shipped scenarios.
-        strict: Whether unused keys are an error; False ignores them.
     """
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
