@@ -15,9 +15,6 @@ from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
-from irsim_gym.scenario.load import load_scenario
-from irsim_gym.scenario.spec import Scenario
-from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.folders import evaluation_folder, has_results
@@ -103,21 +100,16 @@ def _notes(settings: Settings) -> Iterator[str]:
 
 
 def _team_size(settings: Settings) -> int:
-    return max(len(_task_of(part, team=True)[1].agents) for part in settings.parts())
-
-
-def _task_of(settings: Settings, *, team: bool) -> tuple[Scenario, Task]:
-    scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
-    return scenario, load_task(scenario, settings.task, team=team)
+    return max(len(part.load_task()[1].agents) for part in settings.parts())
 
 
 def _verdict_lines(run: Run, last: Point) -> list[str]:
     """Return advice for a training that ended near 0 % success; for a mixture, for each such scenario."""
     settings, lines = run.settings(), list[str]()
-    team, is_mixed = settings.hyperparameters.team is not None, bool(settings.mixture)
+    is_mixed = bool(settings.mixture)
     for name, part, own in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
-        scenario, task = _task_of(own, team=team)
-        look = look_command(part.scenario, run.folder, team=team, task=part.task)
+        scenario, task = own.load_task()
+        look = look_command(part.scenario, run.folder, team=settings.is_team, task=part.task)
         found = verdict(scenario_point(last, name) if is_mixed else last, scenario, task, look)
         lines += [f"{name}:", *found] if is_mixed and found else found
     return lines

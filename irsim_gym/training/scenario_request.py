@@ -55,5 +55,4 @@ class ScenarioRequest:
 
 def request_of(settings: Settings) -> ScenarioRequest:
     """Return the scenario of a training with its task."""
-    is_team = settings.hyperparameters.team is not None
-    return ScenarioRequest(settings.scenario, settings.task, is_team, settings.parameters, settings.strict)
+    return ScenarioRequest(settings.scenario, settings.task, settings.is_team, settings.parameters, settings.strict)

@@ -57,7 +57,6 @@ def score_run(
     points = {int(point["steps"]): point for point in whole}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
-        is_team = settings.hyperparameters.team is not None
         places = [
             (name, request_of(part).episodes(max(1, min(WORLDS, levels))), Optima("dev"))
             for name, part in zip(settings.names, run.own_settings().parts(), strict=True)
@@ -68,7 +67,7 @@ def score_run(
             screen.print(f"scoring {count} on {levels:,} dev levels", highlight=False)
         with progress_bar(screen) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
-                policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures
+                policy, figures = load_policy(path / "policy.zip"), _team_figures if settings.is_team else _figures
                 found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
                 point = _point(load_progress(path), combined(found))
                 points[int(point["steps"])] = point
@@ -76,7 +75,7 @@ def score_run(
     curve = _sorted(points)
     if curve and picture:
         named = scenario_title(settings)
-        team = "a team by " if settings.hyperparameters.team is not None else ""
+        team = "a team by " if settings.is_team else ""
         title = f"{named}, {team}{settings.algorithm.upper()}, seed {settings.seed}, scored on {levels:,} dev levels"
         draw_curve(run.folder / "curve.png", curve, title)
     return curve

@@ -106,7 +106,7 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
         levels: Number of levels of ``test``.
         part: Name of the scenario in a mixture; None if there is only one scenario.
     """
-    is_team, places = settings.hyperparameters.team is not None, [run.folder for run in runs]
+    is_team, places = settings.is_team, [run.folder for run in runs]
     method = settings.algorithm
     found = evaluate_policies(request_of(settings), {method: list(places)}, levels=levels, folder=folder / TEST)
     test = named_as_runs(json.loads((folder / TEST / "summary.json").read_text(encoding="utf-8")), places)

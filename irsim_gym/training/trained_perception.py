@@ -6,8 +6,6 @@ from pathlib import Path
 
 from irsim_gym.errors import IrsimGymError, UnknownPerceptionWarning, warn_caller
 from irsim_gym.evaluation.perception import Perception, perception_of
-from irsim_gym.scenario import load_scenario
-from irsim_gym.tasks import load_task
 from irsim_gym.training.run import Settings, run_of
 
 
@@ -37,5 +35,4 @@ def perception_in(settings: Settings) -> Perception:
     Raises:
         IrsimGymError: If the scenario or its task cannot be read.
     """
-    loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
-    return perception_of(load_task(loaded, settings.task, team=settings.hyperparameters.team is not None))
+    return perception_of(settings.load_task()[1])

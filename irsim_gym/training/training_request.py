@@ -158,9 +158,8 @@ class TrainingRequest:
         """Return the changes to the shipped hyper-parameters: each value if they are few, else the file's name."""
         if self.hyperparameters is None and self.steps is None:
             return []
-        loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
         names = settings.algorithm, environment_id(self.scenario)
-        images = _observes_images(load_task(loaded, self.task, team=True))
+        images = _observes_images(load_task(settings.load(), self.task, team=True))
         chosen: dict[str, Any] = {"task": self._task_name(), "images": images, "given": self.overrides}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
