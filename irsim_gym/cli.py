@@ -99,9 +99,10 @@ def describe(
 ) -> None:
     """Describe each number: observations by column, actions, rewards, endings, infos."""
     from irsim_gym.training.describe import describe_scenario
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    chosen: dict[str, Any] = {"team": team, "strict": not lenient, "as_json": as_json, "picture": picture}
-    describe_scenario(scenario, task, read_parameters(given), **chosen)
+    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    describe_scenario(asked, as_json=as_json, picture=picture)
 
 
 @app.command()
@@ -167,10 +168,11 @@ def evaluate(
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.training.commands import run_evaluation
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    chosen: dict[str, Any] = {"parameters": read_parameters(given), "team": team, "strict": not lenient}
-    chosen["overwrite"] = overwrite
-    run_evaluation(scenario, policies or [], levels, split, task, out, references, **chosen)
+    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
+    run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
 
 app.command()(arena)
@@ -210,13 +212,13 @@ def record(
     With --html, write a replay page with scans and rewards for browsers; with --sheet or --strobe, write one picture.
     """
     from irsim_gym.training.commands import run_record
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
     kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
     if len(kinds) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
-    kind, parameters = (*kinds, "film")[0], read_parameters(given)
-    chosen: dict[str, Any] = {"kind": kind, "strict": not lenient}
-    run_record(scenario, policies, level or [0], split, task, out, parameters, team, **chosen)
+    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0])
 
 
 @app.command()
@@ -250,9 +252,10 @@ def rollout(
 ) -> None:
     """Run a policy on a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    chosen: dict[str, Any] = {"team": team, "record": record, "strict": not lenient}
-    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), **chosen)
+    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    run_rollout(asked, policy, levels=levels, split=split, frames=frames, record=record)
 
 
 app.command("run")(run_by_itself)

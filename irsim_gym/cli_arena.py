@@ -48,7 +48,8 @@ def arena(
 ) -> None:
     """Play the same levels with several policies, and write a page of the results, with replays of failures."""
     from irsim_gym.arenas.command import run_arena
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    chosen: dict[str, Any] = {"levels": levels, "split": split, "task": task, "team": team, "mix": mix}
-    chosen |= {"replays": replays, "resume": resume, "overwrite": overwrite, "strict": not lenient}
-    run_arena(scenario, policies or [], out, read_parameters(given), **chosen)
+    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    chosen: dict[str, Any] = {"levels": levels, "split": split, "mix": mix, "replays": replays}
+    run_arena(asked, policies or [], out, resume=resume, overwrite=overwrite, **chosen)

@@ -42,7 +42,8 @@ def draw(
     modules: Imports = None,
 ) -> None:
     """Write levels to a file. Scenarios read it with `levels: FILE.npz`; NumPy can open it, too."""
-    from irsim_gym.training.level_commands import ScenarioRequest, run_draw
+    from irsim_gym.training.level_commands import run_draw
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
     run_draw(ScenarioRequest(scenario, task, team, read_parameters(given), not lenient), split.split(","), count, out)
 
@@ -64,7 +65,8 @@ def certify(
 
     `evaluate` finds the certificate beside the scenario, or beside its file of levels, and reports by difficulty.
     """
-    from irsim_gym.training.level_commands import ScenarioRequest, run_certify
+    from irsim_gym.training.level_commands import run_certify
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
     wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
     run_certify(wanted, split, count, policies or None, out)
@@ -124,8 +126,8 @@ def show(
     modules: Imports = None,
 ) -> None:
     """Draw levels into one picture, from the easiest to the hardest if they have a certificate."""
-    from irsim_gym.training.level_commands import ScenarioRequest
     from irsim_gym.training.level_sheet import show_levels
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
     wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
     print(show_levels(wanted, split, count, number, out))

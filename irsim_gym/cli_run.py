@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,7 +10,7 @@ import typer
 
 from irsim_gym.cli_completion import scenarios
 from irsim_gym.cli_options import Given, Imports, Lenient
-from irsim_gym.cli_tools import progress, read_parameters
+from irsim_gym.cli_tools import read_parameters
 from irsim_gym.errors import IrsimGymError, report_together
 
 
@@ -28,6 +29,7 @@ def run_by_itself(
     modules: Imports = None,
 ) -> None:
     """Run a file with its own behaviours, without learning, and print the status of its robots at the end."""
+    from irsim_gym.evaluation.progress_bars import counting
     from irsim_gym.live import load
     from irsim_gym.scenario.load import load_scenario
 
@@ -37,10 +39,10 @@ def run_by_itself(
     chosen: dict[str, Any] = {"record": film is not None, "strict": not lenient}
     with load(scenario, seed=seed, **chosen, **parameters) as world:
         world.resume()
-        with progress("driving", steps, shown=film is not None) as advance:
+        with counting("driving", steps) if film is not None else nullcontext(lambda _: None) as advance:
             while world.count < steps and not world.done():
                 world.step()
-                advance()
+                advance(1)
         print(f"{world.status} after {world.time:g} s")
         for robot in world.robots:
             flag = "arrived" if robot.arrived else "collided" if robot.collided else "under way"

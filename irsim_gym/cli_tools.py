@@ -5,8 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -152,21 +151,3 @@ def print_options(name: str) -> None:
             default = f"{row.default} {row.unit and f'[{row.unit}]'}".strip()
             table.add_row(*map(Text, (row.key, default, row.allowed, f"{row.meaning} {row.consequence}")))
         console.print(table if tables[title] else f"{title}: no options", markup=False, highlight=False)
-
-
-@contextmanager
-def progress(words: str, total: int, *, shown: bool = True) -> Iterator[Callable[[], None]]:
-    """Show a progress bar, and yield a function that advances it by one step. Only a terminal shows the bar.
-
-    Args:
-        words: Text beside the bar.
-        total: Maximum number of steps.
-        shown: Whether to show the bar at all.
-    """
-    from rich.console import Console
-    from rich.progress import Progress
-
-    screen = Console(stderr=True)
-    with Progress(console=screen, disable=not (shown and screen.is_terminal), transient=True) as bar:
-        line = bar.add_task(words, total=total)
-        yield lambda: bar.advance(line)

@@ -65,7 +65,6 @@ class StructType(types.Type):
     """Numba's type of a struct.
 
     Args:
-        name: The name of the dataclass.
         fields: Names and types of the fields.
 
     Attributes:

@@ -77,6 +77,7 @@ from pathlib import Path
 from irsim_gym.jit.watch import compilation
 from irsim_gym.training.commands import run_rollout
 from irsim_gym.training.inspection import draw_level
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.trial import ReadOptions, run_briefly
 from irsim_gym.training.warmup import warm_up
 
@@ -85,7 +86,7 @@ warm_up([name])
 ready = compilation().compiled
 run_briefly(name, ReadOptions({}))
 draw_level(name, 0, "dev", None, folder / "level.png")
-run_rollout(name, "dash", 1, "dev", None, None)
+run_rollout(ScenarioRequest(name), "dash", levels=1, split="dev")
 print(ready, compilation().compiled - ready)
 """
 

@@ -18,6 +18,7 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.suite.members import shipped_suite
 from irsim_gym.training.cards import PolicyCard
 from irsim_gym.training.players import Players, load_players
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 SIZE = 480
 """Longer side of a frame [pixels]."""
@@ -106,7 +107,7 @@ def _planner(name: str) -> Driver:
 
 def _policy_film(name: str, driver: Driver) -> Film:
     """Film the first level that is solved, or the last of those that are tried."""
-    cast = load_players(name, [driver.source or ""], team=driver.team)
+    cast = load_players(ScenarioRequest(name, team=driver.team), [driver.source or ""])
     level, ending = _first_solved(cast, driver.levels)
     frames = list(islice(_played_frames(cast, level), MOST_FRAMES))
     cast.renderer.close()

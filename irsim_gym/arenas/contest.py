@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import Progress
 
 from irsim_gym import __version__
 from irsim_gym.arenas.archive import PAGE, TABLE, Archive, holds_arena
@@ -24,6 +23,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import table_text, write_text
 from irsim_gym.evaluation.teams import evaluate_team
@@ -110,18 +110,15 @@ def arena(
     episodes = make_episodes(scenario, n_worlds=min(WORLDS, levels), **made)
     contest = Contest(entrants, episodes, place, levels, split, team=team or mix, mix=mix)
     told = contest.told(scenario, task)
-    return contest.run(told, max(replays, 0), console or Console(stderr=True), resume=resume)
+    return contest.run(told, max(replays, 0), console, resume=resume)
 
 
 class Contest:
     """Policies, the worlds they play in, and the folder of the results.
 
     Args:
-        entrants: The policies.
-        episodes: The worlds.
         folder: Folder of the results.
         levels: Number of levels of the split, from level 0.
-        split: Split of the levels.
         team: Whether the task's agents are a team.
         mix: Whether pairs of policies also drive one team.
 
@@ -177,7 +174,7 @@ class Contest:
             "policies": [entrant.told(self.worlds) for entrant in self.entrants],
         }
 
-    def run(self, told: Mapping[str, object], replays: int, console: Console, *, resume: bool) -> Arena:
+    def run(self, told: Mapping[str, object], replays: int, console: Console | None, *, resume: bool) -> Arena:
         """Play the levels that have not been played, and write the results."""
         if resume and holds_arena(self.archive.folder):
             self.archive.go_on(told)
@@ -197,11 +194,11 @@ class Contest:
         self._write_page(found, summary, replays, console)
         return found
 
-    def _play(self, console: Console) -> None:
+    def _play(self, console: Console | None) -> None:
         """Play all policies that have not finished, one after another."""
         optima, waiting = Optima(self.split), [name for name in self.players if name not in self.archive.rows]
         evaluation: Any = evaluate_team if self.team else evaluate
-        with _bar(console) as bar:
+        with progress_bar(console) as bar:
             line = bar.add_task("playing", total=len(waiting) * self.levels)
             for name in waiting:
                 bar.update(line, description=name)
@@ -215,13 +212,13 @@ class Contest:
                 )
                 self.archive.keep(name, rows)
 
-    def _write_page(self, found: Arena, summary: Mapping[str, object], replays: int, console: Console) -> None:
+    def _write_page(self, found: Arena, summary: Mapping[str, object], replays: int, console: Console | None) -> None:
         """Record some episodes again, and write the page."""
         board = Board.of(found.rows)
         chosen = choose_episodes(board, replays)
         recorded = record_episodes(board, list(self.players.values()), self.worlds, self.split, chosen)
         data = page_data(found.title, board, len(self.names), found.standings, summary)
-        with _bar(console) as bar:
+        with progress_bar(console) as bar:
             track = bar.track(recorded, total=len(chosen), description="recording")
             write_page(found.page, data, board, track, chosen)
 
@@ -229,10 +226,6 @@ class Contest:
 def _named(source: object) -> str | None:
     """Return the name or path that something was loaded from; None for plain data."""
     return str(source) if isinstance(source, str | Path) else None
-
-
-def _bar(console: Console) -> Progress:
-    return Progress(console=console, disable=not console.is_terminal, transient=True)
 
 
 def _place(folder: Path, levels: int, split: str, *, resume: bool, overwrite: bool) -> Path:

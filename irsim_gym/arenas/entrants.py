@@ -31,11 +31,7 @@ class Entrant:
     sha256: str | None
 
     def told(self, worlds: Perceived) -> dict[str, Any]:
-        """Return its entry in the results, as plain data.
-
-        Args:
-            worlds: The worlds that it plays in.
-        """
+        """Return its entry in the results, as plain data."""
         told = {"name": self.name, "source": self.source, "sha256": self.sha256}
         observes = worlds.observed_by(self.policy)
         return told if observes is None else {**told, "observes": observes}

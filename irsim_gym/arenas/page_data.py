@@ -73,10 +73,7 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
     """Return the page's data without its replays.
 
     Args:
-        title: Heading.
         board: Results of the policies, followed by those of arrangements of two.
-        alone: Number of policies.
-        standings: The comparison of the policies.
         summary: The content of ``summary.json``.
 
     Returns:

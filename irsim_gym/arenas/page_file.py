@@ -32,7 +32,6 @@ def write_page(
     unpacked. ``replays`` in the data gives the policy and level of each.
 
     Args:
-        path: The file.
         data: See `page_data`.
         board: Results of the policies.
         recorded: Episodes with their recordings; None for an episode that ended differently this time.

@@ -219,7 +219,6 @@ def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, 
     """Return what an environment is to one of its learners.
 
     Args:
-        episodes: The task, played.
         info: An info of that learner, as the environment hands it out.
         agent: Which of the learners.
         own: Observations and actions have the columns of this agent alone; else all that the richest agent has.
@@ -299,7 +298,6 @@ def _parts(columns: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start
     """Return the parts of a block, without columns that are not kept.
 
     Args:
-        columns: What the columns say.
         kept: Which of them the agent has, ``(width,)``.
         bounds: Least and greatest values, ``(width,)`` or a number.
         start: Place of the first column that is kept.

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 WIDTH = 120
 """Characters in a line of plain text."""
+MOST_NAMES = 6
 MOST_CHOICES = 50
 """More choices than this are not listed one by one."""
 
@@ -100,9 +101,9 @@ def headlines(description: Description) -> list[str]:
     ]
 
 
-def _some(names: Sequence[str], most: int = 6) -> str:
-    more = f" and {len(names) - most} others" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
+def _some(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MOST_NAMES} others" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more
 
 
 def sheets(description: Description) -> Iterator[Sheet]:

@@ -104,10 +104,8 @@ def advantages(fragment: Fragment, values: Rays, after: Rays, *, gamma: float, l
     Source: Schulman et al., "High-Dimensional Continuous Control Using Generalized Advantage Estimation", 2016.
 
     Args:
-        fragment: What was experienced.
         values: Value of each row's observation, ``(n_rows,)``.
         after: Value of each observation in ``following``, ``(n_cuts,)``.
-        gamma: Discount.
         lambda_: Between the error of one step (0) and the whole sum of rewards (1).
     """
     ends = fragment.terminated | fragment.cut

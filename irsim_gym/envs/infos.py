@@ -35,7 +35,6 @@ class Infos:
     the columns lie apart; there each call joins them.
 
     Args:
-        episodes: The source of the infos.
         in_numpy: Infos of single agents hold NumPy scalars, see ``WorldEnv``; else Python numbers.
     """
 

@@ -26,7 +26,6 @@ class LearnableLevels:
     between rollouts, makes use of both. A pickled copy goes on as the original does.
 
     Args:
-        n_worlds: Number of worlds.
         share: Share of the levels that are chosen from the memory; all others are drawn.
         size: Greatest number of levels in the memory.
         seed: Seed of the choices.

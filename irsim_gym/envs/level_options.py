@@ -53,6 +53,6 @@ def checked_choice(levels: Sequence[int] | Ints, count: int) -> Ints:
     return given.astype(np.int64)
 
 
-def fresh_level(w: int = 0) -> int:
+def fresh_level(w: int) -> int:
     """Return a level drawn from the operating system's entropy."""
     return int(np.random.default_rng().integers(LEVELS))

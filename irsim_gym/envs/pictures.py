@@ -9,6 +9,7 @@ import gymnasium
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario import Scenario
 from irsim_gym.scenario.plot_spec import trailing
@@ -41,7 +42,6 @@ class Pictures:
 
     Args:
         scenario: What is simulated.
-        episodes: The worlds.
         mode: One of these or None.
 
     Raises:
@@ -258,27 +258,25 @@ class Pictures:
 
     def _renderer(self, size: Size) -> Renderer:
         if size not in self._renderers:
-            from irsim_gym.render import Renderer
-
             if len(self._renderers) > 2:
                 self._renderers.pop(list(self._renderers)[-1]).close()
             simulation = self._episodes.simulation
-            self._renderers[size] = Renderer(
-                self._scenario,
-                simulation.model,
-                simulation.state,
-                simulation.sensors,
-                learners=simulation.agents.tolist(),
-                size=size,
-                trails=self.trails,
-                explored=simulation.explored,
-                share=simulation.shards.run,
-            )
+            shown: dict[str, Any] = {"size": size, "trails": self.trails, "share": simulation.shards.run}
+            self._renderers[size] = make_renderer(simulation, **shown)
         return self._renderers[size]
 
     def __getstate__(self) -> dict[str, Any]:
         panels: list[Bytes | None] = [None] * len(self._panels)
         return {**self.__dict__, "_renderers": {}, "_panels": panels, "_stale": self._begun.copy()}
+
+
+def make_renderer(simulation: Simulation, **options: Any) -> Renderer:
+    """Return a renderer of a simulation's worlds that marks its learners; ``options`` are those of ``Renderer``."""
+    from irsim_gym.render import Renderer
+
+    parts = simulation.scenario, simulation.model, simulation.state, simulation.sensors
+    given: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored, **options}
+    return Renderer(*parts, **given)
 
 
 def render_warning(mode: str | None) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from irsim_gym.engine.telemetry import telemetry
-from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.pictures import make_renderer, world_status
 from irsim_gym.tasks import Episodes, Outcome
 
 if TYPE_CHECKING:
@@ -60,16 +60,12 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its recording."""
-        from irsim_gym.render import Renderer
         from irsim_gym.render.replay_data import Recording
 
         begun = self.env.reset(seed=seed, options=options)
         worlds = self._worlds
         if self._renderer is None:
-            simulation = worlds.simulation
-            parts = worlds.scenario, simulation.model, simulation.state, simulation.sensors
-            learners = simulation.agents.tolist()
-            self._renderer = Renderer(*parts, learners=learners, explored=simulation.explored)
+            self._renderer = make_renderer(worlds.simulation)
         self._renderer.clear(0)
         level = {"level": str(begun[1]["level"])}
         self._recordings = [*self._recordings, Recording(worlds.scenario, worlds.agent_names, level)][-self._most :]

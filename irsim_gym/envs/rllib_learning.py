@@ -93,8 +93,6 @@ def advantage_batch(module: Any, fragments: Sequence[Fragment], gamma: float, la
 
     Args:
         module: Whose ``compute_values`` knows what a state is worth.
-        fragments: What was experienced.
-        gamma: Discount.
         lambda_: See ``fragments.advantages``.
     """
     fragment, device = joined(fragments), _device(module)
@@ -122,8 +120,6 @@ def sequence_batch(module: Any, fragments: Sequence[Fragment], gamma: float) -> 
 
     Args:
         module: Whose ``compute_values`` knows what a state is worth.
-        fragments: What was experienced.
-        gamma: Discount.
     """
     fragment, device = joined(fragments), _device(module)
     reward = fragment.reward.copy()

@@ -27,7 +27,6 @@ class NativeVecEnv(VecEnv):
     """A ``VecEnv`` over worlds that are stepped together.
 
     Args:
-        worlds: The worlds.
         views: What each slot shows to ``get_attr``, ``set_attr`` and ``env_method``.
         observation_space: Of one slot.
         action_space: Of one slot.

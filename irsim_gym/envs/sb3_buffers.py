@@ -189,7 +189,6 @@ def read_mask_of(env: VecEnv, buffer: Any) -> None:
 
     Args:
         env: The environment that the rollout is collected from; the team may be below wrappers.
-        buffer: The buffer.
 
     Raises:
         TypeError: The environment is no team.

@@ -100,8 +100,6 @@ class MonitorFiles:
         """Return the statistics of an episode that has just ended, and write them.
 
         Args:
-            w: Index of the world.
-            total: Sum of its rewards.
             info: What is known about its end.
         """
         row = {"r": round(total, 6), "l": info["steps"], "t": round(time.time() - self.started, 6)}

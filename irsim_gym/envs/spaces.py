@@ -105,11 +105,11 @@ class ObservationLayout:
         """Return unshared observations in the declared form; the given arrays where these have it."""
         return seen.observation if self.plain else self.fresh(seen)
 
-    def each(self, seen: Percepts | Transition, worlds: Ints, agent: int) -> Sequence[Observation]:
-        """Return a fresh observation of an agent in each of some worlds."""
+    def each(self, seen: Percepts | Transition, worlds: Ints) -> Sequence[Observation]:
+        """Return a fresh observation of the first agent in each of some worlds."""
         if self.plain:
-            return list(seen.observation[:, agent].take(worlds, axis=0))
-        formed = self.fresh(seen, (worlds, agent))
+            return list(seen.observation[:, 0].take(worlds, axis=0))
+        formed = self.fresh(seen, (worlds, 0))
         if not isinstance(formed, dict):
             return list(formed)
         return [dict(zip(formed, row, strict=True)) for row in zip(*formed.values(), strict=True)]
@@ -122,7 +122,6 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Observat
     """Return the layout of the observations of a task.
 
     Args:
-        episodes: The task.
         agent: Leave out the columns that mean nothing to this agent; None for those of the richest.
     """
     columns: dict[str, slice | Ints] = {}

@@ -22,7 +22,6 @@ class WorldView:
     What is one for all worlds of a batch can be read, not set. Other names may be set and belong to this world alone.
 
     Args:
-        worlds: The batch.
         index: Which world.
         agent: Which of its agents.
         spec: What a single environment like this one is made from; None for none.
@@ -141,8 +140,6 @@ class WorldView:
         """Set an attribute of this world alone.
 
         Args:
-            name: Its name.
-            value: Its value.
             force: Also where there is none yet.
 
         Returns:

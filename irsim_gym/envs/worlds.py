@@ -46,7 +46,6 @@ class Worlds:
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
-        n_worlds: How many.
         task: Name of a shipped task, path, plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         outer_limit: Another time limit [steps], in place of the task's; of it and ``max_steps`` the smaller one counts.
@@ -247,22 +246,17 @@ class Worlds:
         """Return a fresh copy of the first agents' observations, ``(n_worlds, ...)`` or a dict of arrays."""
         return self.layout.fresh(self.episodes.view, FIRST_AGENTS)
 
-    def observation_of(self, w: int, agent: int = 0) -> Observation:
-        """Return a fresh copy of an agent's observation, in the space that all agents share."""
-        seen = self.episodes.view
-        return seen.observation[w, agent].copy() if self.layout.plain else self.layout.fresh(seen, (w, agent))
-
     def observation_alone(self) -> Observation:
-        """Return ``observation_of`` the only agent of the only world, which is looked up once."""
+        """Return a fresh copy of the observation of the only agent of the only world, which is looked up once."""
         if not self.layout.plain:
-            return self.observation_of(0)
+            return self.layout.fresh(self.episodes.view, (0, 0))
         if self._row is None:
             self._row = self.episodes.view.observation[0, 0]
         return self._row.copy()
 
-    def observations_of(self, worlds: Ints, agent: int = 0) -> Sequence[Observation]:
-        """Return ``observation_of`` for several worlds."""
-        return self.layout.each(self.episodes.view, worlds, agent)
+    def observations_of(self, worlds: Ints) -> Sequence[Observation]:
+        """Return a fresh copy of the first agent's observation in each of several worlds."""
+        return self.layout.each(self.episodes.view, worlds)
 
     def info_of(self, w: int, agent: int = 0) -> dict[str, Any]:
         """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""

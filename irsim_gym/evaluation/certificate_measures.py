@@ -40,11 +40,6 @@ class LevelMeasures:
     clearance: float
     least_time: float
 
-    @property
-    def tortuosity(self) -> float:
-        """Length of the shortest path divided by the straight length, at least 1; 1 if start and goals coincide."""
-        return max(self.length / self.straight, 1.0) if self.straight > 0.0 else 1.0
-
 
 def measure_level(
     model: Model, state: State, world: int, body: int, *, radius: float | None = None, cell: float = FINE
@@ -55,10 +50,7 @@ def measure_level(
     wider than the disc may be missed (see ``paths.reachability``). All paths found are tested exactly to be free.
 
     Args:
-        model: Constants of the episode.
         state: State at the start of the episode: outlines, and goals that are not reached yet.
-        world: Index of the world.
-        body: Index of the body.
         radius: Radius of the disc [m]; by default that of the disc about the body's origin that encloses its footprint.
         cell: Side of the cells [m].
 
@@ -132,10 +124,6 @@ def least_steps(model: Model, state: State, world: int, body: int, legs: Sequenc
     plugins are unknown, so one step counts as enough for them.
 
     Args:
-        model: Constants of the episode.
-        state: State at the start.
-        world: Index of the world.
-        body: Index of the body.
         legs: Lengths of the paths [m].
     """
     row, dt = world % len(model.velocity_max), float(model.step_time[0])

@@ -6,12 +6,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Any
 
 OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock")
 HITS = ("obstacle", "moving obstacle", "robot")
 HIT_OF_KIND = ("", *HITS, "obstacle")
 """The word for each ``HitKind``; a map counts as an obstacle."""
 CONFIDENCE = 0.95
+MEANS = ("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision")
+MEANS_OF_SUCCESSES = ("path_length", "path_ratio")
 
 
 @dataclass(frozen=True)
@@ -110,11 +113,11 @@ class Rate:
     high: float
 
 
-def wilson(count: float, total: float, confidence: float = CONFIDENCE) -> tuple[float, float]:
+def wilson(count: float, total: float) -> tuple[float, float]:
     """Return the score interval of a share (Wilson 1927), which stays inside [0, 1] and is accurate near its ends."""
     if total == 0:
         return 0.0, 1.0
-    z = NormalDist().inv_cdf(0.5 + confidence / 2.0)
+    z = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2.0)
     share = count / total
     centre = share + z * z / (2.0 * total)
     spread = z * math.sqrt(share * (1.0 - share) / total + z * z / (4.0 * total * total))
@@ -186,29 +189,23 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         "success + collision + timeout + left + deadlock must equal the number of episodes"
     )
     assert sum(hits.values()) == counts["collision"], "every collision must have a kind"
-    successes = [row for row in rows if row.outcome == "success"]
+    shares: dict[str, Any] = {outcome: rate(count, total) for outcome, count in counts.items()}
     return Summary(
         policy=policy,
         episodes=total,
-        success=rate(counts["success"], total),
-        collision=rate(counts["collision"], total),
+        **shares,
         collision_with={hit: rate(count, total) for hit, count in hits.items()},
-        timeout=rate(counts["timeout"], total),
-        left_world=rate(counts["left_world"], total),
-        deadlock=rate(counts["deadlock"], total),
-        spl=mean([row.spl for row in rows]),
-        sct=mean([row.sct for row in rows]),
-        time=mean([row.time for row in successes]),
-        path_length=mean([row.path_length for row in successes]),
-        path_ratio=mean([row.path_ratio for row in successes]),
-        min_clearance=mean([row.min_clearance for row in rows]),
-        acceleration=mean([row.acceleration for row in rows]),
-        jerk=mean([row.jerk for row in rows]),
-        intrusion_025=mean([row.intrusion_025 for row in rows]),
-        intrusion_045=mean([row.intrusion_045 for row in rows]),
-        time_to_collision=mean([row.time_to_collision for row in rows]),
+        time=mean([row.time for row in rows if row.outcome == "success"]),
         throughput=mean([row.goals_per_minute for row in rows]),
+        **means(rows),
     )
+
+
+def means(rows: Sequence[EpisodeRow]) -> dict[str, Any]:
+    """Return the means that the figures of single robots and of teams share."""
+    successes = [row for row in rows if row.outcome == "success"]
+    of_all = {name: mean([getattr(row, name) for row in rows]) for name in MEANS}
+    return of_all | {name: mean([getattr(row, name) for row in successes]) for name in MEANS_OF_SUCCESSES}
 
 
 def mean(values: Sequence[float]) -> float:

@@ -8,7 +8,6 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.evaluation.people import PeopleLog
-from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes, Outcome
 
 
@@ -17,9 +16,6 @@ class MotionLog:
 
     Both are differences of the velocity vector in the world frame over a step, so that turning at full speed counts and
     turning on the spot does not. Steps that end in a collision are excluded, since a collision removes the velocity.
-
-    Args:
-        episodes: The worlds.
 
     Attributes:
         people: Measures how close agents come to people.
@@ -70,29 +66,3 @@ class MotionLog:
     def _velocities(episodes: Episodes, worlds: Ints) -> Floats:
         found: Floats = episodes.simulation.state.twist[worlds[:, None], episodes.simulation.agents, :2]
         return found
-
-
-class JoinedWatchers:
-    """Several watchers as one: a `Watcher`.
-
-    Args:
-        several: The watchers, notified in this order; None is ignored.
-    """
-
-    def __init__(self, *several: Watcher | None) -> None:
-        self._several = [each for each in several if each is not None]
-
-    def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Notify all watchers."""
-        for each in self._several:
-            each.began(episodes, worlds, indices)
-
-    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Notify all watchers."""
-        for each in self._several:
-            each.stepped(episodes, worlds)
-
-    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Notify all watchers."""
-        for each in self._several:
-            each.ended(episodes, worlds, indices)

@@ -19,9 +19,6 @@ class Optima:
     The path leads from the start through all goals in order, among the standing obstacles, for a disc that encloses the
     robot's footprint. The result is the length of an existing path, at most about 1 % above the true optimum. It is
     computed once per level, however many policies play it.
-
-    Args:
-        split: The split of the levels.
     """
 
     def __init__(self, split: str) -> None:

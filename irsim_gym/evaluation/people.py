@@ -24,9 +24,6 @@ class PeopleLog:
     Every body counts as the disc around its origin that encloses it, which is exact for discs. Both measures are those
     of Francis et al. (Principles and Guidelines for Evaluating Social Robot Navigation Algorithms, 2023,
     arXiv:2306.16740): the share of steps with too little space, and the minimum time to collision.
-
-    Args:
-        episodes: The worlds.
     """
 
     def __init__(self, episodes: Episodes) -> None:

@@ -97,8 +97,6 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
     """Return a task with other observations and another action, but the same learners, rewards and endings.
 
     Args:
-        scenario: The scenario.
-        task: The task.
         perception: Replaces its observations and action.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -10,13 +11,13 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.goals_reached import goals_per_minute, goals_reached
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
-from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
+from irsim_gym.evaluation.motion import MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.world.model import KEEP_GOAL
 
 Driver = Policy | Callable[[Any], Actions]
 
@@ -40,7 +41,6 @@ def evaluate(
         policy: A policy, or a function of the observation alone.
         episodes: Worlds with one agent each, see ``irsim_gym.tasks.Episodes``.
         levels: Their number (levels 0, 1, ...) or their indices.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima of earlier evaluations of the same split; new ones are added.
         on_episodes: Called with the number of episodes that have just ended.
         watcher: Observes each step.
@@ -54,7 +54,7 @@ def evaluate(
         )
     found, motion = optima_of(split, optima), MotionLog(episodes)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(found, motion, watcher)):
+    for indices, worlds, played in drive(policy, episodes, levels, split, found, motion, watcher):
         for index, world, level in zip(indices, worlds, played, strict=True):
             rows[index] = episode_row(episodes, found, motion, world, level)
         if on_episodes is not None:
@@ -85,16 +85,14 @@ def check_count(simulation: Simulation, split: str, count: int) -> None:
 
 
 def drive(
-    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str, watcher: Watcher | None = None
+    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str, *watchers: Watcher | None
 ) -> Iterator[tuple[list[int], list[int], list[int]]]:
     """Drive each level once, and yield worlds as soon as the episodes of all their agents have ended.
 
     Args:
         policy: A policy, or a function of the observation alone.
-        episodes: The worlds.
         levels: Their number (levels 0, 1, ...) or their indices.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
-        watcher: Observes each step.
+        *watchers: They observe each step, in this order; None is ignored.
 
     Yields:
         Positions of the ended levels in ``levels``, the worlds that played them, and the levels.
@@ -102,12 +100,13 @@ def drive(
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
     check_count(episodes.simulation, split, int(chosen.max(initial=-1)) + 1)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
-    for indices, worlds in _run(driver, episodes, chosen, split, watcher):
+    told = [watcher for watcher in watchers if watcher is not None]
+    for indices, worlds in _run(driver, episodes, chosen, split, told):
         yield indices.tolist(), worlds.tolist(), chosen[indices].tolist()
 
 
 def _run(
-    policy: Policy, episodes: Episodes, levels: Ints, split: str, watcher: Watcher | None
+    policy: Policy, episodes: Episodes, levels: Ints, split: str, watchers: Sequence[Watcher]
 ) -> Iterator[tuple[Ints, Ints]]:
     running = np.arange(min(episodes.n_worlds, levels.size), dtype=np.int64)
     episode = np.full(episodes.n_worlds, -1, dtype=np.int64)
@@ -121,7 +120,7 @@ def _run(
             following += begun.size
             episodes.begin(begun, levels[episode[begun]], split)
             policy.begin(episodes, begun, levels[episode[begun]])
-            if watcher is not None:
+            for watcher in watchers:
                 watcher.began(episodes, begun, episode[begun])
         running = running[~np.isin(running, idle[begun.size :])]
         if not running.size:
@@ -131,11 +130,11 @@ def _run(
             actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
         actions[running] = chosen
         episodes.step(actions, running)
-        if watcher is not None:
+        for watcher in watchers:
             watcher.stepped(episodes, running)
         idle = running[(episodes.view.infos["outcome"][running] != Outcome.RUNNING).all(axis=1)]
         if idle.size:
-            if watcher is not None:
+            for watcher in watchers:
                 watcher.ended(episodes, idle, episode[idle])
             yield episode[idle], idle
 
@@ -168,6 +167,30 @@ def episode_row(
         intrusion_025=motion.people.intrusion(world, agent, 0),
         intrusion_045=motion.people.intrusion(world, agent, 1),
         time_to_collision=motion.people.time_to_collision(world, agent),
-        goals_reached=goals_reached(episodes, world, agent),
-        goals_per_minute=goals_per_minute(episodes, world, agent),
+        goals_reached=_goals_reached(episodes, world, agent),
+        goals_per_minute=_goals_per_minute(episodes, world, agent),
     )
+
+
+def _goals_reached(episodes: Episodes, world: int, agent: int) -> float:
+    """Return the number of goals that an agent has reached; NaN if it has only one, or an endless sequence."""
+    model, state = episodes.simulation.model, episodes.simulation.state
+    body = int(episodes.simulation.agents[agent])
+    if model.waypoint_count[world, body] < 2 or model.goal_renewal[body] != KEEP_GOAL:
+        return math.nan
+    has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
+    return float(min(state.waypoint[world, body] + has_finished, model.waypoint_count[world, body]))
+
+
+def _goals_per_minute(episodes: Episodes, world: int, agent: int) -> float:
+    """Return the number of goals that an agent has reached per minute; NaN as for ``_goals_reached``.
+
+    The time of an agent that has not reached all of its goals is the time limit, even after a collision.
+    """
+    reached = _goals_reached(episodes, world, agent)
+    if math.isnan(reached):
+        return math.nan
+    steps = int(episodes.view.infos["steps"][world, agent])
+    has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
+    counted = steps if has_finished else episodes.task.max_steps
+    return 60.0 * reached / (counted * float(episodes.simulation.model.step_time[0]))

@@ -25,11 +25,7 @@ TEAM_SHOWN = REFERENCES
 
 
 class RandomPolicy:
-    """Draws actions uniformly; a level's actions depend only on its number and the seed.
-
-    Args:
-        seed: Seed of the actions.
-    """
+    """Draws actions uniformly; a level's actions depend only on its number and the seed."""
 
     def __init__(self, seed: int = 0) -> None:
         self.seed = seed

@@ -44,27 +44,22 @@ class Estimate:
     high: float
 
 
-def interquartile_mean(scores: Scores, confidence: float = CONFIDENCE) -> Estimate:
-    """Return the mean of the middle half of all scores, with its stratified bootstrap interval.
-
-    Args:
-        scores: One list per task, e.g. the success of each seed.
-        confidence: Probability of the interval.
-    """
+def interquartile_mean(scores: Scores) -> Estimate:
+    """Return the mean of the middle half of all scores, with its stratified bootstrap interval."""
     from scipy.stats import trim_mean
 
     def middle(*samples: Floats, axis: int = -1) -> Any:
         return trim_mean(np.concatenate(samples, axis=axis), CUT, axis=axis)
 
-    return _estimate(middle, _strata(scores), confidence)
+    return _estimate(middle, _strata(scores))
 
 
-def stratified_mean(scores: Scores, confidence: float = CONFIDENCE) -> Estimate:
+def stratified_mean(scores: Scores) -> Estimate:
     """Return the mean over tasks of the mean over runs, with its stratified bootstrap interval."""
-    return _estimate(_mean_of_means, _strata(scores), confidence)
+    return _estimate(_mean_of_means, _strata(scores))
 
 
-def probability_of_improvement(first: Scores, second: Scores, confidence: float = CONFIDENCE) -> Estimate:
+def probability_of_improvement(first: Scores, second: Scores) -> Estimate:
     """Return the probability that a run of the first method beats a run of the second, averaged over tasks.
 
     A draw counts half (the Mann-Whitney statistic divided by the number of pairs).
@@ -72,7 +67,6 @@ def probability_of_improvement(first: Scores, second: Scores, confidence: float 
     Args:
         first: One list of scores per task; higher is better.
         second: Likewise, for the same tasks.
-        confidence: Probability of the interval.
 
     Raises:
         ValueError: If the methods have different numbers of tasks.
@@ -89,16 +83,15 @@ def probability_of_improvement(first: Scores, second: Scores, confidence: float 
         won = [rank(a, b, axis=axis).statistic / (a.shape[axis] * b.shape[axis]) for a, b in pairs]
         return np.mean(won, axis=0)
 
-    return _estimate(share, [*_strata(first), *_strata(second)], confidence)
+    return _estimate(share, [*_strata(first), *_strata(second)])
 
 
-def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
+def paired_difference(first: ArrayLike, second: ArrayLike) -> Estimate:
     """Return the mean of first - second over levels that both played, with its bootstrap interval.
 
     Args:
         first: One number per level, such as its success.
         second: Likewise, of the same levels in the same order.
-        confidence: Probability of the interval.
 
     Raises:
         ValueError: If the numbers of levels differ.
@@ -106,7 +99,7 @@ def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = C
     a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
     if a.shape != b.shape or a.ndim != 1:
         raise ValueError(f"both need one number for each level, got shapes {a.shape} and {b.shape}")
-    return _estimate(_mean_of_means, [a - b], confidence)
+    return _estimate(_mean_of_means, [a - b])
 
 
 def _strata(scores: Scores) -> list[Floats]:
@@ -120,7 +113,7 @@ def _mean_of_means(*samples: Floats, axis: int = -1) -> object:
     return np.mean([sample.mean(axis=axis) for sample in samples], axis=0)
 
 
-def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats], confidence: float) -> Estimate:
+def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats]) -> Estimate:
     """Return a statistic with its percentile interval; the resampling is seeded."""
     from scipy.stats import bootstrap
 
@@ -133,7 +126,7 @@ def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats], confiden
         n_resamples=RESAMPLES,
         batch=max(1, BLOCK // sum(sample.size for sample in samples)),
         vectorized=True,
-        confidence_level=confidence,
+        confidence_level=CONFIDENCE,
         method="percentile",
         rng=np.random.default_rng(0),
     ).confidence_interval

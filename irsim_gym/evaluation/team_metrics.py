@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, Rate, mean, rate, wilson
+from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, Rate, mean, means, rate, wilson
 
 TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
 PERCENTILES = (50, 75, 90)
@@ -222,19 +222,16 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
     """Summarise the levels of one policy.
 
     Args:
-        policy: Its name.
         rows: The levels that it played, all with the same number of agents.
         common: Levels that all compared policies solved, including this one; None if it is not compared.
     """
     agents = [agent for row in rows for agent in row.agents]
-    episodes = [agent.episode for agent in agents]
     team = len(rows[0].agents) if rows else 1
     assert all(len(row.agents) == team for row in rows), "every level must have the same number of agents"
     shares = _rates(rows, OUTCOMES, lambda agent: agent.episode.outcome)
     hits = _rates(rows, TEAM_HITS, lambda agent: agent.episode.hit)
     assert sum(share.count for share in shares.values()) == len(agents), "the outcomes must be those of all agents"
     assert sum(hit.count for hit in hits.values()) == shares["collision"].count, "every collision must have a kind"
-    arrivals = [episode for episode in episodes if episode.outcome == "success"]
     return TeamSummary(
         policy=policy,
         levels=len(rows),
@@ -251,17 +248,8 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         flowtime=mean([row.flowtime for row in rows]),
         extra_time=_extra_time(rows),
         common_extra_time=None if common is None else _extra_time([row for row in rows if row.level in common]),
-        spl=mean([episode.spl for episode in episodes]),
-        sct=mean([episode.sct for episode in episodes]),
-        path_length=mean([episode.path_length for episode in arrivals]),
-        path_ratio=mean([episode.path_ratio for episode in arrivals]),
-        min_clearance=mean([episode.min_clearance for episode in episodes]),
-        acceleration=mean([episode.acceleration for episode in episodes]),
-        jerk=mean([episode.jerk for episode in episodes]),
-        intrusion_025=mean([episode.intrusion_025 for episode in episodes]),
-        intrusion_045=mean([episode.intrusion_045 for episode in episodes]),
-        time_to_collision=mean([episode.time_to_collision for episode in episodes]),
         throughput=mean([row.throughput for row in rows]),
+        **means([agent.episode for agent in agents]),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
+from irsim_gym.evaluation.motion import MotionLog
 from irsim_gym.evaluation.optimum import Optima, straight_distance
 from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
@@ -39,7 +39,6 @@ def evaluate_team(
         policy: A policy, or a function that maps the agents' observations to their actions.
         episodes: Worlds with any number of agents, see ``irsim_gym.tasks.Episodes``.
         levels: Their number (levels 0, 1, ...) or their indices.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima of earlier evaluations of the same split; new ones are added.
         on_episodes: Called with the number of levels that have just ended.
         watcher: Observes each step.
@@ -47,7 +46,7 @@ def evaluate_team(
     found, motion = optima_of(split, optima), MotionLog(episodes)
     limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
     rows: dict[int, TeamRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(found, motion, watcher)):
+    for indices, worlds, played in drive(policy, episodes, levels, split, found, motion, watcher):
         for index, world, level in zip(indices, worlds, played, strict=True):
             agents = [_agent_row(episodes, found, motion, world, level, a) for a in range(episodes.n_agents)]
             rows[index] = TeamRow(level, limit, tuple(agents))

@@ -49,7 +49,6 @@ class TrajectoryLog:
     """Keeps the trajectories of a policy: a `Watcher`.
 
     Args:
-        episodes: The worlds.
         shown: Number of levels whose whole trajectories are kept.
 
     Attributes:

@@ -137,9 +137,7 @@ def find_certificate(
     It is looked up next to the file of levels, next to the scenario's own file, and among the shipped ones.
 
     Args:
-        scenario: The scenario.
         agents: Names of the robots that are driven.
-        split: Split of the levels.
         digest: Hash of the set of levels.
         count: Number of levels, from level 0.
 

@@ -33,12 +33,7 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 def certificate_bytes(said: Mapping[str, Any], arrays: Arrays) -> bytes:
-    """Return the content of a certificate's file.
-
-    Args:
-        said: What is said of all levels.
-        arrays: The arrays of ``Certificate`` by name.
-    """
+    """Return the content of a certificate's file."""
     packed, units = {name: arrays[name] for name in WHOLE}, {}
     for name in NUMBERS:
         packed[name], *units[name] = _packed(_last_digits(name, arrays), _base(name, arrays))

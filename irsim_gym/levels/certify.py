@@ -38,7 +38,6 @@ def certify(
 
     Args:
         episodes: The worlds and the task, which defines the agents and when an episode ends.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         count: Number of levels.
         rows: Results of the reference policies in these levels, by name.
         on_levels: Called with the number of levels that have just been measured.

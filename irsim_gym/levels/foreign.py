@@ -47,7 +47,6 @@ def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, ND
     """Return arrays of numbers from an ``.npz``.
 
     Args:
-        file: The file.
         axes: Names of the axes of each array; a digit is a fixed length, and ``x+1`` is one more than axis ``x``.
 
     Raises:

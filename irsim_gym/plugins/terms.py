@@ -100,9 +100,7 @@ def asked(
     """Yield world, agent and the function's answer, world by world.
 
     Args:
-        term: The term.
         moment: The constants, the state of the worlds and that of the episodes.
-        shard: The worlds.
         sizes: How many numbers the function returns for each agent.
         *given: Arrays ``(n_worlds, n_agents, ...)`` whose rows the function is called with, after the agent.
     """

@@ -30,11 +30,9 @@ def make_bodies(entry: BodyEntry, index: int, first: int, group: int, report: Re
     """Return the bodies of an entry; an empty list if one of its values is invalid.
 
     Args:
-        entry: The entry, checked.
         index: Index of its placement.
         first: Number of its first body.
         group: Group of its bodies if it names none.
-        report: Collects the problems.
     """
     patterns: dict[tuple[int, ...], BodySpec | None] = {}
     bodies = []

@@ -76,9 +76,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, object], report: Report) -> Bod
     """Check all values of an entry.
 
     Args:
-        raw: The entry in the file.
         plot: Drawing options for all bodies of the file; the entry's own options override them.
-        report: Collects the problems.
     """
     entry = BodyEntry(raw)
     spelt = check_keys(raw.data, FIELDS, raw.place, report)

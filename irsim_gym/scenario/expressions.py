@@ -21,7 +21,6 @@ def evaluate(text: str, values: Values | None = None) -> Number | None:
     Only whole numbers without division, and ``floor``, give an ``int``. Non-finite values give None.
 
     Args:
-        text: The expression.
         values: Values of ``$name``.
     """
     tokens = _tokens(text)

@@ -46,7 +46,6 @@ def meant(name: str, declared: Iterable[str], taken_by: Mapping[str, str]) -> st
     """Return a hint in parentheses about an unknown keyword; empty if there is none.
 
     Args:
-        name: The keyword.
         declared: Parameters of the scenario.
         taken_by: Keywords that only some functions take, and the names of these functions.
     """

@@ -44,8 +44,6 @@ def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -
     Args:
         world: The section ``world``.
         place: Path of ``obstacle_map``.
-        source: Source of the scenario.
-        report: Collects the problems.
     """
     if world.obstacle_map is None:
         return None

@@ -92,7 +92,6 @@ def translate(error: Any, value: Any, hint: Any) -> str:
 
     Args:
         error: The record, as ``ValidationError.errors()`` gives it.
-        value: The value in the file.
         hint: The declared type of the option.
     """
     kind, context = error["type"], error.get("ctx", {})

@@ -95,7 +95,6 @@ def kind_of_function(
     Args:
         family: Name of the family in messages.
         name: Name of the kind in YAML.
-        function: The function.
         base: Base class of all such kinds.
         leading: Names of the function's parameters before its options, for messages.
         **members: Further members of the class.

@@ -20,7 +20,6 @@ def drawn_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
     """Return a scenario with drawing options set for all bodies.
 
     Args:
-        scenario: The scenario.
         options: Keys of a body's section ``plot``, with their values.
 
     Raises:

@@ -26,9 +26,7 @@ def give_recordings(bodies: list[BodySpec], entry: BodyEntry, step_time: float, 
 
     Args:
         bodies: The entry's bodies.
-        entry: The entry.
         step_time: Duration of a step [s].
-        report: Collects the problems.
     """
     given = []
     for i, body in enumerate(bodies):

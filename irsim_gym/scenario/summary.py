@@ -32,7 +32,6 @@ def summarize_file(file: Path, parameters: Mapping[str, object] | None = None) -
     """Summarise a file; a file with mistakes is summarised as far as it can be read.
 
     Args:
-        file: The file.
         parameters: Values for its parameters.
 
     Raises:

@@ -41,7 +41,6 @@ class Report:
     """Collects the problems of one source.
 
     Args:
-        source: The source.
         strict: Whether unknown keys are problems; else they are ignored and listed.
     """
 
@@ -119,8 +118,6 @@ def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Ite
     Args:
         cls: A class made by ``options.kind``.
         data: The data in the file; None counts as an empty mapping.
-        place: Its path.
-        report: Collects the problems.
         skip: Keys to ignore because the caller reads them, such as ``name``.
     """
     data = {} if data is None else data
@@ -321,10 +318,6 @@ def build_named(
     """Make an instance of a registered kind from ``{name: ..., option: ...}``; return None after reporting problems.
 
     Args:
-        registry: The family.
-        data: The data in the file.
-        place: Its path.
-        report: Collects the problems.
         default: Name for a mapping without one; None requires a name.
         synonym: A second key that may hold the name.
     """

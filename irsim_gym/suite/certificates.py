@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.progress_bars import counting
 from irsim_gym.levels.certificate import Certificate, find_certificate, shipped_certificate
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.played import PlayedLevels
@@ -14,7 +15,8 @@ from irsim_gym.scenario import load_scenario
 from irsim_gym.suite.members import Member, shipped_suite
 from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord, read_record
-from irsim_gym.training.level_commands import WORLDS, ScenarioRequest, bar, write_certificate
+from irsim_gym.training.level_commands import WORLDS, write_certificate
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 
 def certify_members(folder: Path, names: Sequence[str]) -> None:
@@ -35,7 +37,7 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
         wanted = ScenarioRequest(member.scenario, team=member.team, parameters=member.parameters)
         count = member.levels_of(record.levels)
         episodes = wanted.episodes(min(WORLDS, count))
-        with bar(f"certifying {member.name}", count) as advance:
+        with counting(f"certifying {member.name}", count) as advance:
             rows = {
                 record.methods[method][0]["source"]: read_rows(folder / entries[0]["file"])
                 for method, entries in record.runs[member.name].items()

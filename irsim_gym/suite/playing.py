@@ -16,6 +16,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived, UnfitPerceptionError
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.played import played_levels
@@ -40,7 +41,6 @@ def play_suite(
     levels: int = 1000,
     split: str = "test",
     overwrite: bool = False,
-    console: Console | None = None,
 ) -> SuiteRecord:
     """Play what has not been played yet, score all results, and return the folder's record.
 
@@ -48,22 +48,18 @@ def play_suite(
     record states the reason. Each policy perceives as in ``evaluate_policies``.
 
     Args:
-        members: The benchmarks.
-        methods: The methods that play.
         folder: Folder of rows and summary. Existing results are kept and not played again.
         levels: Number of levels of each benchmark, from level 0.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
         overwrite: Remove existing results first.
-        console: Console of the progress bar.
 
     Raises:
         IrsimGymError: If the folder holds rows with other levels, policies or scenarios.
     """
     check_split(split)
-    screen = console or Console(stderr=True)
+    screen = Console(stderr=True)
     record = _begin(folder, levels, split, overwrite)
     record.add(members, methods)
-    with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+    with progress_bar(screen) as bar:
         for member in members:
             missing = [m for m in methods if len(record.done(member.name, m.name)) < len(m.sources)]
             if missing:

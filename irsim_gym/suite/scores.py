@@ -176,7 +176,6 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
 
     Args:
         success: By benchmark and method, the success of each policy.
-        methods: The methods.
 
     Returns:
         ``benchmarks``: their names. ``success``: the interquartile mean over benchmarks and policies of each method,

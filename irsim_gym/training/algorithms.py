@@ -76,10 +76,6 @@ class Algorithm:
     def check_action(self, action: Any, named: str) -> None:
         """Check that the algorithm supports a task's action.
 
-        Args:
-            action: The task's action.
-            named: Name of the action.
-
         Raises:
             IrsimGymError: If it does not. The message names algorithms that do, and what to change in the task.
         """

@@ -27,7 +27,6 @@ def apply_steps(steps: Sequence[Options], arrays: Sequence[Arrays], rows: NDArra
 
     Args:
         steps: Options of each step.
-        arrays: Arrays of each step.
         rows: Inputs, ``(n, ...)``.
     """
     found: Floats = rows.astype(np.float64)

@@ -51,9 +51,7 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     """Write a checkpoint into ``folder`` and return its own folder.
 
     Args:
-        folder: The run's folder of checkpoints.
         model: Model whose policy, normalisation and replay buffer are saved.
-        progress: Progress of the run.
         state: Further state for resuming.
     """
     target = folder / f"{progress.steps:010d}"

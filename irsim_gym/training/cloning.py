@@ -11,7 +11,6 @@ import torch
 from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.progress import Progress
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -21,12 +20,13 @@ from irsim_gym.envs.sb3_critic_parts import actor_observation_space
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent, percepts
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.policies import load_policy, memory_shape
 from irsim_gym.training.run import Settings
+from irsim_gym.training.scenario_request import request_of
 
 BATCH = 1024
 """Rows of a minibatch."""
@@ -79,7 +79,6 @@ def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -
     Args:
         model: A model of an on-policy algorithm without memory.
         settings: Settings of the run, with ``clone``.
-        console: Console for progress bars, which only a terminal shows.
 
     Returns:
         The elapsed wall-clock time and processor time [s].
@@ -113,25 +112,16 @@ def demonstrations(settings: Settings, source: str, console: Console) -> tuple[N
     """Return the observations and actions of a policy in its successful episodes, ``(n, ...)`` each.
 
     Args:
-        settings: Settings of the run.
         source: The policy, as ``load_policy`` takes it.
-        console: Console for the progress bar, which only a terminal shows.
 
     Raises:
         IrsimGymError: If the policy never succeeds.
     """
     count = settings.hyperparameters.clone_levels
-    episodes = make_episodes(
-        settings.scenario,
-        task=settings.task,
-        n_worlds=min(WORLDS, count),
-        parameters=settings.parameters,
-        team=settings.hyperparameters.team is not None,
-        strict=settings.strict,
-    )
+    episodes = request_of(settings).episodes(min(WORLDS, count))
     recorded, won = RecordingPolicy(load_policy(source)), set[tuple[int, int]]()
     levels = range(settings.first_level, settings.first_level + count)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+    with progress_bar(console) as bar:
         line = bar.add_task(f"{source} plays", total=count)
         for _, worlds, played in drive(recorded, episodes, levels, "train"):
             outcomes = episodes.view.infos["outcome"][worlds] == Outcome.SUCCESS
@@ -155,7 +145,7 @@ def imitate(
     batches = -(-len(observations) // BATCH)
     schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, epochs * batches)
     policy.set_training_mode(True)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+    with progress_bar(console) as bar:
         for _ in bar.track(range(epochs), description="imitating"):
             order = torch.randperm(len(observations))
             for part in (order[k : k + BATCH] for k in range(0, len(observations), BATCH)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,26 +12,25 @@ from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.tables import print_table
+from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
-from irsim_gym.scenario.load import load_scenario
-from irsim_gym.scenario.spec import Scenario
-from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
-from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.folders import evaluation_folder, has_results
 from irsim_gym.training.inputs import check_folder, check_inputs
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
-from irsim_gym.training.remembered import remembered_parameters, report_changes
+from irsim_gym.training.remembered import as_trained
 from irsim_gym.training.request_checks import check_request
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.verdict import look_command, verdict
 
-Parameters = Mapping[str, object] | None
 PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
@@ -47,7 +46,6 @@ def run_training(
     """Train a policy, score the checkpoints, print the results, and return the run.
 
     Args:
-        request: Arguments of the training.
         out: Folder of the run; None for the default folder.
         resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.
@@ -106,21 +104,16 @@ def _notes(settings: Settings) -> Iterator[str]:
 
 
 def _team_size(settings: Settings) -> int:
-    return max(len(_task_of(part, team=True)[1].agents) for part in settings.parts())
-
-
-def _task_of(settings: Settings, *, team: bool) -> tuple[Scenario, Task]:
-    scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
-    return scenario, load_task(scenario, settings.task, team=team)
+    return max(len(part.load_task()[1].agents) for part in settings.parts())
 
 
 def _verdict_lines(run: Run, last: Point) -> list[str]:
     """Return advice for a training that ended near 0 % success; for a mixture, for each such scenario."""
     settings, lines = run.settings(), list[str]()
-    team, is_mixed = settings.hyperparameters.team is not None, bool(settings.mixture)
+    is_mixed = bool(settings.mixture)
     for name, part, own in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
-        scenario, task = _task_of(own, team=team)
-        look = look_command(part.scenario, run.folder, team=team, task=part.task)
+        scenario, task = own.load_task()
+        look = look_command(part.scenario, run.folder, team=settings.is_team, task=part.task)
         found = verdict(scenario_point(last, name) if is_mixed else last, scenario, task, look)
         lines += [f"{name}:", *found] if is_mixed and found else found
     return lines
@@ -144,16 +137,13 @@ def marks_table(points: Sequence[Point]) -> Table:
 
 
 def run_evaluation(
-    scenario: str,
+    asked: ScenarioRequest,
     policies: Sequence[str],
+    *,
     levels: int,
     split: str,
-    task: str | None,
-    out: Path | None,
-    references: bool,
-    parameters: Parameters = None,
-    team: bool = False,
-    strict: bool = True,
+    out: Path | None = None,
+    references: bool = True,
     overwrite: bool = False,
 ) -> Evaluation | TeamEvaluation:
     """Evaluate policies of single robots or of teams, print the tables, write the files, and return the results.
@@ -163,27 +153,13 @@ def run_evaluation(
     """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
-    chosen: dict[str, Any] = {"task": task, "parameters": parameters, "split": split, "team": team, "strict": strict}
-    check_inputs(scenario, policies=policies, folder=out, **chosen)
+    check_inputs(asked, policies=policies, split=split, folder=out)
     methods = {method.name: method.sources for method in read_methods(policies)}
-    sources = [source for seeds in methods.values() for source in seeds]
-    parameters = remembered_parameters(scenario, sources, parameters, strict=strict)
     if out is not None and has_results(out) and not overwrite:
         raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
-    folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
-    report_changes(scenario, sources, task, strict=strict)
-    evaluated = evaluate_team_policies if team else evaluate_policies
-    found = evaluated(
-        scenario,
-        methods,
-        levels=levels,
-        split=split,
-        task=task,
-        references=references,
-        folder=folder,
-        parameters=parameters,
-        strict=strict,
-    )
+    asked = as_trained(asked, [source for seeds in methods.values() for source in seeds])
+    folder = out or evaluation_folder(str(asked.scenario), split, asked.parameters, asked.team, overwrite=overwrite)
+    found = evaluate_policies(asked, methods, levels=levels, split=split, references=references, folder=folder)
     for table in found.tables:
         print_table(table)
     print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
@@ -191,97 +167,73 @@ def run_evaluation(
 
 
 def run_rollout(
-    scenario: str,
+    asked: ScenarioRequest,
     policy: str,
+    *,
     levels: int,
     split: str,
-    task: str | None,
-    frames: Path | None,
-    parameters: Parameters = None,
-    team: bool = False,
+    frames: Path | None = None,
     record: Path | None = None,
-    strict: bool = True,
 ) -> None:
     """Play a few levels with a policy, and print a line for each; with a team, a line for each robot.
 
     Raises:
-        IrsimGymError: If ``record`` is combined with ``team``: a file holds demonstrations of a single robot.
+        IrsimGymError: If ``record`` is combined with a team: a file holds demonstrations of a single robot.
     """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
     from irsim_gym.training.recorder import check_demonstrations, record_demonstrations
 
-    if team and record is not None:
+    if asked.team and record is not None:
         raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
-    given: dict[str, Any] = {"task": task, "parameters": parameters, "policies": [policy], "split": split, "team": team}
     check_inputs(
-        scenario,
+        asked,
         lambda: None if frames is None else check_suffix(frames, FILMS, "a film"),
         lambda: None if record is None else check_demonstrations(record),
-        strict=strict,
-        **given,
+        policies=[policy],
+        split=split,
     )
-    used = remembered_parameters(scenario, [policy], parameters, strict=strict)
-    report_changes(scenario, [policy], task, strict=strict)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
-    if team:
-        of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
-        agents = [agent for row in next(iter(of_teams.rows.values())) for agent in row.agents]
-        rows = [(f"level {agent.episode.level}, {agent.agent}", agent.episode) for agent in agents]
-    else:
-        found = evaluate_policies(scenario, [policy], levels=levels, references=False, **chosen)
-        rows = [(f"level {row.level}", row) for row in next(iter(found.rows.values()))]
-    for who, row in rows:
-        hit = f" with {row.hit}" if row.hit else ""
-        print(f"{who}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
+    asked = as_trained(asked, [policy])
+    found = evaluate_policies(asked, [policy], levels=levels, split=split, references=False)
+    rows: Sequence[EpisodeRow | TeamRow] = next(iter(found.rows.values()))
+    for row in rows:
+        for who, one in _episodes(row):
+            hit = f" with {one.hit}" if one.hit else ""
+            print(f"{who}: {one.outcome}{hit} after {one.time:.1f} s, {one.path_length:.2f} m driven")
     if frames is not None:
-        print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
+        print(record_film(asked, [policy], range(levels), frames, split=split))
     if record is not None:
-        kept = record_demonstrations(scenario, policy, record, levels, split=split, task=task, strict=strict, **used)
+        named: dict[str, Any] = {"task": asked.task, "strict": asked.strict, **(asked.parameters or {})}
+        kept = record_demonstrations(asked.scenario, policy, record, levels, split=split, **named)
         print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
 
 
+def _episodes(row: EpisodeRow | TeamRow) -> list[tuple[str, EpisodeRow]]:
+    """Return the episodes of a level, each with its name."""
+    if isinstance(row, EpisodeRow):
+        return [(f"level {row.level}", row)]
+    return [(f"level {agent.episode.level}, {agent.agent}", agent.episode) for agent in row.agents]
+
+
 def run_record(
-    scenario: str,
-    policies: Sequence[str],
-    levels: Sequence[int],
-    split: str,
-    task: str | None,
-    out: Path | None,
-    parameters: Parameters = None,
-    team: bool = False,
-    *,
-    kind: str = "film",
-    strict: bool = True,
+    asked: ScenarioRequest, policies: Sequence[str], levels: Sequence[int], split: str, out: Path | None, kind: str
 ) -> None:
     """Write a film, a replay page, a ``sheet`` or a ``strobe`` picture of policies, and print the file's name.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
         policies: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name or path of a task; None for the scenario's own.
         out: File to write; None for a default name in ``runs``. A name that ends in ``.html`` means a replay page.
-        parameters: Values for the scenario's parameters.
-        team: Whether the policies drive all robots; if the task names robots, only these.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
-        strict: Whether unused keys are an error; False ignores them.
     """
     from irsim_gym.training.record import check_output, record_film, record_html, record_sheet
 
     names_page = out is not None and out.suffix.lower() == ".html"
     kind = "replay" if kind == "film" and names_page else kind
-    given: dict[str, Any] = {"task": task, "parameters": parameters, "policies": policies, "split": split, "team": team}
-    output = partial(check_output, out, kind, len(policies) * len(levels))
-    check_inputs(scenario, output, strict=strict, **given)
-    used = remembered_parameters(scenario, policies, parameters, strict=strict)
-    report_changes(scenario, policies, task, strict=strict)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
-    chosen |= {"team": team}
+    check_inputs(asked, partial(check_output, out, kind, len(policies) * len(levels)), policies=policies, split=split)
+    asked = as_trained(asked, policies)
     if kind == "replay":
-        print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))
+        print(record_html(asked, policies, levels, out or Path("runs/replay.html"), split=split))
     elif kind == "film":
-        print(record_film(scenario, policies, levels, out or Path("runs/film.mp4"), **chosen))
+        print(record_film(asked, policies, levels, out or Path("runs/film.mp4"), split=split))
     else:
         path = out or Path(f"runs/{kind}.png")
-        print(record_sheet(scenario, policies, levels, path, strobe=kind == "strobe", **chosen))
+        print(record_sheet(asked, policies, levels, path, split=split, strobe=kind == "strobe"))

@@ -10,10 +10,11 @@ from typing import Any
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.errors import ChangedScenarioWarning
 from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
-from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.methods import Sources, by_method
 from irsim_gym.training.policies import Source
 from irsim_gym.training.remembered import change_message, changes_since
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 
 def evaluate(
@@ -63,18 +64,14 @@ def evaluate(
     is_one = isinstance(policies, str) or not isinstance(policies, Sequence | Mapping)
     sources: Any = [policies] if is_one else policies
     _warn_of_changes(scenario, [one for several in by_method(sources).values() for one in several], task, strict)
-    evaluated = evaluate_team_policies if team else evaluate_policies
-    return evaluated(
-        scenario,
+    return evaluate_policies(
+        ScenarioRequest(scenario, task, team, parameters, strict),
         sources,
         levels=levels,
         split=split,
-        task=task,
         n_worlds=n_worlds,
         references=references,
         folder=None if folder is None else Path(folder),
-        parameters=parameters,
-        strict=strict,
     )
 
 

@@ -13,6 +13,7 @@ from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import reached, score_run
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
@@ -39,7 +40,6 @@ def run_demo(
         scenario: Shipped name, environment id, or path of a scenario file.
         steps: Number of training steps; None for that of the hyper-parameter file.
         levels: Number of ``test`` levels of the evaluation, and of ``dev`` levels of the learning curve.
-        seed: Seed of the training.
 
     Raises:
         TrainingInterruptedError: If Ctrl-C or, during training, SIGTERM stops it. The next call resumes.
@@ -49,7 +49,7 @@ def run_demo(
 
 
 def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: int) -> None:
-    screen, run = Console(stderr=True), Run(folder / "run")
+    screen, run, asked = Console(stderr=True), Run(folder / "run"), ScenarioRequest(scenario)
     request = TrainingRequest(scenario, "ppo", seed, steps)
     settings = request.settings()
     if run.exists():
@@ -67,11 +67,11 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
     _say(screen, 3, f"evaluating on {levels:,} test levels, beside random and dash", done)
     policy, film = folder / FILES["policy"], folder / FILES["film"]
     if not done:
-        evaluate_policies(scenario, {"ppo": policy}, levels=levels, folder=folder, console=screen)
+        evaluate_policies(asked, {"ppo": policy}, levels=levels, folder=folder)
     filmed = film.is_file() and film.stat().st_mtime >= policy.stat().st_mtime
     _say(screen, 4, "filming it beside dash", filmed)
     if not filmed:
-        record_film(scenario, [policy, "dash"], FILMED, film, names=["ppo", "dash"], console=screen)
+        record_film(asked, [policy, "dash"], FILMED, film, names=["ppo", "dash"])
     print((folder / FILES["table"]).read_text(encoding="utf-8"))
     held = reached(points, 0.95)
     if held is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.inspection import check_drawing
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
     from irsim_gym.render.sectors_plot import ImagePanel, SectorPanel
@@ -26,37 +27,24 @@ LEVEL = 0
 """Level that a picture shows."""
 
 
-def describe_scenario(
-    scenario: str,
-    task: str | None,
-    parameters: Mapping[str, object],
-    *,
-    team: bool,
-    strict: bool,
-    as_json: bool,
-    picture: Path | None,
-) -> None:
+def describe_scenario(asked: ScenarioRequest, *, as_json: bool, picture: Path | None) -> None:
     """Print the description of an environment, and draw the directions that its observations cover.
 
+    Robots of a team that observe and act alike are described once.
+
     Args:
-        scenario: Shipped name, id or path of a scenario file.
-        task: Shipped name or path of a task; None for the scenario's own.
-        parameters: Values for the scenario's parameters.
-        team: Whether all robots learn. Robots that observe and act alike are described once.
-        strict: Whether unused keys are an error; False ignores them.
-        as_json: Print JSON: an object, or a list of objects with ``team``.
+        as_json: Print JSON: an object, or a list of objects for a team.
         picture: File to draw; None for none.
 
     Raises:
         IrsimGymError: If the picture's suffix is not ``.png``, ``.pdf`` or ``.svg``, or there is nothing to draw.
     """
-    output = partial(check_drawing, picture)
-    check_inputs(scenario, output, task=task, parameters=parameters, team=team, strict=strict)
-    worlds = Worlds(scenario, task=task, parameters=parameters, team=team, strict=strict)
-    found = list(_each(worlds, team))
+    check_inputs(asked, partial(check_drawing, picture))
+    worlds = Worlds(**vars(asked))
+    found = list(_each(worlds, asked.team))
     if as_json:
         plain = [description.as_dict() for description in found]
-        print(json.dumps(plain if team else plain[0], indent=2))
+        print(json.dumps(plain if asked.team else plain[0], indent=2))
     else:
         for k, description in enumerate(found):
             print(end="\n" if k else "")

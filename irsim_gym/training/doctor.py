@@ -60,9 +60,9 @@ def examine() -> list[Finding]:
     return [*_versions(), *_packages(), *machine, *_optional()]
 
 
-def print_examination(console: Console | None = None) -> bool:
+def print_examination() -> bool:
     """Print a line for each check, with advice below it, and return whether everything required works."""
-    findings, screen = examine(), console or Console(highlight=False)
+    findings, screen = examine(), Console(highlight=False)
     width = max(len(one.topic) for one in findings)
     for one in findings:
         lines = [f"{one.topic:<{width}}  {one.found}"] + [f"{'':<{width}}  -> {one.advice}"] * bool(one.advice)

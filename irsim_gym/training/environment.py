@@ -36,7 +36,6 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
     """Make the environment of a run, with its wrappers.
 
     Args:
-        settings: Settings of the run.
         normalization: File with saved statistics of ``VecNormalize``; None to start without.
     """
     wanted = settings.hyperparameters
@@ -54,8 +53,6 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
     """Make the environment of a run, without its wrappers.
 
     Args:
-        settings: Settings of the run.
-        n_envs: Number of worlds.
         max_steps: Time limit [steps]; None for the task's own.
     """
     if settings.mixture:

@@ -31,11 +31,8 @@ def make_episodes(
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
-        n_worlds: Number of worlds.
         num_threads: Number of threads that step the worlds.
-        parameters: Values for the scenario's parameters.
         team: Whether all robots are agents, unless the task names some. Otherwise there has to be exactly one agent.
-        strict: Whether unused keys are an error; False ignores them.
     """
     chosen: dict[str, Any] = {"task": task, "team": team, "strict": strict}
     if isinstance(scenario, Scenario):

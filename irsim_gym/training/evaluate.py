@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
-from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.metrics import EpisodeRow, Rate, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
+from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, TEAM_SHOWN
 from irsim_gym.evaluation.tables import (
     percent,
     summary_table,
@@ -27,19 +27,23 @@ from irsim_gym.evaluation.tables import (
     write_json,
     write_text,
 )
+from irsim_gym.evaluation.team_metrics import summarize_teams
+from irsim_gym.evaluation.team_tables import write_agents, write_levels
+from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
-from irsim_gym.training.episode_setup import conditions, make_episodes
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.episode_setup import conditions, team_conditions
+from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.fitting import check_policies, observed_by, report_perceptions
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.run import machine
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
 WORLDS = 128
 """Default number of worlds that are stepped together."""
-
-Row = TypeVar("Row")
 
 
 @dataclass(frozen=True)
@@ -89,114 +93,114 @@ class Evaluation:
 
 
 def evaluate_policies(
-    scenario: ScenarioSource,
+    asked: ScenarioRequest,
     sources: Sources,
     *,
     levels: int = 1000,
     split: str = "test",
-    task: TaskSource = None,
     n_worlds: int = WORLDS,
     references: bool = True,
     folder: Path | None = None,
-    console: Console | None = None,
-    parameters: Mapping[str, object] | None = None,
-    strict: bool = True,
-) -> Evaluation:
-    """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.
+) -> Evaluation | TeamEvaluation:
+    """Evaluate policies of single robots or of teams, and write tables, rows and figures; see ``irsim_gym.evaluate``.
 
     A policy that records the observations and actions of its training keeps them. All others observe and act as the
-    task defines. Everything else follows from the task for all policies.
-
-    Args:
-        scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
-        sources: Policies, as ``load_policy`` takes them. In a mapping, each name stands for a method, which is a policy
-            or a sequence of seeds.
-        levels: Number of levels of the split, from 0.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name, path or plain data of a task; None for the scenario's own.
-        n_worlds: Number of worlds stepped together; the results do not depend on it.
-        references: Whether to add the reference policies.
-        folder: Folder for the files; None to write none.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
-        parameters: Values for the scenario's parameters.
-        strict: Whether unused keys are an error; False ignores them.
+    task defines. Everything else follows from the task for all policies. All robots of a team share a policy, and
+    reference policies that cannot drive all of them are left out, with a message.
     """
-    made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
-    episodes = make_episodes(scenario, n_worlds=max(1, min(n_worlds, levels)), **made)
+    episodes = asked.episodes(max(1, min(n_worlds, levels)))
     worlds = Perceived(episodes)
-    chosen, seeds = named_policies(sources, ALWAYS_SHOWN if references else ())
+    chosen, seeds = _named_policies(sources)
+    if references:
+        chosen |= _references(chosen, episodes, team=asked.team)
     figure = None if folder is None else TrajectoryFigure(episodes)
-    rows = drive_policies(evaluate, worlds, chosen, levels, split, console or Console(stderr=True), figure)
+    rows = _drive_policies(worlds, chosen, levels, split, figure, team=asked.team)
     played = played_levels(episodes.simulation, split, levels)
-    summaries = [summarize(name, rows[name]) for name in rows]
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
-    found = Evaluation(label, split, rows, summaries, played, seeds, observes)
+    found: Evaluation | TeamEvaluation
+    if asked.team:
+        found = TeamEvaluation(label, split, rows, summarize_teams(rows), played, seeds, observes)
+    else:
+        summaries = [summarize(name, rows[name]) for name in rows]
+        found = Evaluation(label, split, rows, summaries, played, seeds, observes)
     if folder is not None and figure is not None:
-        write_evaluation(folder, found, conditions(episodes, split, levels))
-        rates = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
-        figure.draw(folder, f"{found.scenario}: {levels:,} {split} levels", rates, levels)
+        _write(folder, found, (team_conditions if asked.team else conditions)(episodes, split, levels))
+        robots = f" {episodes.n_agents} robots," if asked.team else ""
+        figure.draw(folder, f"{label}:{robots} {levels:,} {split} levels", _arrivals(found), levels)
     return found
 
 
-def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object]) -> None:
+def _write(folder: Path, found: Evaluation | TeamEvaluation, named: Mapping[str, object]) -> None:
     """Write the rows, the summaries and the tables of an evaluation; ``named`` are its conditions."""
-    write_episodes(folder / "episodes.csv", found.rows)
+    if isinstance(found, TeamEvaluation):
+        write_agents(folder / "episodes.csv", found.rows)
+        write_levels(folder / "levels.csv", found.rows)
+    else:
+        write_episodes(folder / "episodes.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
     figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
     write_json(folder / "summary.json", {**figures, "observes": found.observes})
-    write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
+    write_text(folder / "table.txt", str(found))
 
 
-def rate_text(share: Rate) -> str:
+def _arrivals(found: Evaluation | TeamEvaluation) -> dict[str, str]:
+    """Return a text about the success of each policy."""
+    if isinstance(found, Evaluation):
+        return {each.policy: f"{_rate_text(each.success)} arrive" for each in found.summaries}
+    return {
+        each.policy: f"all arrive in {_rate_text(each.cooperative_success)} of the levels, "
+        f"{percent(each.individual_success)} % of the robots"
+        for each in found.summaries
+    }
+
+
+def _rate_text(share: Rate) -> str:
     """Return a share with its confidence interval, in percent."""
     return f"{percent(share)} % ({100.0 * share.low:.1f}\N{EN DASH}{100.0 * share.high:.1f})"
 
 
-def named_policies(sources: Sources, references: Sequence[str]) -> tuple[dict[str, Policy], dict[str, list[str]]]:
-    """Load policies and give them names.
-
-    Args:
-        sources: Policies, see ``evaluate_policies``.
-        references: Names of policies to add if they are missing.
-
-    Returns:
-        The policies by name, and the names of the policies of each method that has several.
-    """
+def _named_policies(sources: Sources) -> tuple[dict[str, Policy], dict[str, list[str]]]:
+    """Load policies; return them by name, and the names of the policies of each method that has several."""
     methods = by_method(sources)
     names = names_of_policies(methods)
     loaded = load_policies([source for several in methods.values() for source in several])
     chosen = dict(zip((name for several in names.values() for name in several), loaded, strict=True))
-    chosen |= {name: load_policy(name) for name in references if name not in chosen}
     return chosen, {method: several for method, several in names.items() if len(several) > 1}
 
 
-def drive_policies(
-    evaluation: Callable[..., list[Row]],
+def _references(chosen: Mapping[str, Policy], episodes: Episodes, *, team: bool) -> dict[str, Policy]:
+    """Return the reference policies that are missing; for a team, say which ones cannot drive all robots."""
+    found = {}
+    for name in (name for name in (TEAM_SHOWN if team else ALWAYS_SHOWN) if name not in chosen):
+        policy = load_policy(name)
+        try:
+            if team and isinstance(policy, BehaviorPolicy):
+                policy.check(episodes)
+            found[name] = policy
+        except UnfitBehaviorError as problem:
+            print(f"without {name}: {problem}", file=sys.stderr)
+    return found
+
+
+def _drive_policies(
     worlds: Perceived,
     policies: Mapping[str, Policy],
     levels: int,
     split: str,
-    console: Console,
-    figure: TrajectoryFigure | None = None,
-) -> dict[str, list[Row]]:
+    figure: TrajectoryFigure | None,
+    *,
+    team: bool,
+) -> dict[str, list[Any]]:
     """Play the same levels with several policies, and return their rows; show a progress bar.
-
-    Args:
-        evaluation: ``evaluate`` or ``evaluate_team``.
-        worlds: The worlds, as each policy perceives them.
-        policies: The policies by name.
-        levels: Number of levels of the split, from 0.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
-        console: Console for the progress bar, which only a terminal shows.
-        figure: Collects the trajectories for a figure; None for no figure.
 
     Raises:
         UnfitPolicyError: If some policies cannot drive the agents.
     """
     check_policies(policies, worlds)
     report_perceptions(policies, worlds)
-    optima, rows = Optima(split), {}
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+    optima, rows = Optima(split), dict[str, list[Any]]()
+    evaluation: Any = evaluate_team if team else evaluate
+    with progress_bar() as bar:
         for name, policy in policies.items():
             line = bar.add_task(name, total=levels)
             rows[name] = evaluation(

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym import __version__
@@ -33,16 +32,14 @@ from irsim_gym.training.cards import (
     card_file,
 )
 from irsim_gym.training.checkpoint_files import POLICY, list_checkpoints, load_progress
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
-from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.exported_network import ExportedNetwork, export_network
 from irsim_gym.training.inputs import check_folder, check_trained
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import Settings, run_of
+from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
-from irsim_gym.training.trained_perception import perception_in
 
 MEASURED = "played by the exported policy"
 """Source of results that the export measures itself."""
@@ -57,20 +54,17 @@ def export(
     levels: int = 1000,
     weaknesses: Sequence[str] = (),
     overwrite: bool = False,
-    console: Console | None = None,
 ) -> Path:
     """Write the file and the card of a policy, and return the path of the file.
 
     Args:
         source: A run's folder, one of its checkpoints, or a ``policy.zip``.
         name: Name of the exported policy.
-        folder: Folder for the files.
         results: Files with results of the policy for its card, see ``read_results``. Without any, the exported policy
             is evaluated, in each scenario of a mixture.
         levels: Number of ``test`` levels of this evaluation.
         weaknesses: Known weaknesses, in sentences.
         overwrite: Replace existing files of this name.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
 
     Raises:
         IrsimGymError: If the policy cannot be exported, or the settings and the cost of its training are unknown.
@@ -85,8 +79,8 @@ def export(
     settings, training = _training(source, found)
     scenario = _scenario(source, settings)
     own = _own_settings(source, settings)
-    episodes = make_episodes(own.scenario, team=scenario.team is not None, **_chosen(own))
-    network.form["perception"] = perception_in(own).to_plain()
+    episodes = request_of(own).episodes(1)
+    network.form["perception"] = own.perception().to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
     SavedPolicy(driver).check(episodes)
     content = _content(network)
@@ -97,7 +91,7 @@ def export(
         action=_action(episodes),
         network=CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
-        results=_given(found, scenario) or _evaluated(settings, own, driver, levels, console),
+        results=_given(found, scenario) or _evaluated(settings, own, driver, levels),
         weaknesses=tuple(weaknesses),
         sha256=hashlib.sha256(content).hexdigest(),
         size=len(content),
@@ -197,10 +191,6 @@ def _own_settings(source: Path, settings: Settings) -> Settings:
     return run.own_settings() if run.exists() else settings
 
 
-def _chosen(settings: Settings) -> dict[str, Any]:
-    return {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
-
-
 def _scenario(source: Path, settings: Settings) -> CardScenario:
     snapshot = run_of(policy_file(source)).snapshot() or settings.snapshot()
     return CardScenario(
@@ -236,24 +226,18 @@ def _given(found: Sequence[SeedResults], scenario: CardScenario) -> tuple[CardRe
     return tuple(one.model_copy(update={"scenario": None}) if one.scenario == own else one for one in results)
 
 
-def _evaluated(
-    settings: Settings, place: Settings, driver: ShelfPolicy, levels: int, console: Console | None
-) -> tuple[CardResult, ...]:
+def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> tuple[CardResult, ...]:
     """Evaluate the exported policy in each scenario that it was trained in, and return the results."""
     parts = zip(settings.parts(), place.parts(), strict=True)
-    found = [_evaluate(part, where, driver, levels, console) for part, where in parts]
+    found = [_evaluate(part, where, driver, levels) for part, where in parts]
     first = found[0].scenario
     return tuple(one.model_copy(update={"scenario": None}) if one.scenario == first else one for one in found)
 
 
-def _evaluate(
-    settings: Settings, place: Settings, driver: ShelfPolicy, levels: int, console: Console | None
-) -> CardResult:
+def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> CardResult:
     """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
-    is_team = settings.hyperparameters.team is not None
-    evaluated = evaluate_team_policies if is_team else evaluate_policies
-    chosen: dict[str, Any] = {"levels": levels, "references": False, "console": console, **_chosen(place)}
-    found = evaluated(place.scenario, {_file_name(settings.scenario): driver}, **chosen)
+    asked, name = request_of(place), _file_name(settings.scenario)
+    found = evaluate_policies(asked, {name: driver}, levels=levels, references=False)
     figures: Any = found.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
     return CardResult(
@@ -261,13 +245,13 @@ def _evaluate(
         levels=levels,
         level_hash=found.level_set.hash,
         parameters=plain(dict(settings.parameters)),
-        team=is_team,
+        team=asked.team,
         success=plain(success),
-        individual_success=plain(figures.individual_success) if is_team else None,
+        individual_success=plain(figures.individual_success) if asked.team else None,
         collision=figures.collision.value,
         timeout=figures.timeout.value,
         spl=figures.spl,
         seeds={},
         source=MEASURED,
-        scenario=_file_name(settings.scenario),
+        scenario=name,
     )

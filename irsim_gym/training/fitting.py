@@ -14,10 +14,6 @@ from irsim_gym.training.policies import UnfitPolicyError
 def check_policies(policies: Mapping[str, Policy], worlds: Perceived) -> None:
     """Check that policies can drive the agents, each with its own observations.
 
-    Args:
-        policies: The policies by name.
-        worlds: The worlds, as each policy perceives them.
-
     Raises:
         UnfitPolicyError: If some cannot. The message names all of these.
     """

@@ -30,8 +30,6 @@ def default_folder(
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        algorithm: Name of the algorithm.
-        seed: Seed of the run.
         parameters: Values that the user sets for the scenario's parameters.
         team: Team mode; None for a single learner.
         marks: Other differences from the default settings, such as ``steps=500000``.
@@ -57,7 +55,6 @@ def evaluation_folder(
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
-        split: Split of the levels.
         parameters: Values that the user sets for the scenario's parameters.
         team: Whether whole teams are evaluated.
         overwrite: Replace existing results.
@@ -97,7 +94,6 @@ def free_folder(first: Path, requested: Settings, now: Snapshot) -> tuple[Path, 
     Args:
         first: The preferred folder.
         requested: Settings of the run.
-        now: Snapshot of the scenario and its task.
     """
     last: list[str] = []
     for folder in _numbered(first, "-run"):

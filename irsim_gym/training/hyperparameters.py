@@ -172,7 +172,6 @@ def stated_hyperparameters(
     """Return the plain values of a hyper-parameter file for an environment; see ``load_hyperparameters``.
 
     Args:
-        algorithm: Name of the algorithm.
         environment_id: Id of the environment, whose entry overrides the defaults.
         task: Name of the task, whose entry overrides both; None for the scenario's own.
         images: Whether observations contain images.

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.scenario import library
-from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import load_task
@@ -16,39 +15,32 @@ from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.policies import load_policy, policy_file
 from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, check_file
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 Check = Callable[[], object]
 
 
 def check_inputs(
-    scenario: str,
+    asked: ScenarioRequest,
     *further: Check,
-    task: str | None = None,
-    parameters: Mapping[str, object] | None = None,
     policies: Sequence[str] = (),
     split: str | None = None,
     folder: Path | None = None,
-    team: bool = False,
-    strict: bool = True,
 ) -> None:
     """Check the arguments that commands share.
 
     Args:
-        scenario: Shipped name, environment id, or path of a file.
+        asked: The scenario with its task. The scenario's own task is not checked.
         *further: Checks of the command's own; each raises an ``IrsimGymError``.
-        task: Shipped name or path of a task; None for the scenario's own, which is not checked.
-        parameters: Values for the scenario's parameters.
         policies: Policies as on the command line, with ``NAME=POLICY,POLICY`` for several seeds.
         split: Split of the levels; None where there is none.
         folder: Folder for results, which need not exist.
-        team: Whether all robots learn.
-        strict: Whether unused keys are an error.
 
     Raises:
         IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
     """
     report_together(
-        *world_checks(scenario, task, parameters, team=team, strict=strict),
+        *world_checks(asked),
         lambda: check_policies(policies),
         lambda: None if split is None else check_split(split),
         lambda: check_folder(folder),
@@ -56,27 +48,13 @@ def check_inputs(
     )
 
 
-def world_checks(
-    scenario: str,
-    task: str | None = None,
-    parameters: Mapping[str, object] | None = None,
-    *,
-    team: bool = False,
-    strict: bool = True,
-) -> Iterator[Check]:
-    """Yield the checks of a scenario and of its task. Where the scenario cannot be read, the task's file still is.
-
-    Args:
-        scenario: Shipped name, environment id, or path of a file.
-        task: Shipped name or path of a task; None for the scenario's own, which is not checked.
-        parameters: Values for the scenario's parameters.
-        team: Whether all robots learn.
-        strict: Whether unused keys are an error.
-    """
+def world_checks(asked: ScenarioRequest) -> Iterator[Check]:
+    """Yield the checks of a scenario and of its task. Where the scenario cannot be read, the task's file still is."""
     loaded: list[Scenario] = []
-    yield lambda: loaded.append(load_scenario(scenario, parameters, strict=strict, warn=False))
-    if task is not None:
-        yield lambda: load_task(loaded[0], task, team=team) if loaded else read_file(library.find(task, "tasks"))
+    yield lambda: loaded.append(asked.load(warn=False))
+    task = asked.task
+    if isinstance(task, str | Path):
+        yield lambda: load_task(loaded[0], task, team=asked.team) if loaded else read_file(library.find(task, "tasks"))
 
 
 def check_policies(texts: Sequence[str]) -> None:

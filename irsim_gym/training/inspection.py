@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from irsim_gym.engine import Simulation, compile
+from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.inputs import check_inputs
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 Parameters = Mapping[str, object] | None
 
@@ -32,16 +33,14 @@ def draw_level(
     Raises:
         IrsimGymError: If the file's suffix is not ``.png``, ``.pdf`` or ``.svg``.
     """
-    from irsim_gym.render import Renderer
     from irsim_gym.render.sheet import save_sheet
 
     output = partial(check_drawing, out)
-    check_inputs(scenario, output, task=task, parameters=parameters, split=split, strict=strict)
+    asked = ScenarioRequest(scenario, task, parameters=parameters, strict=strict)
+    check_inputs(asked, output, split=split)
     simulation = begin_level(load_scenario(scenario, parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
-    parts = simulation.model, simulation.state, simulation.sensors
-    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
-    renderer = Renderer(simulation.scenario, *parts, **chosen)
+    renderer = make_renderer(simulation)
     if path.suffix == ".png":
         save_sheet(renderer.frame(0), path)
     else:
@@ -74,7 +73,6 @@ def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, Scenar
     """Return the task of a scenario, or the reason why no robot can learn; neither for a scenario without robots.
 
     Args:
-        scenario: The scenario.
         team: Whether all robots have to be able to learn together.
 
     Raises:

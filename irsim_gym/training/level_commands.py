@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.progress import Progress
 
-from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import IrsimGymError, report_together, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.certificate_measures import is_disc
@@ -21,19 +15,19 @@ from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.progress_bars import counting
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate, certificate_beside
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
-from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.level_set import LevelSet, set_hash
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
-from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.inputs import Check, check_inputs
+from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.policies import load_policy
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.world.model import ACKERMANN
 
 WORLDS = 64
@@ -43,62 +37,11 @@ POSES = "hybrid_astar"
 """Further reference policy for robots that are not discs or steer like a car: it plans over poses."""
 
 
-@dataclass(frozen=True)
-class ScenarioRequest:
-    """The arguments that select a scenario and its task.
-
-    Attributes:
-        scenario: Shipped name, environment id, or path of a file.
-        task: Shipped name or path of a task; None for the scenario's own.
-        team: Whether all robots are agents; if the task names robots, only these.
-        parameters: Values for the scenario's parameters.
-        strict: Whether unused keys are an error; False ignores them.
-    """
-
-    scenario: str
-    task: str | None = None
-    team: bool = False
-    parameters: Mapping[str, object] | None = None
-    strict: bool = True
-
-    def check(self, *further: Check, **chosen: Any) -> None:
-        """Check the scenario, the task and a command's other arguments, and report all problems together.
-
-        Args:
-            *further: Checks of the command's own.
-            **chosen: Further arguments of ``check_inputs``: policies, split.
-        """
-        given: dict[str, Any] = {"task": self.task, "parameters": self.parameters, "team": self.team}
-        check_inputs(self.scenario, *further, strict=self.strict, **given, **chosen)
-
-    def simulation(self, n_worlds: int) -> Simulation:
-        """Return worlds with the agents of the task; without agents if there is no task and no robot can learn.
-
-        The agents affect the levels: each of them gets a path to its goal.
-        """
-        loaded = self.loaded()
-        try:
-            return self.episodes(n_worlds, loaded).simulation
-        except IrsimGymError:
-            if loaded.task or self.task is not None or self.team:
-                raise
-            return compile(loaded, n_worlds)
-
-    def episodes(self, n_worlds: int, loaded: Scenario | None = None) -> Episodes:
-        """Return worlds with the task."""
-        chosen: dict[str, Any] = {"task": self.task, "team": self.team, "strict": self.strict}
-        return make_episodes(loaded or self.loaded(), n_worlds=n_worlds, **chosen)
-
-    def loaded(self) -> Scenario:
-        """Return the scenario."""
-        return load_scenario(self.scenario, self.parameters, strict=self.strict)
-
-
 def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Path) -> LevelSet:
     """Draw ``count`` levels of each split, write them to a file, and return them."""
-    wanted.check(partial(check_suffix, out), partial(_check_splits, splits))
+    check_inputs(wanted, partial(check_suffix, out), partial(_check_splits, splits))
     simulation = wanted.simulation(min(WORLDS, count))
-    with bar("drawing", count * len(splits)) as advance:
+    with counting("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
     write_levels(drawn, out)
     return drawn
@@ -125,17 +68,15 @@ def run_certify(
     """Certify levels, write the certificate, print a summary, and return the certificate.
 
     Args:
-        wanted: The scenario.
-        split: ``train``, ``dev`` or ``test``.
         count: Number of levels.
         policies: Reference policies, as ``load_policy`` takes them; None for all default ones that fit the agents.
         out: File to write; None for one beside the scenario's file. For a shipped scenario, it is in the current
             folder.
     """
-    wanted.check(lambda: None if out is None else check_suffix(out), policies=policies or (), split=split)
+    check_inputs(wanted, lambda: None if out is None else check_suffix(out), policies=policies or (), split=split)
     episodes = wanted.episodes(min(WORLDS, count))
     made = _certified(episodes, split, count, policies)
-    own = Path(wanted.scenario)
+    own = Path(str(wanted.scenario))
     path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _summary(made):
         print(line)
@@ -147,7 +88,7 @@ def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[st
     """Return the certificate of levels, and show a progress bar; see ``run_certify``."""
     chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
     optima, worlds = Optima(split), Perceived(episodes)
-    with bar("certifying", count * (1 + len(chosen))) as advance:
+    with counting("certifying", count * (1 + len(chosen))) as advance:
         rows = {
             name: evaluate_team(policy, worlds.of(policy), count, split, optima=optima, on_episodes=advance)
             for name, policy in chosen.items()
@@ -195,12 +136,3 @@ def check_suffix(out: Path) -> None:
     """
     if out.suffix != ".npz":
         raise IrsimGymError(f"a file of levels ends in .npz, got '{out.name}'")
-
-
-@contextmanager
-def bar(words: str, total: int) -> Iterator[Any]:
-    """Show a progress bar, and yield a function that advances it. Only a terminal shows the bar."""
-    console = Console(stderr=True)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as shown:
-        line = shown.add_task(words, total=total)
-        yield lambda steps: shown.advance(line, steps)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.engine import Simulation
+from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import check_count
 from irsim_gym.levels.certificate import Certificate
 from irsim_gym.levels.played import played_levels
-from irsim_gym.training.level_commands import WORLDS, ScenarioRequest
+from irsim_gym.training.inputs import check_inputs
+from irsim_gym.training.level_commands import WORLDS
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 SIDE = 320
 """Width to which frames are reduced [pixel]."""
@@ -24,8 +26,6 @@ def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, ou
     """Draw the starts of levels into one picture, and return its path.
 
     Args:
-        wanted: The scenario.
-        split: ``train``, ``dev`` or ``test``.
         count: Number of levels to choose from, limited to those of the certificate or the file of levels.
         number: Number of levels to show: evenly spaced by difficulty, or the first ones without a certificate.
         out: File to write, ``.png``; None for a default name in the current folder.
@@ -33,7 +33,7 @@ def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, ou
     Raises:
         IrsimGymError: If the file has another suffix.
     """
-    wanted.check(partial(_check_suffix, out), split=split)
+    check_inputs(wanted, partial(_check_suffix, out), split=split)
     simulation = wanted.simulation(min(WORLDS, count))
     _, here = simulation.level_base(split)
     certificate = _certificate(simulation, split, min(count, here) if here else count)
@@ -67,13 +67,10 @@ def _by_difficulty(certificate: Certificate, count: int, number: int) -> Ints:
 
 def _draw(simulation: Simulation, split: str, levels: Ints, certificate: Certificate | None, path: Path) -> None:
     """Draw the starts of levels, each with its number and, if certified, its difficulty and path length."""
-    from irsim_gym.render import Renderer
     from irsim_gym.render.film import EpisodeFilm
     from irsim_gym.render.sheet import reduced, save_sheet
 
-    parts = simulation.model, simulation.state, simulation.sensors
-    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
-    renderer = Renderer(simulation.scenario, *parts, **chosen)
+    renderer = make_renderer(simulation)
     frames: list[Bytes] = []
     for level in levels.tolist():
         simulation.reset(level, split)

@@ -15,7 +15,7 @@ import numpy as np
 import irsim_gym
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.controls import Driver
-from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.pictures import make_renderer, world_status
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
@@ -27,6 +27,7 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Outcome
 from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.recorder import Recorder, check_demonstrations
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
     from irsim_gym.envs.worlds import Worlds
@@ -87,9 +88,6 @@ class Player:
 
     The keys are those of ``irsim_gym.load``: r restarts the level and discards its recording, n begins the next level,
     l reloads the file, x switches to the robot's behaviour and back, alt and a digit select another robot.
-
-    Args:
-        settings: Settings of the session.
 
     Raises:
         NoWindowError: If there is no display, or no working GUI toolkit.
@@ -316,20 +314,17 @@ class Player:
 def play(settings: PlaySettings) -> PlayResult:
     """Open a window, and let a person drive; see ``Player``."""
     record = settings.record
-    chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
+    asked = ScenarioRequest(settings.scenario, settings.task, parameters=settings.parameters, strict=settings.strict)
     outputs = [] if record is None else [partial(check_demonstrations, record)]
-    check_inputs(settings.scenario, *outputs, split=settings.split, **chosen)
+    check_inputs(asked, *outputs, split=settings.split)
     return Player(settings).run()
 
 
 def _screen(worlds: Worlds, body: int) -> PlayScreen:
     """Return the screen that shows the world of an environment to the person."""
-    from irsim_gym.render import Renderer
     from irsim_gym.render.play_screen import PlayScreen
 
-    simulation, scenario = worlds.simulation, worlds.scenario
-    parts = simulation.model, simulation.state, simulation.sensors
-    renderer = Renderer(scenario, *parts, learners=[body], explored=simulation.explored)
+    scenario, renderer = worlds.scenario, make_renderer(worlds.simulation)
     names, several = scenario.bodies[body].kinematics.command_names, len(scenario.robots) > 1
     return PlayScreen(renderer, names, several=several)
 

@@ -72,7 +72,6 @@ def shared_worlds(shares: Sequence[float], n_worlds: int) -> list[int]:
     """Return how many worlds each scenario gets: one, and of the rest what is nearest to its share.
 
     Args:
-        shares: The weights.
         n_worlds: How many there are.
 
     Raises:

@@ -32,7 +32,7 @@ def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
     Raises:
         IrsimGymError: If there is no such algorithm, or it is not installed.
     """
-    return find_algorithm(settings.algorithm).load(settings.hyperparameters.team is not None)
+    return find_algorithm(settings.algorithm).load(settings.is_team)
 
 
 def resolve_device(wanted: str) -> str:
@@ -86,7 +86,7 @@ def new_model(settings: Settings) -> BaseAlgorithm:
         policy = AsymmetricPolicy
     if network_kind(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = dict_policy_arguments(arguments["policy_kwargs"])
-    if settings.hyperparameters.team is not None:
+    if settings.is_team:
         arguments = {**buffers_for(kind, env), **arguments}
     if arguments.get("action_noise") is not None:
         arguments["action_noise"] = _noise(env, arguments["action_noise"])

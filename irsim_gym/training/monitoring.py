@@ -92,9 +92,7 @@ class TrainingBar:
     """Progress bar of a run.
 
     Args:
-        progress: Progress of the run.
         total: Number of steps of the whole run.
-        console: Console for the bar, which only a terminal shows.
     """
 
     def __init__(self, progress: RunProgress, total: int, console: Console) -> None:
@@ -124,7 +122,6 @@ class TrainingBar:
         """Update the bar.
 
         Args:
-            progress: Progress of the run.
             success: Share of recent episodes that succeeded; None if no episode has ended.
         """
         seconds = progress.training_seconds - self._begun[1]

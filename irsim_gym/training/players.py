@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from irsim_gym.engine import Simulation
-from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.pictures import make_renderer, world_status
 from irsim_gym.envs.replays import agent_values
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.fitting import check_policies, report_perceptions
 from irsim_gym.training.policies import load_policies, policy_names
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
@@ -95,42 +95,26 @@ class Players:
 
 
 def load_players(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     *,
     split: str = "test",
-    task: str | None = None,
     names: Sequence[str] | None = None,
-    parameters: Mapping[str, object] | None = None,
-    team: bool = False,
-    strict: bool = True,
 ) -> Players:
     """Load policies, and make a world for each.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name or path of a task; None for the scenario's own.
         names: Names of the policies; None to derive them from the sources.
-        parameters: Values for the scenario's parameters.
-        team: Whether the policies drive all robots; if the task names robots, only these.
-        strict: Whether unused keys are an error; False ignores them.
 
     Raises:
         UnfitPolicyError: If some policies cannot drive the agents.
     """
-    from irsim_gym.render import Renderer
-
     loaded = load_policies(sources)
-    made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
-    worlds = Perceived(make_episodes(scenario, n_worlds=len(loaded), **made))
+    worlds = Perceived(asked.episodes(len(loaded)))
     called = policy_names(sources) if names is None else names
     chosen = dict(zip(called, loaded, strict=True))
     check_policies(chosen, worlds)
     report_perceptions(chosen, worlds)
-    simulation = worlds.episodes.simulation
-    parts = simulation.model, simulation.state, simulation.sensors
-    learners = simulation.agents.tolist()
-    renderer = Renderer(simulation.scenario, *parts, learners=learners, explored=simulation.explored)
+    renderer = make_renderer(worlds.episodes.simulation)
     return Players([worlds.of(policy) for policy in loaded], loaded, called, renderer, split)

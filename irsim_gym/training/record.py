@@ -6,12 +6,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.progress import Progress
-
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.training.players import Players, load_players
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
     from irsim_gym.render.replay_data import Recording
@@ -23,12 +22,10 @@ DRAWINGS = (".pdf", ".svg")
 
 
 def record_film(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
-    *,
-    console: Console | None = None,
     **chosen: Any,
 ) -> Path:
     """Film policies on levels, one level after the other with one panel per policy, and return the film's path.
@@ -36,12 +33,9 @@ def record_film(
     The film has a frame at the start, one every ``sample_time``, and one at the end of each episode.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
-        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
+        **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not that of a film.
@@ -49,9 +43,9 @@ def record_film(
     from irsim_gym.render.film import EpisodeFilm
 
     check_suffix(path, FILMS, "a film")
-    cast = load_players(scenario, sources, **chosen)
+    cast = load_players(asked, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
-    with _bar(console) as bar:
+    with progress_bar() as bar:
         film.write(
             (
                 [_frames(cast, w, level) for w in range(len(cast.policies))]
@@ -64,23 +58,18 @@ def record_film(
 
 
 def record_html(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
-    *,
-    console: Console | None = None,
     **chosen: Any,
 ) -> Path:
     """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
         path: Page to write, ``.html``.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
-        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
+        **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not ``.html``.
@@ -88,36 +77,32 @@ def record_html(
     from irsim_gym.render.replay_page import save_html
 
     check_suffix(path, REPLAYS, "a replay")
-    cast = load_players(scenario, sources, **chosen)
+    cast = load_players(asked, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
-    with _bar(console) as bar:
+    with progress_bar() as bar:
         recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
     cast.renderer.close()
     return save_html(path, recordings)
 
 
 def record_sheet(
-    scenario: str,
+    asked: ScenarioRequest,
     sources: Sequence[str | Path],
     levels: Sequence[int],
     path: Path,
     *,
     strobe: bool = False,
-    console: Console | None = None,
     **chosen: Any,
 ) -> Path:
     """Draw policies on levels into one picture, and return its path.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
-        levels: Levels of the split.
         path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``; with ``strobe`` and a single episode also
             ``.pdf`` or ``.svg``.
         strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.
             Otherwise each episode is a row of frames, evenly spaced from the start to the end.
-        console: Console for the progress bar, which only a terminal shows; None for standard error.
-        **chosen: Further arguments of ``load_players``: split, task, names, parameters, team, strict.
+        **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not that of such a picture.
@@ -126,10 +111,10 @@ def record_sheet(
     from irsim_gym.render.sheet import contact_sheet, save_sheet
     from irsim_gym.render.strobe import draw_strobe, save_strobe
 
-    cast = load_players(scenario, sources, **chosen)
+    cast = load_players(asked, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     check_output(path, "strobe" if strobe else "sheet", len(pairs))
-    with _bar(console) as bar:
+    with progress_bar() as bar:
         track = bar.track(pairs, description="drawing")
         if not strobe:
             shown = [_moments(cast, w, level) for w, level in track]
@@ -171,11 +156,6 @@ def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
     for status in cast.play(world, level):
         if cast.is_frame(world):
             yield cast.renderer.frame(world, status)
-
-
-def _bar(console: Console | None) -> Progress:
-    screen = console or Console(stderr=True)
-    return Progress(console=screen, disable=not screen.is_terminal, transient=True)
 
 
 def check_suffix(path: Path, known: Sequence[str], what: str) -> None:

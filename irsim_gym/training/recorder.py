@@ -9,13 +9,14 @@ from typing import Any
 import gymnasium
 import numpy as np
 from rich.console import Console
-from rich.progress import Progress
 
 import irsim_gym
 from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.single import WorldEnv
+from irsim_gym.envs.worlds import ScenarioSource
 from irsim_gym.evaluation.perception import Perceived
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.tasks import Outcome
 from irsim_gym.training.demonstrations import (
     FORMAT,
@@ -36,7 +37,6 @@ class Recorder:
     """Records the steps of episodes, and writes them to a file. Appends to an existing file of the same environment.
 
     Args:
-        env: The environment.
         path: File to write, ``.npz``.
 
     Raises:
@@ -112,7 +112,7 @@ class Recorder:
 
 
 def record_demonstrations(
-    scenario: str | Path | Mapping[str, Any],
+    scenario: ScenarioSource,
     policy: str,
     path: str | Path,
     levels: int | Sequence[int] = 20,
@@ -126,7 +126,7 @@ def record_demonstrations(
     """Play levels with a policy, and write the demonstrations to a file.
 
     Args:
-        scenario: Shipped name, environment id, path of a scenario file, or plain data.
+        scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         policy: Policy, as ``load_policy`` takes it: ``dash``, ``rvo``, ``orca``, ``random``, the name of a shipped
             policy, a run's folder or a ``policy.zip``.
         path: File to write, ``.npz``. Appends to an existing file of the same environment.
@@ -151,10 +151,10 @@ def record_demonstrations(
     assert isinstance(world, WorldEnv)
     _check_demonstrator(world, driver)
     recorder = Recorder(env, Path(path))
-    first, screen = np.zeros(1, np.int64), console or Console(stderr=True)
+    first = np.zeros(1, np.int64)
     chosen = range(levels) if isinstance(levels, int) else levels
     try:
-        with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        with progress_bar(console) as bar:
             for level in bar.track(chosen, description="driving"):
                 observation, _ = env.reset(options={"split": split, "level": int(level)})
                 driver.begin(world.worlds.episodes, first, np.array([level]))

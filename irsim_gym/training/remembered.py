@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardScenario
 from irsim_gym.training.run import lasting, run_of, scenario_name
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.shelf import card_of
 from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
@@ -30,7 +32,6 @@ def remembered_parameters(
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
         given: Values that the user sets, which take precedence.
-        strict: Whether unused keys are an error; False ignores them.
     """
     own = dict(given or {})
     runs = [_trained_with(scenario, source) for source in sources if not is_named_policy(source)]
@@ -59,7 +60,6 @@ def changes_since(
         source: A run's folder, a policy in it, or a shipped policy. The result is empty for other policies, and for
             those trained in another scenario.
         task: Shipped name or path of a task. The result is empty if the policy was trained with another one.
-        strict: Whether unused keys are an error; False ignores them.
     """
     if is_named_policy(source):
         return []
@@ -95,14 +95,20 @@ def _changes_since_card(
     return [] if now.digest == card.sha256 else ["its hash is not that on the card"]
 
 
-def report_changes(
-    scenario: str, sources: Sequence[str | Path], task: str | None = None, *, strict: bool = True
-) -> None:
+def report_changes(asked: ScenarioRequest, sources: Sequence[str | Path]) -> None:
     """Print to standard error how a scenario has changed since policies were trained in it, a line for each policy."""
+    scenario, task = str(asked.scenario), None if asked.task is None else str(asked.task)
     for source in sources:
-        found = changes_since(scenario, source, task, strict=strict)
+        found = changes_since(scenario, source, task, strict=asked.strict)
         if found:
             _say(change_message(scenario, source, found))
+
+
+def as_trained(asked: ScenarioRequest, sources: Sequence[str | Path]) -> ScenarioRequest:
+    """Return a scenario with the parameters of the policies' trainings, and report how it has changed since then."""
+    used = remembered_parameters(str(asked.scenario), sources, asked.parameters, strict=asked.strict)
+    report_changes(asked, sources)
+    return replace(asked, parameters=used)
 
 
 def change_message(scenario: str | Path, source: str | Path, found: list[str]) -> str:

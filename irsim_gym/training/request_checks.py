@@ -13,6 +13,7 @@ from irsim_gym.training.hyperparameter_files import check_device
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.inputs import Check, check_trained, world_checks
 from irsim_gym.training.run import environment_id
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.training_request import TrainingRequest
 
 LEAST = {"n_timesteps": 1, "n_envs": 1}
@@ -33,11 +34,10 @@ def check_request(request: TrainingRequest, *further: Check) -> None:
 
 
 def _worlds(request: TrainingRequest) -> Iterator[Check]:
-    how: dict[str, Any] = {"team": True, "strict": request.strict}
-    if not request.mixture:
-        yield from world_checks(request.scenario, request.task, request.parameters, **how)
-    for part in request.mixture:
-        yield from world_checks(part.scenario, request.task, part.parameters, **how)
+    for part in request.mixture or (request,):
+        yield from world_checks(
+            ScenarioRequest(part.scenario, request.task, team=True, parameters=part.parameters, strict=request.strict)
+        )
 
 
 def _methods(request: TrainingRequest) -> Iterator[Check]:

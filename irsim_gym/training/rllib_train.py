@@ -45,12 +45,10 @@ def learn(
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases.
 
     Args:
-        run: The run.
         settings: Settings of the run, with an engine.
         model: Model with the initial weights, which gets the final ones.
         progress: Progress of the run, which this updates.
         newest: Checkpoint to resume from; None for a new run.
-        console: Console for the progress.
         on_checkpoint: Function that is called after each checkpoint but the last.
         address: Address of a Ray cluster; None for this machine.
 
@@ -93,12 +91,9 @@ class Learning:
     """A training with RLlib.
 
     Args:
-        run: The run.
-        settings: Settings of the run.
         algorithm: RLlib's algorithm.
         model: Model of Stable-Baselines3, which saves the weights.
         progress: Progress of the run, which the training updates.
-        console: Console for the progress.
     """
 
     run: Run

@@ -14,13 +14,17 @@ from typing import Any
 
 from irsim_gym import __version__
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.perception import Perception, perception_of
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.engines import Engine
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.mixture import MixturePart
-from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, take_snapshot
+from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, snapshot_of
 
 SEED_STRIDE = 1_000_000
 """Distance between the first levels of consecutive seeds."""
@@ -30,7 +34,7 @@ FILES = (
     *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
     "config.json",
 )
-"""Files that a run writes. The settings come last, because they are removed last."""
+"""Files that a run writes, each first to a temporary file. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""
 
@@ -81,7 +85,25 @@ class Settings:
 
     def snapshot(self) -> Snapshot:
         """Return a snapshot of the current scenario and task."""
-        return take_snapshot(self.scenario, self.task, self.parameters, strict=self.strict)
+        return snapshot_of(self.load(), self.task)
+
+    @property
+    def is_team(self) -> bool:
+        """Whether robots learn as a team."""
+        return self.hyperparameters.team is not None
+
+    def load(self) -> Scenario:
+        """Load the scenario."""
+        return load_scenario(self.scenario, self.parameters, strict=self.strict, warn=False)
+
+    def load_task(self) -> tuple[Scenario, Task]:
+        """Load the scenario and its task."""
+        scenario = self.load()
+        return scenario, load_task(scenario, self.task, team=self.is_team)
+
+    def perception(self) -> Perception:
+        """Return what a policy perceives in the training."""
+        return perception_of(self.load_task()[1])
 
     @property
     def first_level(self) -> int:
@@ -172,7 +194,6 @@ class Run:
         """Write the settings, and a copy of the scenario and its task.
 
         Args:
-            settings: Settings of the run.
             now: Snapshot of the scenario and its task; None to take it.
         """
         now = now or settings.snapshot()

@@ -6,11 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
-from rich.progress import Progress
 
 from irsim_gym.evaluation.metrics import summarize, wilson
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.team_metrics import summarize_team
@@ -18,11 +18,11 @@ from irsim_gym.evaluation.teams import evaluate_team, top_speed
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint_files import RunProgress, list_checkpoints, load_progress
-from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.learning_curve import draw_curve
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.verdict import COLUMNS, failures
 
 DEV_LEVELS = 1000
@@ -57,18 +57,17 @@ def score_run(
     points = {int(point["steps"]): point for point in whole}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
-        is_team = settings.hyperparameters.team is not None
         places = [
-            (name, _worlds(part, levels), Optima("dev"))
+            (name, request_of(part).episodes(max(1, min(WORLDS, levels))), Optima("dev"))
             for name, part in zip(settings.names, run.own_settings().parts(), strict=True)
         ]
         screen = console or Console(stderr=True)
         if not screen.is_terminal:
             count = f"{len(waiting)} checkpoint{'' if len(waiting) == 1 else 's'}"
             screen.print(f"scoring {count} on {levels:,} dev levels", highlight=False)
-        with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        with progress_bar(screen) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
-                policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures
+                policy, figures = load_policy(path / "policy.zip"), _team_figures if settings.is_team else _figures
                 found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
                 point = _point(load_progress(path), combined(found))
                 points[int(point["steps"])] = point
@@ -76,7 +75,7 @@ def score_run(
     curve = _sorted(points)
     if curve and picture:
         named = scenario_title(settings)
-        team = "a team by " if settings.hyperparameters.team is not None else ""
+        team = "a team by " if settings.is_team else ""
         title = f"{named}, {team}{settings.algorithm.upper()}, seed {settings.seed}, scored on {levels:,} dev levels"
         draw_curve(run.folder / "curve.png", curve, title)
     return curve
@@ -134,18 +133,6 @@ def scenario_point(point: Point, name: str) -> Point:
     """Return the scores in one scenario from a point of a mixture's curve."""
     own = {key.removeprefix(f"{name}/"): value for key, value in point.items() if key.startswith(f"{name}/")}
     return {**{key: point[key] for key in PROGRESS}, **own}
-
-
-def _worlds(settings: Settings, levels: int) -> Episodes:
-    """Return the worlds for scoring checkpoints."""
-    return make_episodes(
-        settings.scenario,
-        task=settings.task,
-        n_worlds=max(1, min(WORLDS, levels)),
-        parameters=settings.parameters,
-        strict=settings.strict,
-        team=settings.hyperparameters.team is not None,
-    )
 
 
 def _sorted(points: dict[int, Point]) -> list[Point]:

@@ -8,22 +8,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import print_table, write_text
+from irsim_gym.evaluation.tables import figure_table, print_table, write_text
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import evaluate_policies
-from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.interruption import ctrl_c_as_error
 from irsim_gym.training.remembered import report_changes
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.seed_summary import (
     Figures,
     markdown_table,
     named_as_runs,
     said_of_seeds,
-    screen_table,
     seed_cells,
     summarize_seeds,
     write_seeds,
@@ -91,7 +88,7 @@ def summarize_runs(folder: Path, runs: Sequence[Run], levels: int) -> None:
     Runs in a mixture are evaluated in each scenario, with a summary in a folder of its name.
     """
     settings = runs[0].settings()
-    report_changes(settings.scenario, [runs[0].folder], settings.task, strict=settings.strict)
+    report_changes(request_of(settings), [runs[0].folder])
     if not settings.mixture:
         _summarize(folder, settings, runs, levels)
         return
@@ -105,22 +102,12 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     Args:
         folder: Folder of the summary.
         settings: Settings of the runs in this scenario.
-        runs: The runs.
         levels: Number of levels of ``test``.
         part: Name of the scenario in a mixture; None if there is only one scenario.
     """
-    is_team, places = settings.hyperparameters.team is not None, [run.folder for run in runs]
-    chosen: dict[str, Any] = {"task": settings.task, "parameters": settings.parameters, "strict": settings.strict}
-    evaluated = evaluate_team_policies if is_team else evaluate_policies
+    is_team, places = settings.is_team, [run.folder for run in runs]
     method = settings.algorithm
-    found = evaluated(
-        settings.scenario,
-        {method: list(places)},
-        levels=levels,
-        folder=folder / TEST,
-        console=Console(stderr=True),
-        **chosen,
-    )
+    found = evaluate_policies(request_of(settings), {method: list(places)}, levels=levels, folder=folder / TEST)
     test = named_as_runs(json.loads((folder / TEST / "summary.json").read_text(encoding="utf-8")), places)
     summary = summarize_seeds(test["conditions"]["scenario"], places, [test], part)
     line = _summary_line(summary, found.worst[method])
@@ -128,7 +115,7 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     write_seeds(folder, RESULTS, summary, called=found.scenario)
     write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", line, ""]))
     title = f"{found.scenario}: {method.upper()}, {levels:,} test levels, {found.level_set}"
-    print_table(screen_table(title, head, rows))
+    print_table(figure_table(title, head, rows))
     print(
         f"{line}\ntable, summary and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
     )

@@ -84,8 +84,6 @@ def take_snapshot(
     Args:
         scenario: Shipped name, or path of a scenario file.
         task: Shipped name or path of a task; None for the scenario's own.
-        parameters: Values for the scenario's parameters.
-        strict: Whether unused keys are an error; False ignores them.
 
     Raises:
         IrsimGymError: If the scenario or the task is invalid.

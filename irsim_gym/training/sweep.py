@@ -46,7 +46,6 @@ def run_sweep(
     checkpoint.
 
     Args:
-        file: The sweep file.
         out: The folder; None for ``runs/sweep-NAME``. On a cluster all nodes must see it under this name.
         workers: Trainings at a time on this machine; a cluster takes as many as it has processors.
         address: A Ray cluster; None for this machine.

@@ -22,7 +22,6 @@ def make_log(run: Run, settings: Settings, services: Sequence[str], *, resumed: 
     """Return the callback that logs a run.
 
     Args:
-        run: The run.
         settings: Settings of the run, which are sent to the services.
         services: ``"wandb"`` and ``"mlflow"``, or none.
         resumed: Whether to continue the runs at the services.

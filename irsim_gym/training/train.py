@@ -34,15 +34,10 @@ from irsim_gym.training.interruption import stopped_at_end, stopped_early
 from irsim_gym.training.models import curriculum_of, new_model, resolve_device, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
-from irsim_gym.training.run import TRACKING, Run, Settings
+from irsim_gym.training.run import FILES, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
 from irsim_gym.training.tracking import begin_log, make_log
 
-WRITTEN = (
-    *("config.json", "training.csv", NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png"),
-    TRACKING,
-)
-"""Files of a run that are written to a temporary file first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
 
@@ -65,7 +60,6 @@ def train(
     message if the scenario has changed. Nothing is written before the model exists.
 
     Args:
-        settings: Settings of the run.
         folder: Folder of the run.
         resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.
@@ -143,7 +137,7 @@ def _check_engine(settings: Settings, address: str | None, log: Sequence[str]) -
 
 def _remove_leftovers(run: Run) -> None:
     """Remove the temporary files of a killed process."""
-    for name in WRITTEN:
+    for name in FILES:
         remove_leftovers(run.folder / name)
 
 

@@ -22,7 +22,6 @@ from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.policies import policy_names
 from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
 from irsim_gym.training.snapshot import listed
-from irsim_gym.training.trained_perception import perception_in
 
 MAX_MARKS = 2
 """Largest number of changed hyper-parameters that are named in a run's folder."""
@@ -100,7 +99,7 @@ class TrainingRequest:
         ]
         if found[0].hyperparameters.curriculum is not None:
             raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
-        mixed_up = perception_differences({one.scenario: perception_in(one) for one in found})
+        mixed_up = perception_differences({one.scenario: one.perception() for one in found})
         if mixed_up:
             raise IrsimGymError(
                 f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"
@@ -159,9 +158,8 @@ class TrainingRequest:
         """Return the changes to the shipped hyper-parameters: each value if they are few, else the file's name."""
         if self.hyperparameters is None and self.steps is None:
             return []
-        loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
         names = settings.algorithm, environment_id(self.scenario)
-        images = _observes_images(load_task(loaded, self.task, team=True))
+        images = _observes_images(load_task(settings.load(), self.task, team=True))
         chosen: dict[str, Any] = {"task": self.task_name, "images": images, "given": self.overrides}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
@@ -176,10 +174,6 @@ class TrainingRequest:
 
     def resumed_settings(self, run: Run, settings: Settings) -> Settings:
         """Return the settings that a run was started with. Later changes of the shipped files do not affect them.
-
-        Args:
-            run: The run to resume.
-            settings: The requested settings.
 
         Raises:
             IrsimGymError: If the run was started with other settings.
@@ -211,7 +205,6 @@ class TrainingRequest:
         """Choose the folder of a run if the user names none, and return it with a remark, which may be empty.
 
         Args:
-            settings: Settings of the run.
             resume: Choose the newest run of the default name with these settings; unfinished runs take precedence.
             overwrite: Choose the default folder, even if it holds a run.
         """

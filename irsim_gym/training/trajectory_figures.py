@@ -113,8 +113,6 @@ class TrajectoryFigure:
         """Write ``ways.png`` and ``ways.pdf``.
 
         Args:
-            folder: Folder for the files.
-            title: Title of the figure.
             successes: Text about the success of each policy.
             levels: Number of levels that were played.
         """

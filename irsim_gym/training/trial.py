@@ -60,7 +60,6 @@ def try_files(files: Sequence[str], reading: ReadOptions) -> Failures:
 
     Args:
         files: Scenarios, as ``load_scenario`` takes them.
-        reading: How the files are read.
     """
     found, end = _in_a_process(files, reading)
     if not end:

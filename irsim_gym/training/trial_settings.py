@@ -12,7 +12,6 @@ import yaml
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.evaluation.tables import plain, write_text
-from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.task import merged_task
@@ -29,9 +28,7 @@ def write_settings(
     """Write the files of a trial, and return the arguments of its training.
 
     Args:
-        place: Folder of the trial.
         request: Arguments of the training that is tuned.
-        settings: Settings of this training.
         hyperparameters: Drawn hyper-parameters by key.
         factors: Drawn factors on the weights of rewards, by reward.
 
@@ -55,8 +52,7 @@ def weighted_task(settings: Settings, factors: Values) -> Values:
     Raises:
         IrsimGymError: If the task has no such rewards, or they have no weights.
     """
-    scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
-    _, merged = merged_task(scenario, settings.task)
+    _, merged = merged_task(settings.load(), settings.task)
     rewards = [dict(one) if isinstance(one, Mapping) else {"name": one} for one in merged.get("rewards", [])]
     named = {one["name"]: one for one in rewards}
     missing = [name for name in factors if not isinstance(named.get(name, {}).get("weight"), int | float)]

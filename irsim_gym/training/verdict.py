@@ -31,7 +31,6 @@ def failures(rows: Sequence[EpisodeRow], speeds: Sequence[float], limit: float) 
     """Return the kinds of failures, as shares of all episodes.
 
     Args:
-        rows: The episodes.
         speeds: Maximum linear speed of the robot in each episode [m/s].
         limit: Time limit of the episodes [s].
 
@@ -62,8 +61,6 @@ def verdict(point: Mapping[str, float], scenario: Scenario, task: Task, look: st
 
     Args:
         point: Last point of the learning curve.
-        scenario: Scenario of the training.
-        task: Task of the training.
         look: Command that shows what the policy does.
     """
     arrived = point.get("individual_success", point["success"])

@@ -13,6 +13,7 @@ from rich.progress import Progress
 
 from irsim_gym.engine import compile
 from irsim_gym.envs.batch import make_batch
+from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import ScenarioError, report_together
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
@@ -36,7 +37,6 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
 
     Args:
         names: Shipped names, environment ids or paths of scenario files; empty for all shipped scenarios.
-        strict: Whether unused keys are an error; False ignores them.
     """
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
@@ -84,10 +84,6 @@ def _drive(episodes: Episodes) -> None:
 
 
 def _draw(scenario: Scenario) -> None:
-    from irsim_gym.render import Renderer
-
-    level = begin_level(scenario)
-    parts = level.model, level.state, level.sensors
-    renderer = Renderer(scenario, *parts, learners=level.agents.tolist(), explored=level.explored)
+    renderer = make_renderer(begin_level(scenario))
     renderer.frame(0)
     renderer.close()

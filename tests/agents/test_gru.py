@@ -294,7 +294,7 @@ def test_shipped_hyperparameters_and_what_they_may_say(tmp_path: Path) -> None:
 def test_a_run_becomes_a_file_of_the_shelf(task: str, tmp_path: Path) -> None:
     """What is read back from the file drives as the run does; the card says what it remembers with."""
     run = train(settings(task=task), tmp_path / "run", console=QUIET)
-    file = export(run.folder, "remembers", tmp_path / "shelf", levels=4, console=QUIET)
+    file = export(run.folder, "remembers", tmp_path / "shelf", levels=4)
     shelf, card = read_policy(file), read_card(file)
     assert shelf.memory_shape == (1, 1, 8)
     assert card is not None

@@ -20,7 +20,7 @@ from rich.console import Console
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.environment import build_environment
-from irsim_gym.training.evaluate_teams import evaluate_team_policies
+from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.exporting import export
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.interruption import TrainingInterruptedError
@@ -28,6 +28,7 @@ from irsim_gym.training.mixture import MixturePart, read_part, shared_worlds
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import combined, scenario_point
 from irsim_gym.training.shelf import card_of
 from irsim_gym.training.shelf_tables import print_card
@@ -189,7 +190,7 @@ def test_a_changed_scenario_of_a_mixture_is_told(tmp_path: Path) -> None:
 def test_the_card_of_a_mixture_names_all_scenarios(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     parts = tuple(MixturePart(name, {"n_robots": n}) for name, n in (("random_swap", 3), ("circle_swap", 2)))
     run = train(settings(parts, team="episode", n_timesteps=96, checkpoint_every=96), tmp_path / "run", console=QUIET)
-    file = export(run.folder, "both", tmp_path / "shelf", levels=2, console=QUIET)
+    file = export(run.folder, "both", tmp_path / "shelf", levels=2)
     card = card_of(file)
     assert card is not None
     assert [(one.name, one.parameters["n_robots"], one.share) for one in card.training.mixture] == [
@@ -198,9 +199,10 @@ def test_the_card_of_a_mixture_names_all_scenarios(tmp_path: Path, capsys: pytes
     ]
     played = [(result.scenario, result.parameters["n_robots"]) for result in card.results]
     assert played == [(None, 3), ("circle_swap", 2)]
-    evaluate_team_policies("circle_swap", [run.folder], levels=2, references=False, folder=tmp_path / "test")
+    circle = ScenarioRequest("circle_swap", team=True)
+    evaluate_policies(circle, [run.folder], levels=2, references=False, folder=tmp_path / "test")
     files = [tmp_path / "test" / "summary.json"]
-    file = export(run.folder, "file", tmp_path / "shelf", results=files, console=QUIET)
+    file = export(run.folder, "file", tmp_path / "shelf", results=files)
     print_card(str(file))
     told = capsys.readouterr().out
     assert "trained in random_swap (n_robots = 3), " in told

@@ -31,6 +31,7 @@ from irsim_gym.training.policies import SavedPolicy, UnfitPolicyError, load_poli
 from irsim_gym.training.record import record_film
 from irsim_gym.training.recorder import record_demonstrations
 from irsim_gym.training.run import Settings
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.train import train
 
 ROBOT: dict[str, Any] = {
@@ -227,7 +228,7 @@ def test_one_team_of_two_perceptions_is_refused(folder: Path, tmp_path: Path) ->
 
 def test_films_show_them_side_by_side(folder: Path, tmp_path: Path) -> None:
     sources = [folder / "plain", folder / "seen", folder / "choices", "dash"]
-    film = record_film(str(folder / "yard.yaml"), sources, [2], tmp_path / "film.gif")
+    film = record_film(ScenarioRequest(str(folder / "yard.yaml")), sources, [2], tmp_path / "film.gif")
     steps = [alone(folder, name, own)[2].steps for name, own in (("plain", {}), ("seen", SEEN), ("choices", CHOICES))]
     steps.append(evaluate(load_policy("dash"), Worlds(folder / "yard.yaml", 1).episodes, [2])[0].steps)
     frames = iio.imread(film)

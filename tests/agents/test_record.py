@@ -14,6 +14,7 @@ from command_line import run
 from irsim_gym.render.packing import unpacked
 from irsim_gym.render.replay_page import read_html
 from irsim_gym.training.players import load_players
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 STRAIGHT = """
 world: {height: 3, width: 6, step_time: 0.25}
@@ -79,7 +80,7 @@ def test_a_replay_is_no_film(file: str, monkeypatch: pytest.MonkeyPatch, capsys:
 def test_a_film_shows_samples_and_the_end(file: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A sample each 1.25 s is one each five steps: the start, steps 5 and 10, the end after step 12."""
     Path(file).write_text(STRAIGHT.replace("step_time: 0.25", "step_time: 0.25, sample_time: 1.25"), encoding="utf-8")
-    cast = load_players(file, ["dash"])
+    cast = load_players(ScenarioRequest(file), ["dash"])
     assert cast.steps_per_frame == 5
     shown = [(int(cast.simulation.state.step[0]), status) for status in cast.play(0, 0) if cast.is_frame(0)]
     assert shown == [(0, "running"), (5, "running"), (10, "running"), (12, "success")]

@@ -104,7 +104,7 @@ def test_policies_are_driven_with_what_their_runs_were_trained_with(
 @pytest.mark.parametrize(
     ("command", "function"),
     [
-        (["evaluate", "swap.yaml", "three", "--team"], "commands.evaluate_team_policies"),
+        (["evaluate", "swap.yaml", "three", "--team"], "commands.evaluate_policies"),
         (["rollout", "swap.yaml", "--policy", "three"], "commands.evaluate_policies"),
         (["record", "swap.yaml", "three"], "record.record_film"),
     ],
@@ -116,12 +116,12 @@ def test_commands_that_take_policies_ask_their_runs(
     found: list[dict[str, Any]] = []
 
     def driven(*arguments: Any, **named: Any) -> None:
-        found.append(named)
+        found.append({"asked": arguments[0], **named})
         raise IrsimGymError("enough")
 
     monkeypatch.setattr(f"irsim_gym.training.{function}", driven)
     assert run(monkeypatch, *command) == 1
-    assert found[0]["parameters"] == {"n_robots": 3}
+    assert found[0]["asked"].parameters == {"n_robots": 3}
     assert found[0].get("folder") in (None, Path("runs/evaluation-swap-n_robots=3-team-test"))
 
 

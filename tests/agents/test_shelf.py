@@ -30,13 +30,13 @@ from irsim_gym.training.cards import CardResult, PolicyCard, card_file
 from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import evaluate_policies
-from irsim_gym.training.evaluate_teams import evaluate_team_policies
 from irsim_gym.training.exporting import MEASURED, export
 from irsim_gym.training.fine_tuning import load_origin
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.policies import SavedPolicy, UnfitPolicyError, load_policy, policy_digest, policy_names
 from irsim_gym.training.remembered import changes_since, remembered_parameters
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.shelf import card_of, shelf_file, shelf_files
 from irsim_gym.training.snapshot import take_snapshot
 from irsim_gym.training.train import train
@@ -68,13 +68,12 @@ def figures(name: str, result: CardResult, levels: int) -> Any:
 
     What ``export`` plays itself ends as in training; tables of ``evaluate`` are by the scenario's own task.
     """
-    chosen: dict[str, Any] = {"levels": levels, "split": result.split, "references": False}
     where = card(name).scenario
     scenario = result.scenario or where.name
-    chosen |= {"parameters": result.parameters, "task": where.task if result.source == MEASURED else None}
-    if result.team:
-        return evaluate_team_policies(scenario, [name], **chosen).summaries[0].cooperative_success
-    return evaluate_policies(scenario, [name], **chosen).summaries[0].success
+    task = where.task if result.source == MEASURED else None
+    asked = ScenarioRequest(scenario, task, result.team, result.parameters)
+    found: Any = evaluate_policies(asked, [name], levels=levels, split=result.split, references=False).summaries[0]
+    return found.cooperative_success if result.team else found.success
 
 
 @pytest.mark.parametrize("name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in shelf_files()])
@@ -253,7 +252,7 @@ def test_a_name_with_two_meanings_is_refused(tmp_path: Path, monkeypatch: pytest
 
 
 def test_a_policy_observes_in_another_task_what_it_was_trained_with() -> None:
-    found = evaluate_policies("circle_swap", ["cluttered_room"], levels=1, references=False)
+    found = evaluate_policies(ScenarioRequest("circle_swap"), ["cluttered_room"], levels=1, references=False)
     assert found.observes == {"cluttered_room": ["scan", "goal", "last_action", "free_travel", "goal_record", "trail"]}
 
 
@@ -261,7 +260,7 @@ def test_a_policy_is_refused_where_it_would_observe_something_else() -> None:
     """Without a scan it would see the nearest bodies and a route, which are other numbers."""
     robot = {"kinematics": {"name": "diff"}, "state": [1, 1, 0], "goal": [5, 5, 0]}
     with pytest.raises(UnfitPolicyError, match="cluttered_room: the policy was trained with observations of shape"):
-        evaluate_policies({"robot": robot}, ["cluttered_room"], levels=1, references=False)
+        evaluate_policies(ScenarioRequest({"robot": robot}), ["cluttered_room"], levels=1, references=False)
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ import yaml
 from irsim_gym.scenario.library import scenario_names
 from irsim_gym.training.commands import run_evaluation, run_training
 from irsim_gym.training.evaluate_teams import TeamEvaluation
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.training_request import TrainingRequest
 
 AGENTS = Path(__file__).parents[2] / "agents"
@@ -106,7 +107,8 @@ def trained(scenario: str, folder: Path) -> float:
     """Train as `irsim-gym train` does by default; return the success on `dev` levels, of a team that of all robots."""
     run = run_training(TrainingRequest(scenario), folder, resume=True, dev_levels=0)
     is_team = run.settings().hyperparameters.team is not None
-    found = run_evaluation(scenario, [str(folder)], LEVELS, "dev", None, folder / "dev", references=False, team=is_team)
+    asked, how = ScenarioRequest(scenario, team=is_team), {"levels": LEVELS, "split": "dev", "out": folder / "dev"}
+    found = run_evaluation(asked, [str(folder)], references=False, **how)
     if isinstance(found, TeamEvaluation):
         return found.summaries[0].cooperative_success.value
     return found.summaries[0].success.value

@@ -17,6 +17,7 @@ from irsim_gym.render import vocabulary
 from irsim_gym.render.primitives import Figure, Ink, Pen, Primitive, Shape
 from irsim_gym.render.scene import GoalView
 from irsim_gym.training.record import record_html
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 ROOM = """
 world: {height: 6, width: 8, step_time: 0.1}
@@ -97,7 +98,9 @@ class Page:
 def replay(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("replay")
     (folder / "room.yaml").write_text(ROOM, encoding="utf-8")
-    return record_html(str(folder / "room.yaml"), ["dash", "random"], [0], folder / "room.html", team=True)
+    return record_html(
+        ScenarioRequest(str(folder / "room.yaml"), team=True), ["dash", "random"], [0], folder / "room.html"
+    )
 
 
 @pytest.fixture(scope="module")
