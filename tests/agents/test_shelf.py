@@ -374,7 +374,7 @@ def test_what_cannot_be_exported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         ((zipped, "dense"), "settings and the cost of the training"),
         ((zipped, "dash"), "'dash' is the name of a behavior"),
         ((zipped, "dense room"), "the name of a policy must consist of letters, digits and _"),
-        (("dash", "mine"), "is not a trained policy of Stable-Baselines3"),
+        (("dash", "mine"), "dash is a behavior, which has no weights"),
         ((shelf_file("cluttered_room"), "mine"), "is not a trained policy of Stable-Baselines3"),
         ((AGENTS / "policies" / "cluttered_room_images_seed_100.zip", "x", "--results", results), "has no row of its"),
         ((zipped, "dense", "--results", __file__), "holds no figures of policies"),
