@@ -70,4 +70,4 @@ def test_an_interrupted_sweep_goes_on_and_leaves_finished_trainings_alone(tmp_pa
     assert (second / "curve.csv").read_text().splitlines()[: len(lines)] == lines
     with (tmp_path / "sweep" / "sweep.csv").open() as file:
         assert [(row["training"], row["steps"]) for row in csv.DictReader(file)] == [(n, "24576") for n in "012"]
-    assert not family(command.pid)
+    waited_for(lambda: not family(command.pid))

@@ -86,6 +86,8 @@ def try_out(folder: Path, name: str, python: str, tests: tuple[str, ...]) -> lis
     if not _runs([*install, "--editable", wanted]):
         return ["it cannot be installed"]
     problems = []
+    if name == "lowest":
+        _leave_old_releases_alone(folder)
     if name == "lowest" and (missed := _missed(folder)):
         problems.append(f"bounds too low for the other ones: {', '.join(missed)}")
     ignored = [word for warning in FOREIGN if name == "lowest" for word in ("-W", f"ignore::{warning}")]
@@ -110,10 +112,21 @@ def bounds(text: str) -> dict[str, Version]:
     return found
 
 
+def _leave_old_releases_alone(folder: Path) -> None:
+    """Ignore foreign warnings in processes that tests start with ``-W error``, too: Python runs this file first."""
+    lines = ["import warnings", *(f'warnings.simplefilter("ignore", {warning})' for warning in FOREIGN)]
+    (_packages(folder) / "sitecustomize.py").write_text("\n".join(lines), encoding="utf-8")
+
+
+def _packages(folder: Path) -> Path:
+    (found,) = folder.glob("[Ll]ib/**/site-packages")
+    return found
+
+
 def _missed(folder: Path) -> list[str]:
     """Return bounds that another dependency does not allow: nobody can have such a version."""
-    (packages,) = folder.glob("[Ll]ib/**/site-packages")
-    found = {canonicalize_name(one.name): one.version for one in importlib.metadata.distributions(path=[str(packages)])}
+    packages = [str(_packages(folder))]
+    found = {canonicalize_name(one.name): one.version for one in importlib.metadata.distributions(path=packages)}
     return [
         f"{name} {lowest} (got {found[canonicalize_name(name)]})"
         for name, lowest in bounds((ROOT / "pyproject.toml").read_text(encoding="utf-8")).items()
