@@ -9,6 +9,7 @@ from pathlib import Path
 
 from irsim_gym.errors import IrsimGymError, nearest
 from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.extras import require
 from irsim_gym.training.checkpoint_files import POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
 from irsim_gym.training.shelf import SUFFIX, read_policy, shelf_files
@@ -132,8 +133,11 @@ def check_file(file: Path) -> None:
 
     Raises:
         IrsimGymError: If it is no exported policy, or no archive as Stable-Baselines3 writes it.
+        MissingExtraError: If Stable-Baselines3 is not installed.
     """
     if file.suffix == SUFFIX:
         read_policy(file)
-    elif not zipfile.is_zipfile(file):
+        return
+    require("train", f"{file}: a policy.zip")
+    if not zipfile.is_zipfile(file):
         raise IrsimGymError(f"{file} is not a policy of Stable-Baselines3: it is no zip archive")

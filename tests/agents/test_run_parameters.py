@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -113,6 +114,7 @@ def test_commands_that_take_policies_ask_their_runs(
     command: list[str], function: str, file: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun(file, "three", n_robots=3)
+    zipfile.ZipFile("three/policy.zip", "w").close()
     found: list[dict[str, Any]] = []
 
     def driven(*arguments: Any, **named: Any) -> None:
