@@ -32,7 +32,10 @@ def main(folder: Path | None = None) -> None:
 
 
 def take_over(folder: Path) -> None:
-    """Keep the figures of a run as the reference rows of its benchmarks, whole; those of all others stay."""
+    """Keep the figures of a run as the reference rows of its benchmarks, whole; those of all others stay.
+
+    The record names the processors of all runs.
+    """
     run = read_record(folder)
     record = reference_record()
     if (run.split, run.levels) != (record.split, record.levels):
@@ -44,7 +47,8 @@ def take_over(folder: Path) -> None:
         for member, figures in record.figures.items()
     }
     record.overall = overall(success, list(record.methods))
-    record.machine = run.machine
+    before, now = record.machine["processor"], run.machine["processor"]
+    record.machine = run.machine | {"processor": before if now in before else f"{before} and {now}"}
     data = plain(record)
     for key in ("figures", "overall"):
         data[key] = _rounded(data[key])
