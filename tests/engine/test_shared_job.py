@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import os
 import pickle
@@ -224,6 +225,17 @@ def test_every_slot_begins_with_worlds_of_its_own() -> None:
     assert job._bounds[:9].tolist() == [0, 2, 3, 5, 6, 7, 9, 10, 11]
 
 
+def wait_until_asleep(made: Shards, slot: int) -> None:
+    """Wait for the thread of a slot to have looked often enough for the next job; a busy machine takes its time."""
+    assert made._job is not None
+    flag = ctypes.c_int64.from_address(made._job._at + shared_job.SLOTS + shared_job.SLOT * slot + shared_job.SLEEPS)
+    for _ in range(6000):
+        if flag.value == 1:
+            return
+        time.sleep(0.01)
+    pytest.fail("the thread stays awake")
+
+
 def test_little_work_is_shared_with_threads_that_are_awake(monkeypatch: pytest.MonkeyPatch) -> None:
     made, visits = Shards(N, 2), Visits()
     monkeypatch.setattr(shards, "HEAD_START_S", 0.02)
@@ -238,7 +250,7 @@ def test_little_work_is_shared_with_threads_that_are_awake(monkeypatch: pytest.M
         return bool(visits.slots[1].any())
 
     assert [by_the_thread(worth_s) for worth_s in (10.0, 10.0, 0.0, 10.0)] == [False, False, True, True]
-    time.sleep(1.0)  # the thread has gone to sleep
+    wait_until_asleep(made, slot=1)
     assert [by_the_thread(10.0), by_the_thread(10.0)] == [False, False]
     monkeypatch.setattr(shards, "IN_A_ROW", 0)
     assert by_the_thread(10.0), "jobs follow each other: it will stay awake"
