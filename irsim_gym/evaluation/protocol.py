@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -10,13 +11,13 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.goals_reached import goals_per_minute, goals_reached
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.motion import MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.world.model import KEEP_GOAL
 
 Driver = Policy | Callable[[Any], Actions]
 
@@ -166,6 +167,30 @@ def episode_row(
         intrusion_025=motion.people.intrusion(world, agent, 0),
         intrusion_045=motion.people.intrusion(world, agent, 1),
         time_to_collision=motion.people.time_to_collision(world, agent),
-        goals_reached=goals_reached(episodes, world, agent),
-        goals_per_minute=goals_per_minute(episodes, world, agent),
+        goals_reached=_goals_reached(episodes, world, agent),
+        goals_per_minute=_goals_per_minute(episodes, world, agent),
     )
+
+
+def _goals_reached(episodes: Episodes, world: int, agent: int) -> float:
+    """Return the number of goals that an agent has reached; NaN if it has only one, or an endless sequence."""
+    model, state = episodes.simulation.model, episodes.simulation.state
+    body = int(episodes.simulation.agents[agent])
+    if model.waypoint_count[world, body] < 2 or model.goal_renewal[body] != KEEP_GOAL:
+        return math.nan
+    has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
+    return float(min(state.waypoint[world, body] + has_finished, model.waypoint_count[world, body]))
+
+
+def _goals_per_minute(episodes: Episodes, world: int, agent: int) -> float:
+    """Return the number of goals that an agent has reached per minute; NaN as for ``_goals_reached``.
+
+    The time of an agent that has not reached all of its goals is the time limit, even after a collision.
+    """
+    reached = _goals_reached(episodes, world, agent)
+    if math.isnan(reached):
+        return math.nan
+    steps = int(episodes.view.infos["steps"][world, agent])
+    has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
+    counted = steps if has_finished else episodes.task.max_steps
+    return 60.0 * reached / (counted * float(episodes.simulation.model.step_time[0]))

@@ -38,7 +38,6 @@ from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import Settings, run_of
 from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
-from irsim_gym.training.trained_perception import perception_in
 
 MEASURED = "played by the exported policy"
 """Source of results that the export measures itself."""
@@ -79,7 +78,7 @@ def export(
     scenario = _scenario(source, settings)
     own = _own_settings(source, settings)
     episodes = request_of(own).episodes(1)
-    network.form["perception"] = perception_in(own).to_plain()
+    network.form["perception"] = own.perception().to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
     SavedPolicy(driver).check(episodes)
     content = _content(network)

@@ -18,16 +18,15 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.sb3_critic_parts import actor_observation_space, for_actor, has_critic_parts, lone_name
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
-from irsim_gym.errors import IrsimGymError, suggestion
+from irsim_gym.errors import IrsimGymError, UnknownPerceptionWarning, suggestion, warn_caller
 from irsim_gym.evaluation.perception import Perception, perception_from
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds, reference_policy
 from irsim_gym.extras import require
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint_files import POLICY, newest_checkpoint
-from irsim_gym.training.run import Run
+from irsim_gym.training.run import Run, run_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, read_policy, shelf_files
-from irsim_gym.training.trained_perception import trained_perception
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
@@ -229,7 +228,7 @@ def load_policy(source: Source) -> Policy:
     from irsim_gym.training.saved_models import load_model
 
     loaded = SavedPolicy(*load_model(path))
-    loaded.perception = trained_perception(path)
+    loaded.perception = _trained_perception(path)
     return loaded
 
 
@@ -328,3 +327,23 @@ def _short_name(path: Path) -> str:
 def _called(source: object) -> str:
     """Return the name of a function, or of the class of a model or policy in lower case."""
     return str(getattr(source, "__name__", type(source).__name__.lower()))
+
+
+def _trained_perception(policy: str | Path) -> Perception | None:
+    """Return the perception of a policy's training; None for a file outside a run's folder.
+
+    It is read from the run's copy of its scenario and task. If this fails, an ``UnknownPerceptionWarning`` gives the
+    reason, and the result is None.
+
+    Args:
+        policy: A run's folder, or the file of a policy in it.
+    """
+    run = run_of(policy)
+    if not run.exists():
+        return None
+    try:
+        return run.own_settings().perception()
+    except IrsimGymError as error:
+        text = f"{run.folder}: the observations of its training cannot be read, so its policy uses those of the task"
+        warn_caller(f"{text}: {error}", UnknownPerceptionWarning)
+        return None

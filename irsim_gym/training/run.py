@@ -14,6 +14,7 @@ from typing import Any
 
 from irsim_gym import __version__
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.perception import Perception, perception_of
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
@@ -99,6 +100,10 @@ class Settings:
         """Load the scenario and its task."""
         scenario = self.load()
         return scenario, load_task(scenario, self.task, team=self.is_team)
+
+    def perception(self) -> Perception:
+        """Return what a policy perceives in the training."""
+        return perception_of(self.load_task()[1])
 
     @property
     def first_level(self) -> int:

@@ -22,7 +22,6 @@ from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.policies import policy_names
 from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
 from irsim_gym.training.snapshot import listed
-from irsim_gym.training.trained_perception import perception_in
 
 MAX_MARKS = 2
 """Largest number of changed hyper-parameters that are named in a run's folder."""
@@ -100,7 +99,7 @@ class TrainingRequest:
         ]
         if found[0].hyperparameters.curriculum is not None:
             raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
-        mixed_up = perception_differences({one.scenario: perception_in(one) for one in found})
+        mixed_up = perception_differences({one.scenario: one.perception() for one in found})
         if mixed_up:
             raise IrsimGymError(
                 f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"

@@ -19,8 +19,7 @@ from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.crossplay import MixedPolicy, meetings
 from irsim_gym.arenas.page_file import read_page
 from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
-from irsim_gym.arenas.standings import stand
-from irsim_gym.arenas.strata import strata_of_peers, strata_of_quarters
+from irsim_gym.arenas.standings import stand, strata_of_peers, strata_of_quarters
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import EpisodeRow
