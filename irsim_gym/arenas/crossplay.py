@@ -12,9 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
-from rich.text import Text
 
 from irsim_gym.arenas.entrants import Entrant
 from irsim_gym.arraytypes import Ints
@@ -23,7 +21,7 @@ from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.metrics import Rate
 from irsim_gym.evaluation.perception import Perceived, Perceives, Perception
 from irsim_gym.evaluation.policy import Actions, Policy, by_agent, without_lone_axis
-from irsim_gym.evaluation.tables import percent
+from irsim_gym.evaluation.tables import COMPACT, figure_table, percent
 from irsim_gym.evaluation.team_metrics import TeamRow, rate_of_agents
 from irsim_gym.tasks import Episodes
 
@@ -159,15 +157,13 @@ def meetings_table(meetings: Sequence[Meeting]) -> Table:
     """Lay out which share of each policy's robots arrives among those of each, and in which share of levels all do."""
     found = {(meeting.policy, meeting.partner): meeting for meeting in meetings}
     names = list(dict.fromkeys(meeting.policy for meeting in meetings))
-    table = Table(title="who meets whom", title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("policy", no_wrap=True)
-    for name in names:
-        table.add_column(Text(f"among {name}\n[%]"), justify="right")
+    rows = []
     for policy in names:
         row = [found[policy, partner] for partner in names]
         cells = (f"{percent(each.individual_success)} (all {percent(each.cooperative_success)})" for each in row)
-        table.add_row(policy, *cells)
-    return table
+        rows.append((policy, *cells))
+    heads = ["policy", *(f"among {name}\n[%]" for name in names)]
+    return figure_table("who meets whom", heads, rows, **COMPACT)
 
 
 def _meeting(policy: str, partner: str, rows: Mapping[str, Sequence[TeamRow]]) -> Meeting:

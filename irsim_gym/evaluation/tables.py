@@ -26,6 +26,9 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
 WIDTH = 160
+COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
+NARROW: Mapping[str, Any] = MappingProxyType({**COMPACT, "padding": (0, 1, 0, 0)})
+"""Layouts of tables with many columns."""
 Row = TypeVar("Row")
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
@@ -57,6 +60,13 @@ def remove_leftovers(path: Path) -> None:
     for neighbour in path.parent.glob(f".{glob.escape(path.name)}.*"):
         if ours.fullmatch(neighbour.name) and neighbour.is_file():
             neighbour.unlink(missing_ok=True)
+
+
+def write_figure(path: Path, figure: Any) -> None:
+    """Write a figure of Matplotlib as PNG."""
+    content = io.BytesIO()
+    figure.savefig(content, format="png")
+    write_bytes(path, content.getvalue())
 
 
 def write_json(path: Path, data: object) -> None:
@@ -159,8 +169,6 @@ def plain(data: object) -> Any:
 
 def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     """Lay out the figures of several policies, one row each; narrow enough for a terminal of 80 columns."""
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("policy", no_wrap=True)
     hits = [hit for hit in HITS if any(summary.collision_with[hit].count for summary in summaries)]
     split = hits if len(hits) > 1 else []
     shares = ["success", "95 %\ninterval", "collision", *(f"with {hit}" for hit in split), "timeout", "left"]
@@ -171,14 +179,12 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     several = any(math.isfinite(summary.throughput) for summary in summaries)
     jobs = ["goals\n/min"] if several else []
     rest = ["SPL", "time\n[s]", "path\nratio", "clear.\n[m]", *social, *jobs]
-    for head in [*(f"{share}\n[%]" for share in shares), *rest]:
-        table.add_column(Text(head), justify="right")
-    for summary in summaries:
-        success = summary.success
-        table.add_row(
+    heads = ["policy", *(f"{share}\n[%]" for share in shares), *rest]
+    rows = [
+        (
             summary.policy,
-            percent(success),
-            f"{100.0 * success.low:.1f}-{100.0 * success.high:.1f}",
+            percent(summary.success),
+            interval(summary.success),
             percent(summary.collision),
             *(percent(summary.collision_with[hit]) for hit in split),
             percent(summary.timeout),
@@ -191,6 +197,18 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
             *(_social(summary) if people else ()),
             *([number(summary.throughput, 2)] if several else []),
         )
+        for summary in summaries
+    ]
+    return figure_table(title, heads, rows, **NARROW)
+
+
+def figure_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]], **layout: Any) -> Table:
+    """Return a table whose first column names its rows, and whose other columns hold figures."""
+    table = Table(title=title, title_justify="left", **layout)
+    for k, head in enumerate(heads):
+        table.add_column(Text(head), justify="right" if k else "left", no_wrap=not k)
+    for cells in rows:
+        table.add_row(*map(Text, cells))
     return table
 
 
@@ -209,14 +227,12 @@ def worst_table(worst: Mapping[str, Mapping[str, float]], seeds: Mapping[str, Se
     """
     title = "success [%] on the worst levels: each policy on its own"
     title += "; a method on those that are worst for the other half of its policies" if seeds else ""
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("policy", no_wrap=True)
-    for share in next(iter(worst.values())):
-        table.add_column(f"worst {share}", justify="right")
+    heads = ["policy", *(f"worst {share}" for share in next(iter(worst.values())))]
+    rows = []
     for name, shares in worst.items():
         label = f"{name} ({len(seeds[name])} policies)" if name in seeds else name
-        table.add_row(label, *(number(100.0 * value, 1) for value in shares.values()))
-    return table
+        rows.append((label, *(number(100.0 * value, 1) for value in shares.values())))
+    return figure_table(title, heads, rows, **NARROW)
 
 
 def table_text(table: Table) -> str:
@@ -238,6 +254,11 @@ def print_table(table: Table) -> None:
 def percent(share: Rate) -> str:
     """Return a share in percent."""
     return f"{100.0 * share.value:.1f}"
+
+
+def interval(share: Rate) -> str:
+    """Return the interval of a share in percent."""
+    return f"{100.0 * share.low:.1f}-{100.0 * share.high:.1f}"
 
 
 def number(value: float, digits: int) -> str:

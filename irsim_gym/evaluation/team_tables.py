@@ -7,14 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
-from rich.text import Text
 
-from irsim_gym.evaluation.metrics import EpisodeRow, Rate
+from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.tables import (
+    COMPACT,
     EPISODE_COLUMNS,
+    NARROW,
     PlacedRow,
+    figure_table,
+    interval,
     number,
     percent,
     read_cells,
@@ -92,8 +94,6 @@ def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
 
 def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
     """Lay out the figures of several policies, one row each."""
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("policy", no_wrap=True)
     hits = [hit for hit in TEAM_HITS if any(summary.collision_with[hit].count for summary in summaries)]
     split = hits if len(hits) > 1 else []
     gave_up = any(summary.deadlock.count for summary in summaries)
@@ -102,15 +102,14 @@ def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
     rest = ["SPL", "make-\nspan\n[s]", "flow-\ntime\n[s]", "extra time\n50/75/90 %\n[s]", "clear.\n[m]"]
     several = any(math.isfinite(summary.throughput) for summary in summaries)
     rest += ["goals\n/min"] if several else []
-    for head in [*(f"{share}\n[%]" for share in shares), *rest]:
-        table.add_column(Text(head), justify="right")
-    for summary in summaries:
-        table.add_row(
+    heads = ["policy", *(f"{share}\n[%]" for share in shares), *rest]
+    rows = [
+        (
             summary.policy,
             percent(summary.cooperative_success),
-            _interval(summary.cooperative_success),
+            interval(summary.cooperative_success),
             percent(summary.individual_success),
-            _interval(summary.individual_success),
+            interval(summary.individual_success),
             percent(summary.collision),
             *(percent(summary.collision_with[hit]) for hit in split),
             percent(summary.timeout),
@@ -124,7 +123,9 @@ def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
             number(summary.min_clearance, 3),
             *([number(summary.throughput, 2)] if several else []),
         )
-    return table
+        for summary in summaries
+    ]
+    return figure_table(title, heads, rows, **NARROW)
 
 
 def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
@@ -133,13 +134,9 @@ def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
     times = [(policy, time) for policy, time in compared if time is not None]
     if not times:
         return None
-    table = Table(title="levels that all of these solved", title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("policy", no_wrap=True)
-    for head in ("levels", "extra time, 50/75/90 % [s]"):
-        table.add_column(Text(head), justify="right")
-    for policy, time in times:
-        table.add_row(policy, f"{time.levels:,}", _percentiles(time))
-    return table
+    heads = ("policy", "levels", "extra time, 50/75/90 % [s]")
+    rows = [(policy, f"{time.levels:,}", _percentiles(time)) for policy, time in times]
+    return figure_table("levels that all of these solved", heads, rows, **COMPACT)
 
 
 def _agent_cells(agent: AgentRow) -> dict[str, object]:
@@ -159,10 +156,6 @@ def _level_cells(level: TeamRow) -> dict[str, object]:
         "deadlocked": level.deadlocked,
         "throughput": level.throughput,
     }
-
-
-def _interval(share: Rate) -> str:
-    return f"{100.0 * share.low:.1f}-{100.0 * share.high:.1f}"
 
 
 def _percentiles(time: ExtraTime) -> str:

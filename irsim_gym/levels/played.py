@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
-from rich.text import Text
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.evaluation.metrics import wilson
+from irsim_gym.evaluation.tables import NARROW, figure_table
 from irsim_gym.levels.certificate import QUARTERS, Certificate, find_certificate
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import set_hash
@@ -82,14 +81,11 @@ class PlayedLevels:
             f"success [%] by difficulty: levels in the order of how many of {policies} fail; "
             f"{self.unsolved:,} of {self.count:,} are solved by none"
         )
-        table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-        table.add_column("policy", no_wrap=True)
-        for name in QUARTER_NAMES:
-            table.add_column(Text(name), justify="right")
+        rows = []
         for policy, successes in solved.items():
             shares = (np.array(successes)[quarters == k] for k in range(QUARTERS))
-            table.add_row(policy, *(_share(int(chosen.sum()), len(chosen)) for chosen in shares))
-        return [table]
+            rows.append((policy, *(_share(int(chosen.sum()), len(chosen)) for chosen in shares)))
+        return [figure_table(title, ("policy", *QUARTER_NAMES), rows, **NARROW)]
 
 
 def _share(count: int, total: int) -> str:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from irsim_gym.evaluation.tables import write_bytes
+from irsim_gym.evaluation.tables import write_figure
 
 INK, ACCENT, FAILURE, GRID = "#1f2933", "#2166ac", "#b2182b", "#d9dee3"
 LINE = 88
@@ -29,7 +27,6 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     from irsim_gym.render import fonts
 
     figure = Figure(figsize=(7.2, 4.6), dpi=120, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     seconds = [point["training_seconds"] for point in points]
     axes.fill_between(
@@ -64,9 +61,7 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     axes.set_title(_last(points[-1]), loc="left", fontsize=8.5, color=INK)
     figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=8)
     axes.spines[["top", "right"]].set_visible(False)
-    content = io.BytesIO()
-    figure.savefig(content, format="png")
-    write_bytes(path, content.getvalue())
+    write_figure(path, figure)
 
 
 def successes(point: dict[str, float]) -> dict[str, float]:

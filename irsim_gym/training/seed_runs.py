@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import print_table, write_text
+from irsim_gym.evaluation.tables import figure_table, print_table, write_text
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.interruption import ctrl_c_as_error
@@ -21,7 +21,6 @@ from irsim_gym.training.seed_summary import (
     markdown_table,
     named_as_runs,
     said_of_seeds,
-    screen_table,
     seed_cells,
     summarize_seeds,
     write_seeds,
@@ -116,7 +115,7 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     write_seeds(folder, RESULTS, summary, called=found.scenario)
     write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", line, ""]))
     title = f"{found.scenario}: {method.upper()}, {levels:,} test levels, {found.level_set}"
-    print_table(screen_table(title, head, rows))
+    print_table(figure_table(title, head, rows))
     print(
         f"{line}\ntable, summary and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
     )

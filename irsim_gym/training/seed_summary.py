@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -10,12 +9,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from rich.table import Table
-from rich.text import Text
-
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.statistics import interquartile_mean
-from irsim_gym.evaluation.tables import write_bytes, write_json
+from irsim_gym.evaluation.tables import write_figure, write_json
 
 Figures = dict[str, Any]
 """A row of a ``summary.json`` of ``irsim-gym evaluate``, or the whole file, as plain data."""
@@ -195,16 +191,6 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[s
     return [first, "|" + "---|" * len(head), *others]
 
 
-def screen_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-    """Return a table for the terminal."""
-    table = Table(title=title, title_justify="left")
-    for i, name in enumerate(head):
-        table.add_column(Text(name), justify="left" if i == 0 else "right", no_wrap=i == 0)
-    for cells in rows:
-        table.add_row(*map(Text, cells))
-    return table
-
-
 def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None = None) -> None:
     """Write ``NAME.json``, and ``NAME.png`` with the learning curves.
 
@@ -222,11 +208,9 @@ def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None
 
 def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) -> None:
     """Draw the learning curves of all seeds over the training time."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     for seed in seeds:
         seconds = [point["training_seconds"] for point in seed["curve"]]
@@ -242,6 +226,4 @@ def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) 
     axes.set_title(title, loc="left", fontsize=10)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8, loc="lower right")
-    content = io.BytesIO()
-    figure.savefig(content, format="png")
-    write_bytes(path, content.getvalue())
+    write_figure(path, figure)

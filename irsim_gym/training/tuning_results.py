@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.evaluation.tables import print_table, write_bytes, write_csv, write_text
+from irsim_gym.evaluation.tables import print_table, write_csv, write_figure, write_text
 from irsim_gym.training.trial_settings import HYPERPARAMETERS, TASK
 
 TABLE, PICTURE = "trials.csv", "trials.png"
@@ -106,12 +105,10 @@ def value_text(value: object) -> str:
 
 def _draw(path: Path, trials: Sequence[TuningTrial], names: Sequence[str], title: str) -> None:
     """Draw success over trials, with the best so far, and over each drawn value. Pruned trials are hollow."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     rows = math.ceil(len(names) / COLUMNS)
     figure = Figure(figsize=(9.6, 2.8 + 2.1 * rows), dpi=120, layout="constrained")
-    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[1.3] + [1.0] * rows)
     axes = figure.add_subplot(grid[0, :])
     _scatter(axes, [trial.number for trial in trials], trials)
@@ -127,9 +124,7 @@ def _draw(path: Path, trials: Sequence[TuningTrial], names: Sequence[str], title
         panel.tick_params(labelsize=7)
     for panel in figure.axes:
         panel.spines[["top", "right"]].set_visible(False)
-    content = io.BytesIO()
-    figure.savefig(content, format="png")
-    write_bytes(path, content.getvalue())
+    write_figure(path, figure)
 
 
 def _scatter(axes: Any, values: Sequence[Any], trials: Sequence[TuningTrial]) -> None:
