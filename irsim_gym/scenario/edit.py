@@ -46,8 +46,7 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first
         if name in taken:
             report.add(place, f"the name '{name[:40]}' is given to several bodies")
         taken.add(name)
-    if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+    report.check()
     warn_of_keys(source.title, report.ignored)
     if not read.count:
         return scenario

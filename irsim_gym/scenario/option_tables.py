@@ -9,26 +9,12 @@ from typing import Any, get_args
 
 from irsim_gym import families
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.gui_spec import KeyboardSpec, MouseSpec
 from irsim_gym.scenario.messages import describe, show
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import ParameterSpec
-from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
-from irsim_gym.scenario.spec import BodyOptions, WorldSpec
-from irsim_gym.scenario.wander_goals import WanderGoals
+from irsim_gym.scenario.whereabouts import SPECS
 
 MARKER = "<!-- Below: made by irsim-gym options, from the declarations. Do not edit. -->"
-SPECS: dict[str, type[Any]] = {
-    "world": WorldSpec,
-    "world.plot": WorldPlot,
-    "world.plot.saved_figure": SavedFigure,
-    "robot, obstacle": BodyOptions,
-    "plot": ObjectPlot,
-    "wander_goals": WanderGoals,
-    "gui.keyboard": KeyboardSpec,
-    "gui.mouse": MouseSpec,
-    "parameters": ParameterSpec,
-}
 SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
     "parameters": "The keys of a parameter.",
@@ -107,6 +93,7 @@ def _sections() -> Iterator[tuple[str, type[Any]]]:
     """Yield a title and the declaring class of each section, and of each registered kind."""
     families.load()
     yield from SPECS.items()
+    yield "parameters", ParameterSpec
     for entry in families.SECTIONS:
         yield entry.name, entry.kind
     for registry in families.every():

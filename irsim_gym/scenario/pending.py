@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, ClassVar, NoReturn
 
-from irsim_gym.errors import BehaviorError, ScenarioError, UnknownNameError
+from irsim_gym.errors import BehaviorError, UnknownNameError
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.body_checks import check_drive, check_scan
@@ -107,8 +107,7 @@ def resolve_pending(scenario: Scenario) -> Scenario:
     report = Report(scenario.source)
     made: dict[int, Any] = {}
     bodies = tuple(_resolved(body, made, report) for body in scenario.bodies)
-    if report.problems:
-        raise ScenarioError(scenario.source.title, list(report.problems))
+    report.check()
     return replace(scenario, bodies=bodies) if made else scenario
 
 

@@ -6,20 +6,21 @@ import dataclasses
 import functools
 import math
 import types
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from irsim_gym.errors import Problem, UnknownNameError, nearest
+from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate
 from irsim_gym.scenario.needless import NEEDLESS, mapping_of
 from irsim_gym.scenario.options import LARGEST, OPTIONS_CONFIG, option_fields
-from irsim_gym.scenario.source import Place, Source
+from irsim_gym.scenario.source import Place, Source, read_file
 from irsim_gym.scenario.whereabouts import elsewhere, unknown_key
 
 MAX_PROBLEMS = 200
@@ -55,9 +56,35 @@ class Report:
         self.ignored: dict[Problem, None] = dict.fromkeys(source.ignored)
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
-    def refuse_repeats(self) -> None:
-        """Report repeated keys as problems; in scenarios, the last of two equal sections counts, with a warning."""
-        self.problems |= dict.fromkeys(problem for problem, _ in self.source.repeats)
+    @classmethod
+    def of_file(cls, file: Path) -> Report:
+        """Read a file that is no scenario: there, repeated keys are problems.
+
+        In scenarios, the last of two equal sections counts, with a warning.
+        """
+        report = cls(read_file(file))
+        report.problems |= dict.fromkeys(problem for problem, _ in report.source.repeats)
+        return report
+
+    @property
+    def mapping(self) -> Mapping[str, Any]:
+        """The data of the source; empty if it is no mapping."""
+        return self.source.data if isinstance(self.source.data, Mapping) else {}
+
+    def check(self) -> None:
+        """Raise all problems.
+
+        Raises:
+            ScenarioError: If there are any. The message lists every problem with its line.
+        """
+        if self.problems:
+            raise ScenarioError(self.source.title, list(self.problems))
+
+    def refuse_unknown(self, data: Mapping[str, Any], known: Sequence[str], place: Place = ()) -> None:
+        """Report the keys of a mapping that are not known."""
+        for key in data:
+            if key not in known:
+                self.add((*place, key), f"unknown key{suggestion(str(key), known)}; known: {', '.join(known)}")
 
     def add(self, place: Place, message: str) -> None:
         """Report a problem once; problems beyond a limit are omitted."""

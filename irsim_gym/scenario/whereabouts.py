@@ -19,16 +19,17 @@ MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85
 """Similarity of a key to a known one above which it counts as a misspelling."""
 
-_SPECS: dict[str, type[Any]] = {
+SPECS: dict[str, type[Any]] = {
     "world": WorldSpec,
     "world.plot": WorldPlot,
     "world.plot.saved_figure": SavedFigure,
-    "robot and obstacle": BodyOptions,
+    "robot, obstacle": BodyOptions,
     "plot": ObjectPlot,
     "wander_goals": WanderGoals,
     "gui.keyboard": KeyboardSpec,
     "gui.mouse": MouseSpec,
 }
+"""What declares the keys of each mapping of a file, apart from those with a name."""
 _KINDS: dict[str, Registry] = {
     "kinematics": families.KINEMATICS,
     "shape": families.FOOTPRINTS,
@@ -71,9 +72,9 @@ def _owners(key: str) -> Iterator[str]:
     if key in SECTIONS and key != "plot":
         yield "the file itself"
         return
-    for name, spec in _SPECS.items():
+    for name, spec in SPECS.items():
         if key in option_fields(spec):
-            yield name
+            yield name.replace(", ", " and ")
     for entry in families.SECTIONS:
         if key in option_fields(entry.kind):
             yield entry.name

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError, ScenarioError, nearest, suggestion
+from irsim_gym.errors import IrsimGymError, nearest, suggestion
 from irsim_gym.scenario.expressions import evaluate
 from irsim_gym.scenario.messages import choices, show
 from irsim_gym.scenario.options import option_fields
-from irsim_gym.scenario.source import Place, read_file
+from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.validation import Report, read_field
 from irsim_gym.training.algorithm_options import (
     ACTIVATIONS,
@@ -54,15 +54,10 @@ def read_hyperparameters(
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
-    source = read_file(file)
-    report = Report(source)
-    report.refuse_repeats()
-    entries: dict[str, dict[str, Any]] = {}
-    if isinstance(source.data, Mapping):
-        for name, entry in source.data.items():
-            entries[name] = _entry(name, entry, algorithm, report)
-    else:
-        report.add((), f"must be a mapping with the entry '{DEFAULT}', got {show(source.data)}")
+    report = Report.of_file(file)
+    entries = {name: _entry(name, entry, algorithm, report) for name, entry in report.mapping.items()}
+    if not isinstance(report.source.data, Mapping):
+        report.add((), f"must be a mapping with the entry '{DEFAULT}', got {show(report.source.data)}")
     names = [DEFAULT, environment_id] if task is None else [DEFAULT, environment_id, f"{environment_id}/{task}"]
     found = [name for name in names if name in entries]
     chosen = {key: value for name in found for key, value in entries[name].items()}
@@ -71,8 +66,7 @@ def read_hyperparameters(
         for name in (name for name in required if name not in chosen and name not in given):
             report.add((DEFAULT, name), "is required")
         _check_together(chosen, algorithm, found[-1] if found else DEFAULT, report)
-    if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+    report.check()
     return chosen
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError, ScenarioError, suggestion
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.library import SUFFIXES, every_scenario, names
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.source import Place, read_file
@@ -93,19 +93,16 @@ def read_mixture(file: Path) -> Mixture:
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
-    source = read_file(file)
-    report = Report(source)
-    report.refuse_repeats()
-    data: Mapping[str, Any] = source.data if isinstance(source.data, Mapping) else {}
-    _refuse_unknown(data, KEYS, (), report)
+    report = Report.of_file(file)
+    data = report.mapping
+    report.refuse_unknown(data, KEYS)
     listed = data.get(MIXTURE)
     if not isinstance(listed, list) or not listed:
         report.add((MIXTURE,), f"must be a list of scenarios, got {show(listed)}")
         listed = []
     parts = [_part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed)]
     task, algorithm, chosen = (_text(data, key, (), report) for key in KEYS[1:])
-    if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+    report.check()
     return Mixture(
         tuple(parts),
         file.stem,
@@ -122,7 +119,7 @@ def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart
     if not isinstance(item, Mapping):
         report.add(place, f"must be the name of a scenario or a mapping with 'scenario', got {show(item)}")
         return MixturePart("")
-    _refuse_unknown(item, PART_KEYS, place, report)
+    report.refuse_unknown(item, PART_KEYS, place)
     scenario = _text(item, "scenario", place, report)
     if item.get("scenario") is None:
         report.add((*place, "scenario"), "is required: the name or path of a scenario")
@@ -134,12 +131,6 @@ def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart
         report.add((*place, "parameters"), f"must be a mapping of the scenario's parameters, got {show(parameters)}")
         parameters = {}
     return MixturePart(_beside(file, scenario or ""), dict(parameters), float(share))
-
-
-def _refuse_unknown(data: Mapping[str, Any], known: Sequence[str], place: Place, report: Report) -> None:
-    for key in data:
-        if key not in known:
-            report.add((*place, key), f"unknown key{suggestion(str(key), known)}; known: {', '.join(known)}")
 
 
 def _text(data: Mapping[str, Any], key: str, place: Place, report: Report) -> str | None:

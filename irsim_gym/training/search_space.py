@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from irsim_gym.errors import IrsimGymError, ScenarioError, suggestion
+from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report, build
 from irsim_gym.training.hyperparameters import hyperparameters_folder
 
@@ -189,19 +188,16 @@ def read_space(file: Path) -> SearchSpace:
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
-    source = read_file(file)
-    report = Report(source)
-    report.refuse_repeats()
-    data = source.data if isinstance(source.data, Mapping) else {}
+    report = Report.of_file(file)
+    data = report.mapping
     parts = ("hyperparameters", "rewards")
-    if not data or not isinstance(source.data, Mapping):
-        report.add((), f"must be a mapping with {' and '.join(parts)}, got {show(source.data)}")
+    if not data:
+        report.add((), f"must be a mapping with {' and '.join(parts)}, got {show(report.source.data)}")
     for key in data:
         if key not in parts:
             report.add((key,), f"must be {' or '.join(parts)}{suggestion(str(key), parts)}")
     hyperparameters, rewards = (_entries(part, data.get(part), report) for part in parts)
-    if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+    report.check()
     return SearchSpace(
         hyperparameters, {name: one for name, one in rewards.items() if isinstance(one, Range)}, str(file)
     )

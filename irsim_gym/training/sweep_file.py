@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError, ScenarioError, suggestion
+from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.scenario.messages import show
-from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
 from irsim_gym.training.hyperparameters import TEAM_MODES
 from irsim_gym.training.training_request import TrainingRequest
@@ -110,15 +109,11 @@ def read_sweep(file: Path) -> Sweep:
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line and key.
     """
-    source = read_file(file)
-    report = Report(source)
-    report.refuse_repeats()
-    data: Mapping[str, Any] = source.data if isinstance(source.data, Mapping) else {}
+    report = Report.of_file(file)
+    data = report.mapping
     if not data:
-        report.add((), f"must be a mapping with the key 'scenario', got {show(source.data)}")
-    for key in data:
-        if key not in KEYS:
-            report.add((key,), f"unknown key{suggestion(str(key), KEYS)}; known: {', '.join(KEYS)}")
+        report.add((), f"must be a mapping with the key 'scenario', got {show(report.source.data)}")
+    report.refuse_unknown(data, KEYS)
     sweep = Sweep(
         str(file),
         _scenarios(data.get("scenario"), report) if data else (),
@@ -133,8 +128,7 @@ def read_sweep(file: Path) -> Sweep:
     )
     if not report.problems:
         _try_values(sweep, report)
-    if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+    report.check()
     return sweep
 
 

@@ -83,5 +83,4 @@ def check_space(request: TrainingRequest, settings: Settings, space: SearchSpace
                 except ScenarioError as error:
                     for problem in error.problems:
                         report.add(("hyperparameters", key), problem.message)
-    if report.problems:
-        raise ScenarioError(report.source.title, list(report.problems))
+    report.check()
