@@ -16,7 +16,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.errors import Problem, ScenarioError
-from irsim_gym.levels.foreign import complete_set, read_arrays
+from irsim_gym.levels.foreign import read_arrays
+from irsim_gym.scenario.level_reading import complete_levels
 from irsim_gym.scenario.level_set import LevelSet
 
 SCENARIO = "barn"
@@ -49,13 +50,9 @@ def import_barn(path: Path) -> LevelSet:
             problems.append(Problem(0, name, f"{wish} from ({LEFT}, 0) on, got radius {radius:g} at ({x:g}, {y:g})"))
     if problems:
         raise ScenarioError(str(path), problems)
-    return complete_set(
-        bodies=("robot_0",),
-        start=np.full((len(worlds), 1, 3), START),
-        goal=np.full((len(worlds), 1, 3), GOAL),
-        cells=cells,
-        about={"source": "BARN", "file": path.name, "scenario": SCENARIO},
-    )
+    start, goal = (np.full((len(worlds), 1, 3), place) for place in (START, GOAL))
+    found = {"bodies": ["robot_0"], "start": start, "goal": goal, "cells": cells}
+    return complete_levels("", found, {"source": "BARN", "file": path.name, "scenario": SCENARIO})
 
 
 def _occupy(cells: Flags, discs: Floats) -> Flags:

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.errors import Problem, ScenarioError
-from irsim_gym.scenario.level_set import LevelSet, with_goal_axis
 
 
 class ForeignObject:
@@ -23,24 +22,6 @@ class ForeignObject:
     def __new__(cls, *values: object) -> ForeignObject:
         """Make a record, ignoring the arguments of the original class."""
         return super().__new__(cls)
-
-
-def complete_set(**arrays: Any) -> LevelSet:
-    """Return levels of one split; missing arrays are left to the scenario."""
-    start = arrays["start"]
-    offsets = np.zeros((len(start), start.shape[1] + 1), np.int64)
-    whole: dict[str, Any] = {
-        "present": np.ones(start.shape[:2], np.bool_),
-        "segments": np.zeros((0, 4)),
-        "segment_start": offsets,
-        "discs": np.zeros((0, 3)),
-        "disc_start": offsets,
-        "cells": None,
-        "random": None,
-        "splits": {"all": (0, len(start))},
-    }
-    goal = with_goal_axis(arrays.get("goal", np.full(start.shape, np.nan)))
-    return LevelSet(**{"file": "", **whole, **arrays, "goal": goal})
 
 
 def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, NDArray[Any]]:

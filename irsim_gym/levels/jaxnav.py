@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.errors import Problem, ScenarioError
-from irsim_gym.levels.foreign import ForeignObject, complete_set, read_arrays, read_pickle
+from irsim_gym.levels.foreign import ForeignObject, read_arrays, read_pickle
+from irsim_gym.scenario.level_reading import complete_levels
 from irsim_gym.scenario.level_set import LevelSet
 
 WORDS = {
@@ -44,13 +45,13 @@ def import_jaxnav(path: Path) -> LevelSet:
         raise ScenarioError(str(path), [Problem(0, "cells", "must be 0 (free) or 1 (wall)")])
     heading = np.mod(arrays["start_heading"].astype(np.float64) + np.pi, 2.0 * np.pi) - np.pi
     goal = arrays["goal_xy"].astype(np.float64)
-    return complete_set(
-        bodies=tuple(f"robot_{k}" for k in range(heading.shape[1])),
-        start=np.concatenate([arrays["start_xy"].astype(np.float64), heading[..., None]], axis=2),
-        goal=np.concatenate([goal, np.full((*heading.shape, 1), np.nan)], axis=2),
-        cells=np.ascontiguousarray(cells.transpose(0, 2, 1) == 1),
-        about={"source": "JaxNav", "file": path.name},
-    )
+    found = {
+        "bodies": [f"robot_{k}" for k in range(heading.shape[1])],
+        "start": np.concatenate([arrays["start_xy"].astype(np.float64), heading[..., None]], axis=2),
+        "goal": np.concatenate([goal, np.full((*heading.shape, 1), np.nan)], axis=2),
+        "cells": cells.transpose(0, 2, 1) == 1,
+    }
+    return complete_levels("", found, {"source": "JaxNav", "file": path.name})
 
 
 def _from_pickle(path: Path) -> dict[str, NDArray[Any]]:

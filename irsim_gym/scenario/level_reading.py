@@ -48,7 +48,7 @@ def load_levels(file: Path) -> tuple[LevelSet | None, list[Mistake]]:
     unknown, mistakes = list(_unknown(arrays)), [*_missing(arrays), *_shapes(arrays)]
     if mistakes:
         return None, [*unknown, *mistakes]
-    levels = _complete(file, arrays)
+    levels = complete_levels(str(file), arrays, _about(arrays.get("about")))
     return levels, [*unknown, *_values(levels, arrays)]
 
 
@@ -117,8 +117,8 @@ def _shapes(arrays: Found) -> Iterator[Mistake]:
 _WORDS = {"U": "text", "f": "numbers", "b": "true or false", "i": "whole numbers", "u": "unsigned whole numbers"}
 
 
-def _complete(file: Path, arrays: Found) -> LevelSet:
-    """Return the levels, with defaults for arrays that the file omits."""
+def complete_levels(file: str, arrays: Mapping[str, Any], about: Mapping[str, Any]) -> LevelSet:
+    """Return levels, with defaults for missing arrays."""
     start = np.ascontiguousarray(arrays["start"], np.float64)
     count, size = start.shape[:2]
     offsets = np.zeros((count, size + 1), np.int64)
@@ -127,7 +127,7 @@ def _complete(file: Path, arrays: Found) -> LevelSet:
     splits = {name: (int(a), int(b - a)) for name, a, b in zip(names, ends[:-1], ends[1:], strict=True)}
     cells, random = arrays.get("cells"), arrays.get("random")
     return LevelSet(
-        file=str(file),
+        file=file,
         bodies=tuple(str(name) for name in arrays["bodies"]),
         start=start,
         goal=with_goal_axis(arrays.get("goal", np.full(start.shape, np.nan))),
@@ -139,7 +139,7 @@ def _complete(file: Path, arrays: Found) -> LevelSet:
         cells=None if cells is None else np.ascontiguousarray(cells, np.bool_),
         random=None if random is None else np.ascontiguousarray(random, np.uint64),
         splits=splits,
-        about=_about(arrays.get("about")),
+        about=about,
     )
 
 
