@@ -15,7 +15,7 @@ from dataclasses import MISSING, asdict, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -25,8 +25,6 @@ from rich.text import Text
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
-if TYPE_CHECKING:
-    pass
 
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
