@@ -25,7 +25,6 @@ from rich.text import Text
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
-
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
 NARROW: Mapping[str, Any] = MappingProxyType({**COMPACT, "padding": (0, 1, 0, 0)})
