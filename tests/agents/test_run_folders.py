@@ -150,7 +150,7 @@ def test_beginning_anew(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     assert command(monkeypatch, *train_anew, "mine") == 1
     assert "mine holds no training run; --overwrite replaces only runs" in capsys.readouterr().err
     assert command(monkeypatch, *train_anew[:4], "--dev-levels", 0, "--out", "ppo.yaml") == 1
-    assert "ppo.yaml is a file; choose a folder with --out" in capsys.readouterr().err
+    assert "--out names a folder for the results, and ppo.yaml is a file" in capsys.readouterr().err
     assert command(monkeypatch, *train_anew, "run", "--set", "sped=2") == 1
     assert run.settings().seed == 5  # the settings that are asked for cannot be used
     assert command(monkeypatch, *train_anew, "run") == 0
