@@ -49,7 +49,8 @@ for kernel in [one for one in gc.get_objects() if type(one) is Kernel]:
         if form in vars(kernel):
             made = vars(kernel)[form]
             found[f"{kernel.__module__}.{kernel.__name__} {form}"] = len(getattr(made, "overloads", made))
-print(json.dumps(found))
+from irsim_gym.jit.watch import compilation
+print(json.dumps([found, compilation().compiled]))
 """
 
 CHECKED = """
@@ -115,7 +116,12 @@ def test_no_kernel_of_a_step_allocates() -> None:
 
 
 def test_all_faces_share_what_is_compiled() -> None:
-    found: dict[str, int] = json.loads(run(FACES).splitlines()[-1])
+    # A process that compiles types a kernel anew for each caller: what is shared shows where all has been compiled.
+    found: dict[str, int] = {}
+    for _ in range(2):
+        found, compiled = json.loads(run(FACES).splitlines()[-1])
+        if compiled == 0:
+            break
     assert sum(found.values()) > 40
     several = {name.split()[0].split(".")[-1] for name, n in found.items() if n > 1}
     assert several <= SEVERAL
