@@ -13,7 +13,7 @@ from irsim_gym.behaviors.pursuit_way import place_on_way
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
-from irsim_gym.paths.points import PointMap, add_point, forget_points
+from irsim_gym.paths.points import PointMap, add_point, forget_points, points_of
 from irsim_gym.world.model import Model
 from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
@@ -36,15 +36,14 @@ def pursue_seen(
     Reads: tables (back, by_rate, coarse, count, fine, goal, hits, margin, points, retry, seen, side, standing, whole),
         scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (has_goal, present, reach), state
         (arrived, goal, pose, step, stopped).
-    Writes: tables (back, coarse, count, fine, goal, hits, margin, points, retry, side, whole), state (command).
+    Writes: tables (back, coarse, count, fine, goal, hits, margin, points, retry, seen, side, whole), state (command).
     """
-    frame, nothing = tables.seen, tables.standing[slot]
+    nothing = tables.standing[slot]
     for w in worlds:
         for k in range(members.shape[0]):
             b, m = members[k], params[k].index
             clear_command(state, w, b)
-            # The frame is shared; each member has points of its own.
-            points = PointMap(frame.x, frame.y, frame.side, frame.places[w, m], frame.filled[w, m])
+            points = points_of(tables.seen, w, m)
             note_scan(scan, w, k, b, state, points, tables.hits[slot])
             if not is_under_way(model, state, w, b):
                 continue
@@ -52,7 +51,7 @@ def pursue_seen(
             obstacles = Obstacles(model, state, w, nothing, None, points)
             if tables.count[w, m] == 0 and state.step[w] >= tables.retry[w, m]:
                 # Without a way, old points may be to blame: only the latest scan is kept.
-                forget_points(points)
+                forget_points(tables.seen, w, m)
                 note_scan(scan, w, k, b, state, points, tables.hits[slot])
             elif way_is_blocked(obstacles, model.reach[row_of(model.reach, w), b], tables, w, m, b):
                 # A goal unlike any other makes pursue look for a new way.

@@ -13,7 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
-from irsim_gym.paths.points import PointMap
+from irsim_gym.paths.points import PointMap, forget_points
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import Model
@@ -139,8 +139,7 @@ def forget_ways(worlds: Ints, tables: PursuitTables) -> None:
         for m in range(tables.retry.shape[1]):
             tables.goal[w, m, 0], tables.retry[w, m], tables.back[w, m] = np.nan, 0, 0
             if tables.seen.places.shape[0] > 0:
-                tables.seen.places[w, m, :, :, :] = np.nan
-                tables.seen.filled[w, m, :, :] = 0
+                forget_points(tables.seen, w, m)
 
 
 @kernel

@@ -51,13 +51,19 @@ class PointMap(NamedTuple):
 
 
 @kernel
-def forget_points(points: PointMap) -> None:
-    """Remove all points.
+def points_of(maps: PointMap, w: int, m: int) -> PointMap:
+    """Return the map of one member, whose frame all share; the arrays of ``maps`` begin with world and member."""
+    return PointMap(maps.x, maps.y, maps.side, maps.places[w, m], maps.filled[w, m])
 
-    Writes: points (filled, places).
+
+@kernel
+def forget_points(maps: PointMap, w: int, m: int) -> None:
+    """Remove all points of one member, see ``points_of``.
+
+    Writes: maps (filled, places).
     """
-    points.places[:] = np.nan
-    points.filled[:] = 0
+    maps.places[w, m] = np.nan
+    maps.filled[w, m] = 0
 
 
 @kernel
@@ -114,12 +120,13 @@ def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float,
             for j in range(max(below, k * BLOCK), min(above, (k + 1) * BLOCK)):
                 x, y = float(places[i, j, 0]), float(places[i, j, 1])
                 # NaN: no point.
-                if x == x:
-                    distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
-                    if distance2 <= reach * reach and distance2 < best:
-                        best = distance2
-                        if best <= enough:
-                            return best
+                if x != x:
+                    continue
+                distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
+                if distance2 <= reach * reach and distance2 < best:
+                    best = distance2
+                    if best <= enough:
+                        return best
     return best
 
 

@@ -40,9 +40,13 @@ def test_distances_are_those_of_all_points(seed: int) -> None:
 
 
 def test_forgotten_points_are_in_nobodys_way_and_new_ones_are() -> None:
-    points, _ = drawn(0)
-    assert capsule_meets_points(points, 0.0, 0.0, 4.0, 4.0, 1.0)
-    forget_points(points)
+    maps = PointMap.over([0.0, 0.0, 4.0, 4.0], 0.1, (2, 3))
+    points, other = (maps._replace(places=maps.places[w, 2], filled=maps.filled[w, 2]) for w in (1, 0))
+    for one in (points, other):
+        add_point(one, (1.0, 1.0), (2.0, 2.0))
+        assert capsule_meets_points(one, 0.0, 0.0, 4.0, 4.0, 1.0)
+    forget_points(maps, 1, 2)
+    assert capsule_meets_points(other, 0.0, 0.0, 4.0, 4.0, 1.0)
     assert not capsule_meets_points(points, 0.0, 0.0, 4.0, 4.0, 1.0)
     add_point(points, (3.95, 3.95), (2.0, 2.0))  # in the last cells, which are fewer than a block
     assert points_distance(points, (3.0, 3.95), 2.0) == pytest.approx(0.95)
