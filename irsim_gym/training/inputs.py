@@ -14,7 +14,7 @@ from irsim_gym.tasks import load_task
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.policies import load_policy, policy_file
-from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, check_file
+from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, check_file, read_each
 from irsim_gym.training.scenario_request import ScenarioRequest
 
 Check = Callable[[], object]
@@ -67,16 +67,8 @@ def check_policies(texts: Sequence[str]) -> None:
         IrsimGymError: The problems of all of them.
     """
     sources = [source for method in read_methods(texts) for source in method.sources]
-    missing: list[UnknownPolicyError] = []
-    checks: list[Check] = []
-    for source in sources:
-        try:
-            checks.append(_reading(source))
-        except UnknownPolicyError as error:
-            missing.append(error)
-    if missing:
-        checks.insert(0, lambda: _refuse(missing))
-    report_together(*checks)
+    checks, missing = read_each(_reading, sources)
+    report_together(*([lambda: _refuse(missing)] if missing else []), *checks)
 
 
 def _reading(source: str) -> Check:

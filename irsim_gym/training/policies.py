@@ -25,7 +25,7 @@ from irsim_gym.evaluation.reference_policies import is_named_policy, reference_p
 from irsim_gym.extras import require
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint_files import POLICY, newest_checkpoint
-from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, missing_policy
+from irsim_gym.training.policy_places import UnknownPolicyError, all_unknown, missing_policy, read_each
 from irsim_gym.training.run import Run, run_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, read_policy, shelf_files
 
@@ -232,13 +232,7 @@ def load_policies(sources: Sequence[Source]) -> list[Policy]:
     Raises:
         UnknownPolicyError: If policies do not exist. The message names all of these.
     """
-    loaded: list[Policy] = []
-    missing: list[UnknownPolicyError] = []
-    for source in sources:
-        try:
-            loaded.append(load_policy(source))
-        except UnknownPolicyError as error:
-            missing.append(error)
+    loaded, missing = read_each(load_policy, sources)
     if missing:
         raise all_unknown(missing)
     return loaded

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from irsim_gym.errors import IrsimGymError, nearest
 from irsim_gym.evaluation.reference_policies import policy_kinds
@@ -14,6 +15,8 @@ from irsim_gym.training.checkpoint_files import POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
 from irsim_gym.training.shelf import SUFFIX, read_policy, shelf_files
 
+S = TypeVar("S")
+T = TypeVar("T")
 RUNS = Path("runs")
 MOST = 6
 """Largest number of runs that a message lists."""
@@ -126,6 +129,18 @@ def all_unknown(missing: Sequence[UnknownPolicyError]) -> UnknownPolicyError:
     """Return one error for several policies that do not exist, with what is valid once."""
     problems = "\n".join(error.problem for error in missing)
     return UnknownPolicyError(missing[0].source, problems, cure_of([error.source for error in missing]))
+
+
+def read_each(read: Callable[[S], T], sources: Iterable[S]) -> tuple[list[T], list[UnknownPolicyError]]:
+    """Return what a function makes of the sources that exist, and its errors for those that do not."""
+    found: list[T] = []
+    missing: list[UnknownPolicyError] = []
+    for source in sources:
+        try:
+            found.append(read(source))
+        except UnknownPolicyError as error:
+            missing.append(error)
+    return found, missing
 
 
 def check_file(file: Path) -> None:

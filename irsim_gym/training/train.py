@@ -30,6 +30,7 @@ from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import copy_weights
 from irsim_gym.training.folders import check_replaceable, setting_differences
+from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
 from irsim_gym.training.models import curriculum_of, new_model, resolve_device, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
@@ -75,8 +76,7 @@ def train(
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
     """
     run, screen = Run(folder), console or Console(stderr=True)
-    if run.folder.is_file():
-        raise IrsimGymError(f"{run.folder} is a file; choose a folder with --out")
+    check_folder(run.folder)
     now = settings.snapshot()
     if overwrite:
         check_replaceable(run)
