@@ -90,8 +90,12 @@ def cells_between(low: float, high: float, origin: float, side: float, count: in
 
 
 @kernel
-def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float, reach: float, enough: float) -> float:
-    """Return the squared distance [m2] of the segment ab from the points, inf if none is within ``reach`` [m].
+def nearest_point2(
+    points: PointMap, ax: float, ay: float, bx: float, by: float, reach: float, enough: float
+) -> tuple[float, Point]:
+    """Return the squared distance [m2] of the segment ab from the nearest point, and that point [m].
+
+    Return inf and (NaN, NaN) if no point is within ``reach`` [m].
 
     Args:
         points: The points.
@@ -102,7 +106,7 @@ def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float,
         reach: Points farther away are left out [m].
         enough: A distance [m2] at or below which any is as good as the least.
     """
-    best, side, places, dx = np.inf, points.side, points.places, bx - ax
+    best, nearest, side, places, dx = np.inf, (np.nan, np.nan), points.side, points.places, bx - ax
     first, end = cells_between(min(ax, bx) - reach, max(ax, bx) + reach, points.x, side, places.shape[0])
     for i in range(first, end):
         # Which part of the segment, in y, a point of this column can be near to.
@@ -124,18 +128,27 @@ def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float,
                     continue
                 distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
                 if distance2 <= reach * reach and distance2 < best:
-                    best = distance2
+                    best, nearest = distance2, (x, y)
                     if best <= enough:
-                        return best
-    return best
+                        return best, nearest
+    return best, nearest
 
 
 @kernel
 def capsule_meets_points(points: PointMap | None, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
     """Return whether a point is within ``radius`` [m] of the segment ab, which may be a point; False without a map."""
+    # NaN, which does not equal itself, is no point.
+    x, _ = blocking_point(points, ax, ay, bx, by, radius)
+    return bool(x == x)
+
+
+@kernel
+def blocking_point(points: PointMap | None, ax: float, ay: float, bx: float, by: float, radius: float) -> Point:
+    """Return a point within ``radius`` [m] of the segment ab; (NaN, NaN) without any, or without a map."""
     if points is None:
-        return False
-    return bool(nearest_point2(points, ax, ay, bx, by, radius, radius * radius) < np.inf)
+        return np.nan, np.nan
+    _, point = nearest_point2(points, ax, ay, bx, by, radius, radius * radius)
+    return point
 
 
 @kernel
@@ -143,4 +156,5 @@ def points_distance(points: PointMap | None, place: Point, limit: float) -> floa
     """Return the distance [m] of a place from the nearest of the points, ``limit`` if it is not smaller."""
     if points is None:
         return limit
-    return float(min(np.sqrt(nearest_point2(points, place[0], place[1], place[0], place[1], limit, 0.0)), limit))
+    distance2, _ = nearest_point2(points, place[0], place[1], place[0], place[1], limit, 0.0)
+    return float(min(np.sqrt(distance2), limit))

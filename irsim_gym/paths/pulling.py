@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Point
+from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, way_is_free
+from irsim_gym.paths.points import blocking_point
 
 ROUNDS, SWEEPS, HALVINGS = 4, 4, 6
 """How often points are added about corners; how often all are drawn in after that; steps of the search for how far."""
@@ -61,9 +63,12 @@ def skip_points(obstacles: Obstacles, radius: float, path: Floats, count: int) -
     """
     kept, here = 1, 0
     while here < count - 1:
-        to, start = count - 1, (path[kept - 1, 0], path[kept - 1, 1])
+        to, start, blocker = count - 1, (path[kept - 1, 0], path[kept - 1, 1]), (np.nan, np.nan)
         # The next point is always free to reach, as the path is free.
-        while to > here + 1 and not way_is_free(obstacles, radius, start, (path[to, 0], path[to, 1])):
+        while to > here + 1:
+            free, blocker = is_free(obstacles, radius, start, (path[to, 0], path[to, 1]), blocker)
+            if free:
+                break
             to -= 1
         path[kept, 0], path[kept, 1] = path[to, 0], path[to, 1]
         kept, here = kept + 1, to
@@ -116,12 +121,40 @@ def draw_in(obstacles: Obstacles, radius: float, path: Floats, i: int) -> None:
     share = min(max(share, 0.0), 1.0)
     way_x, way_y = ax + share * dx - bx, ay + share * dy - by
     # Bisection for the greatest free share of the way; the first try is all of it.
-    good, step = 0.0, 1.0
+    good, step, blocker = 0.0, 1.0, (np.nan, np.nan)
     for _ in range(HALVINGS + 1):
         here = (bx + (good + step) * way_x, by + (good + step) * way_y)
-        if way_is_free(obstacles, radius, (ax, ay), here) and way_is_free(obstacles, radius, here, (cx, cy)):
+        free, blocker = is_free(obstacles, radius, (ax, ay), here, blocker)
+        if free:
+            free, blocker = is_free(obstacles, radius, here, (cx, cy), blocker)
+        if free:
             good += step
             if good >= 1.0:
                 break
         step *= 0.5
     path[i, 0], path[i, 1] = bx + good * way_x, by + good * way_y
+
+
+@kernel
+def is_free(obstacles: Obstacles, radius: float, start: Point, end: Point, blocker: Point) -> tuple[bool, Point]:
+    """Return whether a body can go straight between two points, and the next blocker.
+
+    Lines that are tried one after the other are often blocked by the same seen point, so that one is tested first.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+
+    Args:
+        obstacles: What is in the way.
+        radius: Radius of the moving body [m].
+        start: Where it starts [m].
+        end: Where it ends [m].
+        blocker: The seen point that blocked the previous line [m], (NaN, NaN) for none.
+    """
+    # NaN fails the comparison.
+    if point_segment_distance2(blocker[0], blocker[1], start[0], start[1], end[0], end[1]) <= radius * radius:
+        return False, blocker
+    found = blocking_point(obstacles.points, start[0], start[1], end[0], end[1], radius)
+    if found[0] == found[0]:
+        return False, found
+    others = Obstacles(obstacles.model, obstacles.state, obstacles.w, obstacles.blocks, obstacles.cells, None)
+    return way_is_free(others, radius, start, end), blocker

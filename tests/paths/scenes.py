@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import distance_field, field_at, shortest_path
 from irsim_gym.paths.grid import Grid, mark_blocked
+from irsim_gym.paths.points import PointMap
 from irsim_gym.paths.reachability import is_reachable
 from irsim_gym.structs import Struct
 from tests.geometry.cell_maps import area as cell_area
@@ -48,6 +49,7 @@ class Scene:
     parts: list[tuple[Floats, Floats, bool, Any]] = field(default_factory=list)
     cells: Any = None
     area: Any = None
+    points: PointMap | None = None
 
     def polygon(self, vertices: Any) -> Scene:
         vertices = np.asarray(vertices, np.float64)
@@ -96,7 +98,7 @@ class Scene:
             pose=np.zeros((1, len(self.parts), 3)),
             rigid=np.ones(1, np.bool_),
         )
-        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells, None)
+        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells, self.points)
 
     @property
     def shape(self) -> Any:

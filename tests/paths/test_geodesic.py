@@ -11,6 +11,7 @@ import shapely
 
 from irsim_gym.paths.geodesic import field_at
 from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.points import PointMap, add_point
 from tests.paths.scenes import Scene, random_points, random_scene, visibility_length
 
 RADIUS = 0.2
@@ -27,6 +28,21 @@ def test_no_way() -> None:
     assert fence.length(RADIUS, (3, 3), (5, 5)) == np.inf
     assert Scene().box(2, 2, 4, 4).length(RADIUS, (3, 3), (5, 5)) == np.inf
     assert Scene().box(2, 2, 4, 4).length(RADIUS, (5, 5), (3.9, 4.15)) == np.inf
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_seen_points_are_in_the_way_as_discs_without_a_radius(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    seen, discs = Scene(points=PointMap.over([0.0, 0.0, 6.0, 6.0], 0.05, ())), Scene()
+    # Walls of points with gaps, as scans show them.
+    for x in rng.uniform(1.0, 5.0, 5).tolist():
+        for y in (rng.uniform(0.0, 4.5) + np.arange(0.0, 1.5, 0.1)).tolist():
+            add_point(seen.points, (x, y), (0.0, 0.0))
+    for x, y in seen.points.places[np.isfinite(seen.points.places[..., 0])].astype(np.float64).tolist():
+        discs.disc(x, y, 0.0)
+    found = [scene.path(RADIUS, (0.5, 3.0), (5.5, 3.0)) for scene in (seen, discs)]
+    assert len(found[0]) > 2, "no corner"
+    assert np.array_equal(*found)
 
 
 @pytest.mark.parametrize("reach", [0.5, 1.0, 2.0])

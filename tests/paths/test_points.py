@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from irsim_gym.geometry.segments import point_segment_distance2
-from irsim_gym.paths.points import PointMap, add_point, capsule_meets_points, forget_points, points_distance
+from irsim_gym.paths.points import (
+    PointMap,
+    add_point,
+    blocking_point,
+    capsule_meets_points,
+    forget_points,
+    points_distance,
+)
 
 
 def drawn(seed: int) -> tuple[PointMap, np.ndarray]:
@@ -34,7 +41,15 @@ def test_distances_are_those_of_all_points(seed: int) -> None:
     for ax, ay, bx, by in ends.tolist():
         least = np.sqrt(min(point_segment_distance2(x, y, ax, ay, bx, by) for x, y in places.tolist()))
         for radius in (0.05, 0.3, least - 1e-6, least + 1e-6):
-            assert capsule_meets_points(points, ax, ay, bx, by, max(radius, 0.0)) == (least <= max(radius, 0.0))
+            radius = max(radius, 0.0)
+            assert capsule_meets_points(points, ax, ay, bx, by, radius) == (least <= radius)
+            x, y = blocking_point(points, ax, ay, bx, by, radius)
+            if least <= radius:
+                assert [x, y] in places.tolist()
+                assert point_segment_distance2(x, y, ax, ay, bx, by) <= radius * radius
+            else:
+                assert np.isnan(x)
+                assert np.isnan(y)
         alone = np.sqrt(((places - [ax, ay]) ** 2).sum(axis=1).min())
         assert points_distance(points, (ax, ay), 0.4) == pytest.approx(min(alone, 0.4))
 
