@@ -31,6 +31,9 @@ from irsim_gym.evaluation.tables import write_text
 N_COLUMNS = 88
 """Numbers that `navigation` observes with a scan of 36 sectors, see ``irsim-gym describe cluttered_room``."""
 
+MOST = 10.0
+"""Largest logarithm of a ratio of densities."""
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -126,7 +129,8 @@ def learn(agent: plain_ppo.Agent, optimizers: Optimizers, met: dict[str, Tensor]
     ):
         observed, action, log_prob, advantage, target = (column[part] for column in met.values())
         advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
-        ratio = (agent.log_prob(agent.actor(observed), action) - log_prob).exp()
+        # A mirrored action may be so improbable that its ratio overflows; beyond the limit it teaches nothing.
+        ratio = (agent.log_prob(agent.actor(observed), action) - log_prob).clamp(max=MOST).exp()
         gain = torch.minimum(ratio * advantage, ratio.clamp(1 - clip, 1 + clip) * advantage).mean()
         error = ((agent.critic(observed)[:, 0] - target) / scale).square().mean()
         optimizers.zero_grad()
