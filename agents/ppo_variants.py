@@ -10,7 +10,9 @@ Variants, each a single change:
 - annealed: the falling clipping range alone.
 - muon: Muon for the weights of hidden layers, Adam for all others.
 - values: the critic learns normalised targets.
-- mirrored: half of the rows are learnt as if left and right were exchanged. For the task `navigation` alone.
+- mirrored: half of the rows are learnt as if left and right were exchanged, and as if the agent had drawn their actions
+  itself. For the task `navigation` alone.
+- weighted: the same, with the densities with which these actions were in fact drawn.
 """
 
 import argparse
@@ -44,6 +46,7 @@ class Variant:
     muon: bool = False
     values: bool = False
     mirrored: bool = False
+    weighted: bool = False
     rate: float = plain_ppo.RATE
 
 
@@ -54,6 +57,7 @@ VARIANTS = {
     "muon": Variant(muon=True),
     "values": Variant(values=True),
     "mirrored": Variant(mirrored=True),
+    "weighted": Variant(mirrored=True, weighted=True),
 }
 
 
@@ -139,11 +143,17 @@ def learn(agent: plain_ppo.Agent, optimizers: Optimizers, met: dict[str, Tensor]
         optimizers.step()
 
 
-def exchange_sides(agent: plain_ppo.Agent, met: dict[str, Tensor]) -> None:
-    """Mirror a random half of the rows; the density of their actions is the agent's own for the mirrored ones."""
+def exchange_sides(agent: plain_ppo.Agent, met: dict[str, Tensor], weighted: bool) -> None:
+    """Mirror a random half of the rows.
+
+    Their actions were drawn with the densities in ``met``, which stay if ``weighted``; else they become the densities
+    with which the agent would draw the mirrored actions.
+    """
     half = torch.rand(len(met["target"])) < 0.5
     met["observed"][half] = mirrored(met["observed"][half])
     met["action"][half] = met["action"][half] * torch.tensor([1.0, -1.0])
+    if weighted:
+        return
     mean = agent.actor(met["observed"][half])
     met["log_prob"][half] = agent.log_prob(mean, met["action"][half])
 
@@ -165,7 +175,7 @@ def train(scenario: str, steps: int, seed: int, variant: Variant) -> tuple[plain
         with torch.no_grad():
             met = plain_ppo.collect(agent, rows, plain_ppo.N_STEPS, arrived)
             if variant.mirrored:
-                exchange_sides(agent, met)
+                exchange_sides(agent, met, variant.weighted)
             if variant.values:
                 agent.critic.follow(met["target"])
         learn(agent, optimizers, met, plain_ppo.CLIP * (left if variant.annealed else 1.0))

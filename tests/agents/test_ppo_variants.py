@@ -59,15 +59,21 @@ def test_mirrored_observations_are_those_of_the_mirrored_world(script: ModuleTyp
     assert np.ptp(observed[76:]) > 0.0, "no trail"
 
 
-def test_the_first_row_of_exchanged_sides_is_as_probable_as_the_agent_says(script: ModuleType) -> None:
+def test_mirrored_actions_have_the_density_of_the_agent_or_that_of_their_drawing(script: ModuleType) -> None:
     torch.manual_seed(3)
     agent = script.plain_ppo.Agent(88, 2)
     before = {"observed": torch.randn(500, 88), "action": torch.randn(500, 2), "target": torch.zeros(500)}
     before["log_prob"] = agent.log_prob(agent.actor(before["observed"]), before["action"]).detach()
     met = {name: column.clone() for name, column in before.items()}
     with torch.no_grad():
-        script.exchange_sides(agent, met)
+        torch.manual_seed(4)
+        script.exchange_sides(agent, met, False)
         assert torch.allclose(met["log_prob"], agent.log_prob(agent.actor(met["observed"]), met["action"]), atol=1e-5)
+        weighted = {name: column.clone() for name, column in before.items()}
+        torch.manual_seed(4)
+        script.exchange_sides(agent, weighted, True)
+    assert torch.equal(weighted["action"], met["action"])
+    assert torch.equal(weighted["log_prob"], before["log_prob"])
     changed = met["action"][:, 1] == -before["action"][:, 1]
     assert 150 < int(changed.sum()) < 350
     assert torch.equal(met["observed"][~changed], before["observed"][~changed])
