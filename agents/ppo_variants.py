@@ -1,4 +1,4 @@
-"""Train variants of agents/plain_ppo.py with several seeds, score them on `dev` levels, and write a table.
+"""Train variants of agents/plain_ppo.py with several seeds, score them on `dev` levels, and write what was found.
 
     python agents/ppo_variants.py cluttered_room --steps 1000000 --seeds 5 --out variants.json
 
