@@ -18,6 +18,7 @@ from irsim_gym.envs.sb3_learnability import LearnabilityCallback
 from irsim_gym.envs.sb3_log import LogCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
 from irsim_gym.envs.sb3_memory import GruPolicy
+from irsim_gym.envs.sb3_mirror import MirrorCallback
 from irsim_gym.envs.sb3_mixture import MixtureVecEnv
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
@@ -36,6 +37,7 @@ __all__ = [
     "MaskedReplayBuffer",
     "MaskedRolloutBuffer",
     "MaskedVecNormalize",
+    "MirrorCallback",
     "MixtureVecEnv",
     "TeamVecEnv",
     "WorldVecEnv",

@@ -13,6 +13,7 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
 from irsim_gym.envs.batch_step import BatchStep
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.level_options import fresh_level
+from irsim_gym.envs.mirror import Mirror
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
@@ -267,6 +268,10 @@ class Batch:
             UnknownNameError: There is no such agent.
         """
         return self.worlds.describe(agent or 0)
+
+    def mirror(self) -> Mirror:
+        """Return what exchanges left and right in observations and actions; an error says why it cannot be done."""
+        return self.worlds.mirror()
 
     def close(self) -> None:
         """Close the window and free the renderer; may be called twice."""

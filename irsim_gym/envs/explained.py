@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from irsim_gym.envs.description import Description
+from irsim_gym.envs.mirror import Mirror
 from irsim_gym.envs.worlds import Worlds
 
 
@@ -21,6 +22,10 @@ class Explained:
     def describe(self) -> Description:
         """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
         return self.worlds.describe()
+
+    def mirror(self) -> Mirror:
+        """Return what exchanges left and right in observations and actions; an error says why it cannot be done."""
+        return self.worlds.mirror()
 
     @property
     def compute_reward(self) -> Callable[[Any, Any, Any], Any]:

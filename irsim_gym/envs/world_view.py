@@ -9,6 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.limits import ScenarioSpec
+from irsim_gym.envs.mirror import Mirror
 from irsim_gym.envs.moment import Bodies, BodyMoment
 from irsim_gym.envs.pictures import RENDER_MODES
 from irsim_gym.envs.worlds import Worlds
@@ -110,6 +111,10 @@ class WorldView:
     def describe(self) -> Description:
         """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
         return self.worlds.describe()
+
+    def mirror(self) -> Mirror:
+        """Return what exchanges left and right in observations and actions; an error says why it cannot be done."""
+        return self.worlds.mirror()
 
     def info(self) -> dict[str, Any]:
         """Return what is known about the agent now."""

@@ -20,6 +20,7 @@ from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.level_options import checked_choice, read_options
 from irsim_gym.envs.limits import agreed_limit
+from irsim_gym.envs.mirror import Mirror, mirror_of
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
@@ -103,6 +104,7 @@ class Worlds:
         self._row: Rays | None = None
         self._goal_reward: GoalReward | None = None
         self._masks: ActionMasks | None = None
+        self._mirror: Mirror | None = None
 
     def __repr__(self) -> str:
         return f"<Worlds {self.summary}>"
@@ -274,6 +276,16 @@ class Worlds:
         if not -self.n_worlds <= world < self.n_worlds:
             raise IndexError(f"world {world}: there are {self.n_worlds}")
         return WorldMoment(self.simulation, world % self.n_worlds)
+
+    def mirror(self) -> Mirror:
+        """Return what exchanges left and right in observations and actions.
+
+        Raises:
+            IrsimGymError: If they cannot be exchanged; the message lists every reason.
+        """
+        if self._mirror is None:
+            self._mirror = mirror_of(self.episodes)
+        return self._mirror
 
     def describe(
         self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, object] | None = None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.run import Settings
@@ -29,7 +31,8 @@ def check_engine(settings: Settings) -> None:
     wanted = settings.hyperparameters
     known = {*KEYS, *(PPO_KEYS if settings.algorithm == "ppo" else ())}
     unknown = [name for name, value in wanted.arguments.items() if name not in known and value is not None]
-    own = {"normalize": wanted.normalize, "curriculum": wanted.curriculum, "clone": wanted.clone}
+    own: dict[str, Any] = {name: getattr(wanted, name) for name in ("normalize", "curriculum", "clone")}
+    own["mirror"] = wanted.mirror or None
     unknown += [name for name, value in own.items() if value is not None]
     if unknown:
         raise IrsimGymError(

@@ -17,8 +17,9 @@ from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.envs.sb3_critic_parts import has_critic_parts
+from irsim_gym.envs.sb3_mirror import check_mirrored
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, buffers_for
+from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, MirrorCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import NORMALIZATION, POLICY, REPLAY_BUFFER, RunProgress, load_progress
@@ -95,6 +96,12 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     except (TypeError, ValueError, AssertionError, KeyError) as error:
         env.close()
         raise IrsimGymError(f"{settings.algorithm} does not take these hyper-parameters: {error}") from error
+    if settings.hyperparameters.mirror:
+        try:
+            check_mirrored(model)
+        except IrsimGymError as error:
+            env.close()
+            raise IrsimGymError(f"mirror: {error}") from error
     env.seed(settings.first_level)
     return model
 
@@ -112,6 +119,11 @@ def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallba
         return None
     levels = None if newest is None else files.load_state(newest)["levels"]
     return LearnabilityCallback(seed=settings.seed, levels=levels)
+
+
+def mirror_callback(settings: Settings) -> MirrorCallback | None:
+    """Return the callback that mirrors half of the rows of a run; None if it does not."""
+    return MirrorCallback(seed=settings.seed) if settings.hyperparameters.mirror else None
 
 
 def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, RunProgress]:

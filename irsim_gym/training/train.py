@@ -32,7 +32,7 @@ from irsim_gym.training.fine_tuning import copy_weights
 from irsim_gym.training.folders import check_replaceable, setting_differences
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
-from irsim_gym.training.models import curriculum_of, new_model, resolve_device, restored_model
+from irsim_gym.training.models import curriculum_of, mirror_callback, new_model, resolve_device, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import FILES, Run, Settings
@@ -207,7 +207,7 @@ def _learn(
             files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
-    callbacks: list[BaseCallback] = [watch, logged, *filter(None, [curriculum])]
+    callbacks: list[BaseCallback] = [watch, logged, *filter(None, [curriculum, mirror_callback(settings)])]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps

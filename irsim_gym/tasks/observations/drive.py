@@ -14,6 +14,7 @@ from irsim_gym.families import KINEMATICS
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, unchanged
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -50,6 +51,10 @@ class Drive:
             Columns(f"1 where the robot's drive is {name}, else 0")
             for name in map(KINEMATICS.names().__getitem__, term.arrays["drives"])
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns, which do not change."""
+        return unchanged(term.arrays["own"].shape[1])
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

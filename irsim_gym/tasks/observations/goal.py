@@ -13,6 +13,7 @@ from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -50,6 +51,10 @@ class Goal:
             Columns("sine of the goal's bearing: 1 to the left, -1 to the right", bearing),
             Columns("nearness of the goal", f"exp(-d / {self.near:g} m)"),
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, 1.0, -1.0, 1.0)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -34,6 +34,10 @@ class GoalPosition:
         """Return the meaning of the columns."""
         return [Columns(f"{axis} of the next goal", place_scale(axis, model)) for axis in ("x", "y")]
 
+    def mirrored(self, term: Term) -> None:
+        """Return None: it is in the frame of the world."""
+        return
+
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""

@@ -35,6 +35,10 @@ class Heading:
         world = "in the world: 0 along x, positive to y"
         return [Columns("cosine of the heading", world), Columns("sine of the heading", world)]
 
+    def mirrored(self, term: Term) -> None:
+        """Return None: it is in the frame of the world."""
+        return
+
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""

@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term
@@ -85,6 +86,10 @@ class Neighbors:
             [Columns(f"the same six of each of the {self.count - 1} next nearest", count=others)] if others else []
         )
         return columns
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, -1.0, 1.0, -1.0, 1.0, 1.0, times=self.count)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

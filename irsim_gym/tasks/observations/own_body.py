@@ -12,6 +12,7 @@ from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, unchanged
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
@@ -54,6 +55,10 @@ class OwnBody:
             Columns(f"greatest change of {second}", f"a / (a + 1 {turning}2), 1 without a limit"),
             Columns("duration of a step", f"t / (t + {HALF_STEP:g} s)"),
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns, which do not change."""
+        return unchanged(WIDTH)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

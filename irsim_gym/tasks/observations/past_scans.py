@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
     Code,
@@ -124,6 +125,10 @@ class PastScans:
             Columns(f"scan of {steps} steps ago, seen from the current pose", scale, self.sectors, sectors)
             for steps in self.ago
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the sectors from right to left."""
+        return sectors_exchanged(self.sectors, len(self.ago))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

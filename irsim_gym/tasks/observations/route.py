@@ -19,6 +19,7 @@ from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
@@ -107,6 +108,10 @@ class Route:
             Columns(f"sine {point}", "1 to the left, -1 to the right"),
             Columns("length s of the shortest path to the next goal", f"s / {full:.3g} m, at most 1"),
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, -1.0, 1.0)
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

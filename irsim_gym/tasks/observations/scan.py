@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
     Code,
@@ -116,6 +117,10 @@ class Scan:
         scale = f"d = free depth beyond its own outline, as {coded(self, 'd', far)}"
         sectors = tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         return [Columns("least range of a sector of the scan", scale, len(sectors), sectors)]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the sectors from right to left."""
+        return sectors_exchanged(len(term.arrays.first))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -15,6 +15,7 @@ from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
 from irsim_gym.tasks.term import Bound, Term
@@ -98,6 +99,10 @@ class SeenMap:
             for ring in rings
             for what in ("occupied as far as its scans have shown", "unknown")
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the sectors from right to left."""
+        return sectors_exchanged(self.sectors, 2 * len(self.rings))
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions
 from irsim_gym.tasks.observations.nearest_bodies import moving, span
 from irsim_gym.tasks.term import Bound, Term
@@ -97,6 +98,10 @@ class TimeToCollision:
             Columns(f"nearness in time of a collision at {speed:.3g} m/s in a direction", scale, len(angles), sectors)
             for speed in pace.tolist()
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the directions from right to left."""
+        return directions_exchanged(self.directions, self.speeds)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -12,6 +12,7 @@ from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OMNI_WORLD, Model
@@ -59,6 +60,10 @@ class Velocity:
             Columns(name, f"v / {most:.4g} {unit}".strip()) for (name, unit), most in zip(words, largest, strict=False)
         ]
         return [*columns, *[Columns("unused")] * (term.action_size - len(columns))]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, *[-1.0] * (term.action_size - 1))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -16,6 +16,7 @@ from irsim_gym.paths.grid import centre
 from irsim_gym.paths.wavefront import STRAIGHT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen, note_all, shared_map
 from irsim_gym.tasks.observations.seen_ways import (
@@ -85,6 +86,10 @@ class WayOnSeenMap:
             Columns(f"sine {point}", "1 to the left, -1 to the right"),
             Columns("length s of that way", f"s / {full:.3g} m, at most 1; 1 where there is none"),
         ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, -1.0, 1.0)
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

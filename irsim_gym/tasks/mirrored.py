@@ -1,0 +1,62 @@
+"""Mirrored observations: what the columns become when left and right are exchanged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.tasks.term import Term
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """The columns of an observation in a mirrored world, or the columns of pixels of an image.
+
+    Attributes:
+        columns: Column that each takes its number from, shape ``(width,)``.
+        signs: 1, or -1 for a number that changes its sign, shape ``(width,)``.
+    """
+
+    columns: Ints
+    signs: Rays
+
+
+@runtime_checkable
+class HasMirrored(Protocol):
+    """An observation that can be mirrored."""
+
+    def mirrored(self, term: Term) -> Mirrored | None:
+        """Return the columns in a mirrored world; None if the observation is in the frame of the world.
+
+        The world is mirrored at the line straight ahead of the agent.
+        """
+
+
+def signed(*signs: float, times: int = 1) -> Mirrored:
+    """Return columns that keep their places; the signs are repeated ``times`` times."""
+    repeated = np.tile(np.array(signs, np.float32), times)
+    return Mirrored(np.arange(repeated.size), repeated)
+
+
+def unchanged(width: int) -> Mirrored:
+    """Return columns that do not change."""
+    return signed(*[1.0] * width)
+
+
+def sectors_exchanged(count: int, times: int = 1) -> Mirrored:
+    """Return sectors in reverse order; there are ``times`` groups of ``count`` sectors."""
+    return _grouped(np.arange(count)[::-1], times)
+
+
+def directions_exchanged(count: int, times: int = 1) -> Mirrored:
+    """Return directions over a full turn, of which the first one is straight behind, in reverse order."""
+    return _grouped(-np.arange(count) % count, times)
+
+
+def _grouped(columns: Ints, times: int) -> Mirrored:
+    width = times * columns.size
+    first = columns.size * np.arange(times)
+    return Mirrored((first[:, None] + columns).reshape(width), np.ones(width, np.float32))

@@ -1,0 +1,197 @@
+"""The mirror of every observation and action, against worlds that are drawn and driven mirrored."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+import numpy as np
+import pytest
+
+import irsim_gym
+from irsim_gym import sb3
+from irsim_gym.envs.mirror import Mirror
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.families import OBSERVATIONS
+
+HEIGHT = 10.0
+LIDAR = {"name": "lidar2d", "number": 180, "angle_range": 4.0, "range_max": 4.0}
+SCENE: dict[str, Any] = {
+    "world": {"width": 10, "height": HEIGHT, "collision_mode": "unobstructed"},
+    "robot": [
+        {
+            "kinematics": {"name": "diff"},
+            "shape": {"name": "rectangle", "length": 0.5, "width": 0.3},
+            "state": [2.03, 4.01, 0.3],
+            "goal": [8.0, 6.2, 1.0],
+            "vel_min": [-0.5, -1.2],
+            "vel_max": [1.0, 1.2],
+            "sensors": [LIDAR],
+        },
+        {
+            "kinematics": {"name": "diff"},
+            "state": [6.0, 3.0, 2.0],
+            "goal": [1.0, 6.5, 0.0],
+            "behavior": {"name": "dash"},
+        },
+    ],
+    "obstacle": [
+        {"shape": {"name": "circle", "radius": 0.45}, "state": [4.07, 5.93, 0.0]},
+        {"shape": {"name": "rectangle", "length": 1.3, "width": 0.6}, "state": [3.3, 2.6, 0.7]},
+        {
+            "kinematics": {"name": "omni"},
+            "shape": {"name": "circle", "radius": 0.3},
+            "state": [5.5, 7.0, 0.0],
+            "goal": [2.0, 3.6, 0.0],
+            "behavior": {"name": "dash"},
+        },
+    ],
+}
+IN_WORLD = {"position", "heading", "goal_position"}
+ROUGH = {"seen_map", "way_on_seen_map", "route", "seen_map_image", "occupancy_image", "top_view", "local_map", "trail"}
+"""Observations with cells or pixels, whose edges a mirror may move by one."""
+DRIVES = {"diff": 2, "omni": 2, "omni_angular": 3, "acker": 2}
+
+
+def flipped(pose: Any) -> list[float]:
+    """Return a pose in the mirrored world."""
+    return [pose[0], HEIGHT - pose[1], *(-angle for angle in pose[2:])]
+
+
+def mirrored_scene(scene: dict[str, Any]) -> dict[str, Any]:
+    """Return a scene whose upper and lower sides are exchanged."""
+    other = deepcopy(scene)
+    for body in (*other["robot"], *other["obstacle"]):
+        body["state"] = flipped(body["state"])
+        if "goal" in body:
+            body["goal"] = flipped(body["goal"])
+    return other
+
+
+def scene_of(drive: str = "diff", **robot: Any) -> dict[str, Any]:
+    """Return the scene with another drive and other keys of the learner."""
+    scene = deepcopy(SCENE)
+    size = DRIVES[drive]
+    limits = {"vel_min": [-0.5, *[-0.9] * (size - 1)], "vel_max": [1.0, *[0.9] * (size - 1)]}
+    kinematics = {"name": drive, **({"wheelbase": 0.3} if drive == "acker" else {})}
+    scene["robot"][0] |= {"kinematics": kinematics, **limits, **robot}
+    return scene
+
+
+def make(scene: dict[str, Any], *observations: Any, **task: Any) -> Any:
+    """Return one world whose task has these observations."""
+    names = [one if isinstance(one, str) else next(iter(one)) for one in observations]
+    options = [{} if isinstance(one, str) else one[name] for one, name in zip(observations, names, strict=True)]
+    observed = [{"name": name, **option} for name, option in zip(names, options, strict=True)]
+    return irsim_gym.make_vec(scene, 1, task={"name": "blank", "observations": observed, **task}, max_steps=500)
+
+
+def both(scene: dict[str, Any], *observations: Any, steps: int = 50, **task: Any) -> tuple[Mirror, Any, Any]:
+    """Play a scene and its mirrored one with mirrored actions; return the mirror and what was observed in each."""
+    env, other = make(scene, *observations, **task), make(mirrored_scene(scene), *observations, **task)
+    mirror = env.unwrapped.mirror()
+    random, here, there = np.random.default_rng(0), [env.reset(seed=0)[0]], [other.reset(seed=0)[0]]
+    for _ in range(steps):
+        if env.single_action_space.shape:
+            action = np.float32(random.uniform([0.2, *[-1.0] * (env.single_action_space.shape[0] - 1)], 1.0))[None]
+        else:
+            action = random.integers(env.single_action_space.n, size=1)
+        here.append(env.step(action)[0])
+        there.append(other.step(mirror.actions(action))[0])
+    if isinstance(here[0], dict):
+        pile = [{key: np.concatenate([one[key] for one in rows]) for key in here[0]} for rows in (here, there)]
+        return mirror, *pile
+    return mirror, np.concatenate(here), np.concatenate(there)
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("name", sorted(set(OBSERVATIONS.names()) - IN_WORLD))
+def test_a_mirrored_observation_is_that_of_the_mirrored_world(name: str, drive: str) -> None:
+    mirror, here, there = both(scene_of(drive), name)
+    changed = mirror.observation(here)
+    assert changed.shape == there.shape
+    apart = np.abs(changed.astype(np.float64) - there)
+    scale = 255.0 if there.dtype == np.uint8 else 1.0
+    unlike = np.abs(here.astype(np.float64) - there)
+    if name not in ("drive", "own_body", "goal_record"):
+        assert unlike.max() > 0.01 * scale  # the scene is not symmetrical
+    if name in ROUGH:
+        assert apart.mean() < 0.15 * unlike.mean()
+    else:
+        np.testing.assert_allclose(changed, there, atol=2e-3)
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_a_mirrored_choice_has_the_mirrored_effect(drive: str) -> None:
+    action = {"name": "discrete", "linear": 2, "lateral": 3 if DRIVES[drive] == 3 else 1, "angular": 5}
+    mirror, here, there = both(scene_of(drive), "velocity", "goal", action=action)
+    np.testing.assert_allclose(mirror.observation(here), there, atol=1e-4)
+    choices = np.arange(mirror.choices.size)
+    assert sorted(mirror.choices) == choices.tolist()
+    assert np.array_equal(mirror.actions(mirror.actions(choices)), choices)
+
+
+def test_twice_mirrored_is_unchanged() -> None:
+    names = [name for name in OBSERVATIONS.names() if name not in IN_WORLD]
+    mirror, here, _ = both(scene_of(), *names, steps=5)
+    again = mirror.observation(mirror.observation(here))
+    assert set(again) == set(here) == {"vector", "occupancy_image", "seen_map_image", "top_view"}
+    for key, part in here.items():
+        np.testing.assert_array_equal(again[key], part)
+    turned = mirror.observation({"top_view": here["top_view"].transpose(0, 3, 1, 2)}, channels_first=True)["top_view"]
+    np.testing.assert_array_equal(turned.transpose(0, 2, 3, 1), mirror.observation(here)["top_view"])
+
+
+def test_observations_as_a_dict() -> None:
+    mirror, here, there = both(scene_of(), "scan", "goal", "velocity", "top_view", observation_form="dict")
+    changed = mirror.observation(here)
+    assert set(changed) == {"scan", "goal", "velocity", "top_view"}
+    for key in ("scan", "goal", "velocity"):
+        np.testing.assert_allclose(changed[key], there[key], atol=2e-3)
+
+
+def test_what_the_critic_alone_observes() -> None:
+    task = {"name": "blank", "observations": ["scan"], "critic_observations": ["goal_heading", "occupancy_image"]}
+    batch = sb3.make_vec_env(scene_of(), 2, critic=True, task=task)
+    mirror, seen = batch.env_method("mirror")[0], batch.reset()
+    assert set(mirror.vectors) | set(mirror.images) == set(seen) == {"vector", "critic", "critic_occupancy_image"}
+    changed = mirror.observation(seen)
+    np.testing.assert_array_equal(changed["critic"], seen["critic"] * [1, -1])
+    np.testing.assert_array_equal(changed["critic_occupancy_image"][:, :, ::-1], seen["critic_occupancy_image"])
+    alone = sb3.make_vec_env(scene_of(), 2, task=task).env_method("mirror")[0]
+    assert set(alone.vectors) == {""}  # nobody asked for what the critic observes
+
+
+REFUSED: dict[str, Any] = {
+    "the observation 'heading' is in the frame of the world": ({}, ["heading"]),
+    "'occupancy_image' is in the frame of the world": ({}, [{"occupancy_image": {"rotated": False}}]),
+    "'position' is in the frame of the world": ({}, ["scan"], {"observation_form": "goal"}),
+    "'top_view' is in the frame of the world": ({}, [{"top_view": {"follow": "world"}}]),
+    "the shape of 'robot_0' is not symmetrical": (
+        {"shape": {"name": "polygon", "vertices": [[0, 0], [0.5, 0], [0, 0.3]]}},
+        ["goal"],
+    ),
+    "the range sensor of 'robot_0' is not symmetrical": (
+        {"sensors": [{**LIDAR, "offset": [0.0, 0.1, 0.0]}]},
+        ["scan"],
+    ),
+    "the speed limits of 'robot_0' to the left and to the right differ": ({"vel_max": [1.0, 0.4]}, ["goal"]),
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_what_has_no_mirror_is_refused(message: str) -> None:
+    robot, observed, *task = REFUSED[message]
+    with pytest.raises(IrsimGymError, match=message):
+        make(scene_of(**robot), *observed, **(task[0] if task else {})).unwrapped.mirror()
+
+
+def test_every_reason_is_named() -> None:
+    with pytest.raises(IrsimGymError, match=r"speed limits.*'heading'.*'position'"):
+        make(scene_of(vel_max=[1.0, 0.4]), "heading", "goal", "position").unwrapped.mirror()
+
+
+def test_actions_in_the_frame_of_the_world_are_refused() -> None:
+    env = make(scene_of("omni"), "goal", action={"name": "velocity", "frame": "command"})
+    with pytest.raises(IrsimGymError, match="actions are in the frame of the world"):
+        env.unwrapped.mirror()
