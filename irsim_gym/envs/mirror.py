@@ -17,6 +17,8 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.term import IsImage, Term
+from irsim_gym.tasks.term_contract import checked_mirrored
+from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.transition import CRITIC
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -74,8 +76,7 @@ def mirror_of(episodes: Episodes) -> Mirror:
         IrsimGymError: If left and right cannot be exchanged; the message lists every reason.
     """
     problems = [*_of_bodies(episodes), *_of_action(episodes)]
-    terms = [*episodes.terms["observations"], *episodes.terms["critic_observations"]]
-    named = {id(term): _mirrored(term) for term in terms}
+    named = {id(term): _mirrored(term, width) for term, width in _widths(episodes)}
     problems += [found for found in named.values() if isinstance(found, str)]
     if problems:
         raise IrsimGymError(f"left and right cannot be exchanged here: {'; '.join(problems)}")
@@ -86,11 +87,24 @@ def mirror_of(episodes: Episodes) -> Mirror:
     return Mirror(_vectors(episodes, parts), _images(episodes, parts), choices, signs)
 
 
-def _mirrored(term: Term) -> Mirrored | str:
+def _widths(episodes: Episodes) -> Iterator[tuple[Term, int]]:
+    """Yield all observations with their numbers of columns, or of columns of pixels."""
+    for family, bounds in (
+        ("observations", episodes.observation_terms),
+        ("critic_observations", episodes.critic_terms),
+    ):
+        widths = {name: len(low) for name, low, _ in bounds}
+        for term in episodes.terms[family]:
+            is_image = isinstance(term.options, IsImage)
+            yield term, term.options.image_shape[1] if is_image else widths[term.name]
+
+
+def _mirrored(term: Term, width: int) -> Mirrored | str:
     """Return what becomes of an observation, or why it cannot be mirrored."""
     if not isinstance(term.options, HasMirrored):
         return f"the observation '{term.name}' does not say what it becomes (it has no method 'mirrored')"
-    found = term.options.mirrored(term)
+    kind = kind_of(term)
+    found = checked_mirrored(term, kind, width) if is_foreign(kind) else term.options.mirrored(term)
     return f"the observation '{term.name}' is in the frame of the world" if found is None else found
 
 
@@ -156,7 +170,7 @@ def _of_action(episodes: Episodes) -> Iterator[str]:
     """Yield why actions cannot be mirrored."""
     model, agents = episodes.simulation.model, np.array(episodes.task.agents)
     action = episodes.terms["action"][0]
-    if is_foreign(type(action.options)):
+    if is_foreign(kind_of(action)):
         yield f"nothing is known of the action '{action.name}'"
     elif np.any(model.drive[agents] == OMNI_WORLD) and action.options.frame == "command":
         yield "actions are in the frame of the world ('frame: command')"

@@ -26,6 +26,7 @@ from irsim_gym.plugins.terms import AgentView, action, ending, observation, rewa
 from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.outcome import HitKind, Outcome
 from irsim_gym.tasks.term import (
     ActionKind,
@@ -89,11 +90,13 @@ __all__ = [
     "Group",
     "HasArrays",
     "HasBounds",
+    "HasMirrored",
     "HasUnused",
     "HitKind",
     "IsImage",
     "MapKind",
     "MindsClearance",
+    "Mirrored",
     "Model",
     "ObservationKind",
     "Outcome",

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.contract import Contract, check_method, has_member, refuse
+from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import (
     ActionKind,
@@ -43,7 +44,7 @@ def _reward(kind: type[Any]) -> Iterator[str]:
 
 
 ACTION = Contract(ActionKind, (HasArrays, Remembers, TellsActions))
-OBSERVATION = Contract(ObservationKind, (HasArrays, Remembers, HasUnused, TellsColumns), _observation)
+OBSERVATION = Contract(ObservationKind, (HasArrays, Remembers, HasUnused, HasMirrored, TellsColumns), _observation)
 REWARD = Contract(RewardKind, (HasArrays, Remembers, TellsWhen), _reward)
 ENDING = Contract(EndingKind, (HasArrays, Remembers, TellsWhen))
 
@@ -126,3 +127,29 @@ def _bounds(low: Any, high: Any) -> Iterator[str]:
         yield f"bounds() must return the least values first: element {k} is from {low[k]:g} to {high[k]:g}"
     elif low.min() < -1.0 or high.max() > 1.0:
         yield f"bounds() must be within [-1, 1], got {low.min():g} to {high.max():g}: scale what write() writes"
+
+
+def checked_mirrored(term: Term, kind: type[Any], width: int) -> Mirrored | None:
+    """Return what a plugin's observation becomes in a mirror.
+
+    Args:
+        kind: Its class.
+        width: Its number of columns; for an image, of columns of pixels.
+
+    Raises:
+        KindError: If that is invalid.
+    """
+    given = term.options.mirrored(term)
+    if given is None:
+        return None
+    problems: list[str] = []
+    if not isinstance(given, Mirrored):
+        problems.append(f"mirrored() must return Mirrored(columns, signs) or None, got {given!r}")
+        refuse("observation", term.name, kind, problems, "mirrored")
+    columns, signs = np.asarray(given.columns), np.asarray(given.signs, np.float32)
+    if sorted(columns.ravel().tolist()) != list(range(width)):
+        problems.append(f"mirrored() must name each of the {width} columns once, got {columns.tolist()}")
+    if signs.shape != (width,) or not np.isin(signs, (-1.0, 1.0)).all():
+        problems.append(f"mirrored() must return {width} signs that are 1 or -1, got {signs.tolist()}")
+    refuse("observation", term.name, kind, problems, "mirrored")
+    return Mirrored(columns, signs)

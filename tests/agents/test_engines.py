@@ -59,6 +59,13 @@ def test_what_rllib_does_not_take(asked: dict[str, Any], said: str) -> None:
         TrainingRequest("empty_goal", **asked).settings()
 
 
+def test_mirrored_rows_are_not_passed_on(tmp_path: Path) -> None:
+    file = tmp_path / "ppo.yaml"
+    file.write_text("default: {n_timesteps: 100, n_envs: 2, mirror: true}", encoding="utf-8")
+    with pytest.raises(IrsimGymError, match="cannot pass on mirror to ppo"):
+        TrainingRequest("empty_goal", hyperparameters=file, engine=Engine()).settings()
+
+
 def test_a_schedule_that_rllib_does_not_know(tmp_path: Path) -> None:
     file = tmp_path / "ppo.yaml"
     file.write_text("default: {n_timesteps: 100, n_envs: 2, clip_range: lin_0.2}", encoding="utf-8")

@@ -75,7 +75,7 @@ def in_parts(asked: Settings, folder: Path, interrupt: Callable[[int, int], None
 
 @pytest.mark.parametrize(
     ("algorithm", "own"),
-    [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)]
+    [("ppo", {}), ("ppo", NORMALIZED), ("ppo", {"mirror": True}), ("sac", {}), ("sac", NORMALIZED)]
     + [(name, {}) for name in ("td3", "tqc", "dqn", "a2c")],
 )
 def test_resumed_run_equals_an_uninterrupted_one(
@@ -105,6 +105,26 @@ def test_a_resumed_curriculum_equals_an_uninterrupted_one(
     assert one.plays.tolist() == other.plays.tolist()
     assert one.following.tolist() == other.following.tolist()
     assert one.plays.max() > 1.9  # levels were played again
+
+
+def test_mirrored_experience_teaches_something_else(tmp_path: Path) -> None:
+    plain, mirrored = (train(settings(mirror=flag), tmp_path / str(flag)) for flag in (False, True))
+    assert not all(torch.equal(value, weights(mirrored)[name]) for name, value in weights(plain).items())
+    assert mirrored.settings().hyperparameters.mirror
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (settings("sac", mirror=True), "mirror: mirrored rows are for PPO"),
+        (settings(mirror=True, normalize={"norm_obs": True}), "mirror: observations normalised by VecNormalize"),
+        (replace(settings(mirror=True), scenario="parking", task="pose_navigation"), "'position' is in the frame"),
+    ],
+)
+def test_what_cannot_be_mirrored_leaves_no_run(asked: Settings, said: str, tmp_path: Path) -> None:
+    with pytest.raises(IrsimGymError, match=said):
+        train(asked, tmp_path / "run")
+    assert not (tmp_path / "run").exists()
 
 
 def test_another_seed_gives_other_weights(tmp_path: Path) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from copy import deepcopy
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -11,8 +12,8 @@ import pytest
 import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.envs.mirror import Mirror
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.families import OBSERVATIONS
+from irsim_gym.errors import IrsimGymError, KindError
+from irsim_gym.plugins import OBSERVATIONS, Mirrored, kind
 
 HEIGHT = 10.0
 LIDAR = {"name": "lidar2d", "number": 180, "angle_range": 4.0, "range_max": 4.0}
@@ -160,6 +161,65 @@ def test_what_the_critic_alone_observes() -> None:
     np.testing.assert_array_equal(changed["critic_occupancy_image"][:, :, ::-1], seen["critic_occupancy_image"])
     alone = sb3.make_vec_env(scene_of(), 2, task=task).env_method("mirror")[0]
     assert set(alone.vectors) == {""}  # nobody asked for what the critic observes
+
+
+@pytest.fixture
+def sway() -> Iterator[Any]:
+    """Register an observation of two numbers whose mirror a test chooses."""
+
+    @kind
+    class Sway:
+        needs_goal: ClassVar[bool] = False
+        needs_scan: ClassVar[bool] = False
+        answer: ClassVar[Any] = None
+
+        def bounds(self, term: Any, model: Any) -> Any:
+            return -np.ones(2, np.float32), np.ones(2, np.float32)
+
+        def mirrored(self, term: Any) -> Any:
+            return self.answer
+
+        @staticmethod
+        def write(term: Any, model: Any, state: Any, episode: Any, shard: Any) -> None:
+            heading = state.pose[np.ix_(shard.worlds, term.agents)][..., 2]
+            episode.observation[shard.worlds, :, term.column] = np.maximum(np.sin(heading), 0.0)
+            episode.observation[shard.worlds, :, term.column + 1] = np.maximum(-np.sin(heading), 0.0)
+
+    OBSERVATIONS.register("sway", Sway)
+    yield Sway
+    OBSERVATIONS._entries.pop("sway")
+
+
+def test_a_kind_of_ones_own_says_what_it_becomes(sway: Any) -> None:
+    sway.answer = Mirrored(np.array([1, 0]), np.ones(2))
+    mirror, here, there = both(scene_of(), "goal", "sway")
+    np.testing.assert_array_equal(mirror.vectors[""].columns, [0, 1, 2, 3, 5, 4])
+    np.testing.assert_allclose(mirror.observation(here), there, atol=2e-3)
+    sway.answer = None
+    with pytest.raises(IrsimGymError, match="'sway' is in the frame of the world"):
+        make(scene_of(), "sway").unwrapped.mirror()
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        ([1, 0], r"must return Mirrored\(columns, signs\) or None, got \[1, 0\]"),
+        (Mirrored(np.array([1, 1]), np.ones(2)), r"must name each of the 2 columns once, got \[1, 1\]"),
+        (Mirrored(np.array([1, 0]), np.ones(3)), "must return 2 signs that are 1 or -1"),
+        (Mirrored(np.array([1, 0]), np.array([1.0, 0.5])), "must return 2 signs that are 1 or -1"),
+    ],
+)
+def test_wrong_mirrors_of_ones_own_kinds(sway: Any, answer: Any, message: str) -> None:
+    sway.answer = answer
+    with pytest.raises(KindError, match=message) as error:
+        make(scene_of(), "sway").unwrapped.mirror()
+    assert "test_mirror.py" in str(error.value)
+
+
+def test_a_kind_that_does_not_say_what_it_becomes(sway: Any) -> None:
+    del sway.mirrored
+    with pytest.raises(IrsimGymError, match="'sway' does not say what it becomes"):
+        make(scene_of(), "sway").unwrapped.mirror()
 
 
 REFUSED: dict[str, Any] = {
