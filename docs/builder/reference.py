@@ -47,6 +47,7 @@ SECTIONS = {
             "irsim_gym.envs.batch.Batch",
             "irsim_gym.envs.batch_step.BatchStep",
             "irsim_gym.envs.torch_rows.TorchRows",
+            "irsim_gym.envs.mirror.Mirror",
             *(
                 f"irsim_gym.envs.description.{name}"
                 for name in ("Description", "Block", "Part", "Action", "Component", "Reward", "Ending", "Info")
