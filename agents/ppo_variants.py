@@ -11,7 +11,7 @@ Variants, each a single change:
 - muon: Muon for the weights of hidden layers, Adam for all others.
 - values: the critic learns normalised targets.
 - mirrored: half of the rows are learnt as if left and right were exchanged, and as if the agent had drawn their actions
-  itself. For the task `navigation` alone.
+  itself.
 - weighted: the same, with the densities with which these actions were in fact drawn.
 """
 
@@ -28,10 +28,8 @@ import torch
 from torch import Tensor, nn
 
 import irsim_gym
+from irsim_gym.envs.mirror import Mirror
 from irsim_gym.evaluation.tables import write_text
-
-N_COLUMNS = 88
-"""Numbers that `navigation` observes with a scan of 36 sectors, see ``irsim-gym describe cluttered_room``."""
 
 MOST = 10.0
 """Largest logarithm of a ratio of densities."""
@@ -59,17 +57,6 @@ VARIANTS = {
     "mirrored": Variant(mirrored=True),
     "weighted": Variant(mirrored=True, weighted=True),
 }
-
-
-def mirrored(observed: Tensor) -> Tensor:
-    """Return what `navigation` observes in a mirrored world: left and right exchanged, ``(n, 88)``."""
-    columns = torch.arange(N_COLUMNS)
-    columns[:36] = columns[:36].flip(0)  # sectors of the scan
-    columns[42:74] = 42 + (-torch.arange(32)) % 32  # directions of the free travel, the first straight behind
-    columns[76:] = columns[76:].flip(0)  # sectors of the trail
-    signs = torch.ones(N_COLUMNS)
-    signs[[38, 41]] = -1.0  # sine of the goal's bearing, turn rate
-    return observed[..., columns] * signs
 
 
 class Optimizers:
@@ -143,15 +130,15 @@ def learn(agent: plain_ppo.Agent, optimizers: Optimizers, met: dict[str, Tensor]
         optimizers.step()
 
 
-def exchange_sides(agent: plain_ppo.Agent, met: dict[str, Tensor], weighted: bool) -> None:
+def exchange_sides(agent: plain_ppo.Agent, met: dict[str, Tensor], mirror: Mirror, weighted: bool) -> None:
     """Mirror a random half of the rows.
 
     Their actions were drawn with the densities in ``met``, which stay if ``weighted``; else they become the densities
     with which the agent would draw the mirrored actions.
     """
     half = torch.rand(len(met["target"])) < 0.5
-    met["observed"][half] = mirrored(met["observed"][half])
-    met["action"][half] = met["action"][half] * torch.tensor([1.0, -1.0])
+    for name, change in (("observed", mirror.observation), ("action", mirror.actions)):
+        met[name][half] = torch.from_numpy(change(met[name][half].numpy()))
     if weighted:
         return
     mean = agent.actor(met["observed"][half])
@@ -175,7 +162,7 @@ def train(scenario: str, steps: int, seed: int, variant: Variant) -> tuple[plain
         with torch.no_grad():
             met = plain_ppo.collect(agent, rows, plain_ppo.N_STEPS, arrived)
             if variant.mirrored:
-                exchange_sides(agent, met, variant.weighted)
+                exchange_sides(agent, met, rows.batch.mirror(), variant.weighted)
             if variant.values:
                 agent.critic.follow(met["target"])
         learn(agent, optimizers, met, plain_ppo.CLIP * (left if variant.annealed else 1.0))

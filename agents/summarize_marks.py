@@ -72,6 +72,7 @@ MARKS = (
     Mark("cluttered_room_memory", "cluttered_room", 99.5, levels=10_000),
     Mark("jaxnav_single", "jaxnav_single"),
     Mark("parking", "parking", 95.0, "hybrid_astar"),
+    Mark("crowd_nav", "crowd_nav", 96.9, "orca"),
 )
 ELSEWHERE = (
     Elsewhere("narrow_door_in_1.15", "narrow_door", "narrow_door_1.15"),
@@ -81,6 +82,11 @@ ELSEWHERE = (
     Elsewhere("maze_in_0.65", "maze", "maze_0.65"),
     Elsewhere("maze_in_1.0", "maze", "maze_1.0"),
     Elsewhere("maze_in_cellular_cave", "maze", "cellular_cave"),
+    Elsewhere("crowd_nav_in_random", "crowd_nav", "crowd_nav_random", "orca"),
+    Elsewhere("crowd_nav_in_fast", "crowd_nav", "crowd_nav_fast", "orca"),
+    Elsewhere("crowd_nav_in_groups", "crowd_nav", "crowd_nav_groups", "orca"),
+    Elsewhere("crowd_nav_in_unyielding", "crowd_nav", "crowd_nav_unyielding", "orca"),
+    Elsewhere("crowd_nav_in_policy", "crowd_nav", "crowd_nav_policy", "orca"),
 )
 OVERVIEW = (
     *("scenario", "`--task`", "aim %", "median %", "interquartile mean % [95 % interval]", "lowest, highest %"),
