@@ -13,6 +13,7 @@ from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.contract import is_foreign
 from irsim_gym.envs.spaces import VECTOR, Observation, ObservationLayout, critic_key, observation_layout
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.families import FOOTPRINTS
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
@@ -20,8 +21,12 @@ from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.term_contract import checked_mirrored
 from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.transition import CRITIC
-from irsim_gym.world.model import OMNI_WORLD
+from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 
+OF_GOAL_FORM = ("position", "heading", "goal_position")
+"""Observations in the frame of the world that ``observation_form: goal`` adds."""
+ALWAYS_EVEN = ("circle", "rectangle")
+"""Shapes that are symmetrical about their centres, whatever sizes are drawn."""
 CLOSE = 1e-9
 """Largest difference of lengths [m], angles [rad] and limits that count as equal."""
 
@@ -75,9 +80,11 @@ def mirror_of(episodes: Episodes) -> Mirror:
     Raises:
         IrsimGymError: If left and right cannot be exchanged; the message lists every reason.
     """
-    problems = [*_of_bodies(episodes), *_of_action(episodes)]
+    problems = [*_of_bodies(episodes), *_of_action(episodes), *_of_form(episodes)]
     named = {id(term): _mirrored(term, width) for term, width in _widths(episodes)}
-    problems += [found for found in named.values() if isinstance(found, str)]
+    own = OF_GOAL_FORM if episodes.task.observation_form == "goal" else ()
+    chosen = [found for (term, _), found in zip(_widths(episodes), named.values(), strict=True) if term.name not in own]
+    problems += [found for found in chosen if isinstance(found, str)]
     if problems:
         raise IrsimGymError(f"left and right cannot be exchanged here: {'; '.join(problems)}")
     parts = {place: found for place, found in named.items() if isinstance(found, Mirrored)}
@@ -101,11 +108,11 @@ def _widths(episodes: Episodes) -> Iterator[tuple[Term, int]]:
 
 def _mirrored(term: Term, width: int) -> Mirrored | str:
     """Return what becomes of an observation, or why it cannot be mirrored."""
+    kind = kind_of(term)
     if not isinstance(term.options, HasMirrored):
         return f"the observation '{term.name}' does not say what it becomes (it has no method 'mirrored')"
-    kind = kind_of(term)
     found = checked_mirrored(term, kind, width) if is_foreign(kind) else term.options.mirrored(term)
-    return f"the observation '{term.name}' is in the frame of the world" if found is None else found
+    return f"the observation '{term.name}' {found}" if isinstance(found, str) else found
 
 
 def _vectors(episodes: Episodes, parts: Mapping[int, Mirrored]) -> dict[str, Mirrored]:
@@ -166,40 +173,67 @@ def _mirrored_choices(action: DiscreteAction) -> Ints:
     return grid[:, ::-1, ::-1].reshape(-1).copy()
 
 
+def _of_form(episodes: Episodes) -> Iterator[str]:
+    """Yield why the form of observations has no mirror."""
+    if episodes.task.observation_form == "goal":
+        yield "'observation_form: goal' gives positions in the frame of the world"
+
+
 def _of_action(episodes: Episodes) -> Iterator[str]:
     """Yield why actions cannot be mirrored."""
-    model, agents = episodes.simulation.model, np.array(episodes.task.agents)
+    drives, agents = episodes.simulation.model.drive, np.array(episodes.task.agents)
     action = episodes.terms["action"][0]
     if is_foreign(kind_of(action)):
-        yield f"nothing is known of the action '{action.name}'"
-    elif np.any(model.drive[agents] == OMNI_WORLD) and action.options.frame == "command":
+        yield f"the action '{action.name}' is a plugin's, and nothing says what it becomes"
+    elif np.any(drives[agents] == OMNI_WORLD) and action.options.frame == "command":
         yield "actions are in the frame of the world ('frame: command')"
     for name, b in zip(episodes.agent_names, agents.tolist(), strict=True):
-        drive = episodes.simulation.scenario.bodies[b].kinematics
-        if is_foreign(type(drive)):
-            yield f"nothing is known of the drive of '{name}'"
-            continue
-        sides = slice(1, len(drive.command_names))
-        low, high = model.velocity_min[:, b, sides], model.velocity_max[:, b, sides]
-        if not np.allclose(low, -high, rtol=0.0, atol=CLOSE):
+        if is_foreign(type(episodes.simulation.scenario.bodies[b].kinematics)):
+            yield f"the drive of '{name}' is a plugin's, and nothing says what its commands become"
+        elif not _has_even_limits(episodes, b):
             yield f"the speed limits of '{name}' to the left and to the right differ"
+
+
+def _has_even_limits(episodes: Episodes, body: int) -> bool:
+    """Return whether a body's limits to the left and to the right are equal in all levels."""
+    spec = episodes.simulation.scenario.bodies[body]
+    low, high = np.array(spec.vel_min), np.array(spec.vel_max)
+    if spec.speed_range is not None and episodes.simulation.model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR):
+        # Each level draws the greatest speed of both axes, and raises lower limits to its negative.
+        high[1] = spec.speed_range[1]
+        low[1] = max(low[1], -high[1])
+    return bool(np.allclose(low[1:], -high[1:], rtol=0.0, atol=CLOSE))
 
 
 def _of_bodies(episodes: Episodes) -> Iterator[str]:
     """Yield what is not symmetrical about the learners' bodies and range sensors."""
-    simulation = episodes.simulation
+    terms = [*episodes.terms["observations"], *episodes.terms["critic_observations"]]
+    is_read = any(term.options.needs_scan for term in terms)
     for name, b in zip(episodes.agent_names, episodes.task.agents, strict=True):
-        outline = simulation.scenario.bodies[b].shape.outline()
-        if not _is_symmetrical(outline.segments, outline.discs):
+        shape = episodes.simulation.scenario.bodies[b].shape
+        outline = shape.outline()
+        if shape.is_random and FOOTPRINTS.name_of(type(shape)) not in ALWAYS_EVEN:
+            yield f"the shape of '{name}' is drawn, and not symmetrical about its x axis"
+        elif not _is_symmetrical(outline.segments, outline.discs):
             yield f"the shape of '{name}' is not symmetrical about its x axis"
-        found = simulation.scan(b)
-        if found is None:
-            continue
-        group, member = found
-        _, aside, turn = group.options[member].offset
-        angles = group.arrays["angles"]
-        if aside or turn or not np.allclose(angles, -angles[::-1], rtol=0.0, atol=CLOSE):
-            yield f"the range sensor of '{name}' is not symmetrical about the robot's x axis"
+        if is_read:
+            yield from _of_sensor(episodes, name, b)
+
+
+def _of_sensor(episodes: Episodes, name: str, body: int) -> Iterator[str]:
+    """Yield why a body's range sensor has no mirror."""
+    found = episodes.simulation.scan(body)
+    if found is None:
+        return
+    group, member = found
+    if is_foreign(group.kind):
+        yield f"the range sensor of '{name}' is a plugin's, and nothing says what its beams become"
+        return
+    _, aside, turn = group.options[member].offset
+    angles = group.arrays["angles"]
+    is_level = abs(aside) <= CLOSE and abs(np.sin(turn)) <= CLOSE
+    if not (is_level and np.allclose(angles, -angles[::-1], rtol=0.0, atol=CLOSE)):
+        yield f"the range sensor of '{name}' is not symmetrical about the robot's x axis"
 
 
 def _is_symmetrical(segments: NDArray[Any], discs: NDArray[Any]) -> bool:

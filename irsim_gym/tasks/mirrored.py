@@ -24,14 +24,18 @@ class Mirrored:
     signs: Rays
 
 
+IN_WORLD = "is in the frame of the world"
+"""Reason why an observation has no mirror."""
+
+
 @runtime_checkable
 class HasMirrored(Protocol):
-    """An observation that can be mirrored."""
+    """An observation that says what it becomes in a mirror."""
 
-    def mirrored(self, term: Term) -> Mirrored | None:
-        """Return the columns in a mirrored world; None if the observation is in the frame of the world.
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the columns in a mirrored world; or the reason why they have no mirror, such as ``IN_WORLD``.
 
-        The world is mirrored at the line straight ahead of the agent.
+        The world is mirrored in the line straight ahead of the agent.
         """
 
 

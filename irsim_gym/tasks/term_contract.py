@@ -129,8 +129,8 @@ def _bounds(low: Any, high: Any) -> Iterator[str]:
         yield f"bounds() must be within [-1, 1], got {low.min():g} to {high.max():g}: scale what write() writes"
 
 
-def checked_mirrored(term: Term, kind: type[Any], width: int) -> Mirrored | None:
-    """Return what a plugin's observation becomes in a mirror.
+def checked_mirrored(term: Term, kind: type[Any], width: int) -> Mirrored | str:
+    """Return what a plugin's observation becomes in a mirror, or why it has none.
 
     Args:
         kind: Its class.
@@ -140,16 +140,27 @@ def checked_mirrored(term: Term, kind: type[Any], width: int) -> Mirrored | None
         KindError: If that is invalid.
     """
     given = term.options.mirrored(term)
-    if given is None:
-        return None
+    if isinstance(given, str):
+        return given
     problems: list[str] = []
     if not isinstance(given, Mirrored):
-        problems.append(f"mirrored() must return Mirrored(columns, signs) or None, got {given!r}")
-        refuse("observation", term.name, kind, problems, "mirrored")
-    columns, signs = np.asarray(given.columns), np.asarray(given.signs, np.float32)
-    if sorted(columns.ravel().tolist()) != list(range(width)):
-        problems.append(f"mirrored() must name each of the {width} columns once, got {columns.tolist()}")
-    if signs.shape != (width,) or not np.isin(signs, (-1.0, 1.0)).all():
-        problems.append(f"mirrored() must return {width} signs that are 1 or -1, got {signs.tolist()}")
+        problems.append(f"mirrored() must return Mirrored(columns, signs) or the reason as text, got {given!r}")
+    else:
+        columns, signs = given.columns, given.signs
+        problems += _mirror(columns, signs, width)
     refuse("observation", term.name, kind, problems, "mirrored")
-    return Mirrored(columns, signs)
+    return Mirrored(np.asarray(given.columns), np.asarray(given.signs, np.float32))
+
+
+def _mirror(columns: Any, signs: Any, width: int) -> Iterator[str]:
+    try:
+        columns, signs = np.asarray(columns), np.asarray(signs, np.float32)
+    except (TypeError, ValueError):
+        yield f"mirrored() must return arrays of {width} columns and {width} signs"
+        return
+    if columns.dtype.kind not in "iu" or sorted(columns.ravel().tolist()) != list(range(width)) or columns.ndim != 1:
+        yield f"mirrored() must name each of the {width} columns once, as whole numbers, got {columns.tolist()}"
+    elif signs.shape != (width,) or not np.isin(signs, (-1.0, 1.0)).all():
+        yield f"mirrored() must return {width} signs that are 1 or -1, got {signs.tolist()}"
+    elif (columns[columns] != np.arange(width)).any() or (signs != signs[columns]).any():
+        yield "mirrored() must change nothing when it is applied twice"

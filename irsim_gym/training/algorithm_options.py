@@ -47,7 +47,7 @@ class RunKeys:
         None,
         meaning="learnability repeats levels in which the policy sometimes succeeds and sometimes fails.",
     )
-    mirror: bool = option(False, meaning="ppo: half of the experience is learnt as if left and right were exchanged.")
+    mirror: bool = option(False, meaning="ppo exchanges left and right in half of the rows that it learns from.")
     clone: str | None = option(
         None, min_length=1, meaning="Policy that the actor imitates before the training, e.g. pursuit:known=seen."
     )

@@ -42,7 +42,7 @@ class Hyperparameters:
         team: Team mode: robots whose episode has ended wait for their world, ``"episode"``, or restart,
             ``"respawn"``; see ``envs.sb3.make_multi_agent_vec_env``. None for a single learner.
         curriculum: ``"learnability"``, see ``sb3.LearnabilityCallback``; None for no curriculum.
-        mirror: Whether half of the rows are learnt as if left and right were exchanged, see ``sb3.MirrorCallback``.
+        mirror: Whether left and right are exchanged in half of the rows of a rollout, see ``sb3.MirrorCallback``.
         clone: Policy that the actor imitates before the training, see ``cloning.clone_behavior``; None for none.
         clone_levels: Number of levels that the imitated policy plays.
         clone_epochs: Number of passes over its observations and actions.

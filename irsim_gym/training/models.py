@@ -96,14 +96,22 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     except (TypeError, ValueError, AssertionError, KeyError) as error:
         env.close()
         raise IrsimGymError(f"{settings.algorithm} does not take these hyper-parameters: {error}") from error
-    if settings.hyperparameters.mirror:
-        try:
-            check_mirrored(model)
-        except IrsimGymError as error:
-            env.close()
-            raise IrsimGymError(f"mirror: {error}") from error
+    _check_mirror(model, settings)
     env.seed(settings.first_level)
     return model
+
+
+def _check_mirror(model: BaseAlgorithm, settings: Settings) -> None:
+    """Check that a run can learn from mirrored rows, if it is to."""
+    if not settings.hyperparameters.mirror:
+        return
+    try:
+        check_mirrored(model)
+    except IrsimGymError as error:
+        env = model.get_env()
+        assert env is not None
+        env.close()
+        raise IrsimGymError(f"mirror: {error}") from error
 
 
 def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
@@ -145,6 +153,7 @@ def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, Run
     model: BaseAlgorithm = kind.load(newest / POLICY, env=env, device=device, force_reset=False, **buffers)
     if isinstance(model, OffPolicyAlgorithm):
         model.load_replay_buffer(newest / REPLAY_BUFFER, truncate_last_traj=False)
+    _check_mirror(model, settings)
     files.restore_memories(model, state)
     files.restore_random(model, state)
     return model, load_progress(newest)

@@ -116,8 +116,8 @@ def test_mirrored_experience_teaches_something_else(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        (settings("sac", mirror=True), "mirror: mirrored rows are for PPO"),
-        (settings(mirror=True, normalize={"norm_obs": True}), "mirror: observations normalised by VecNormalize"),
+        (settings("sac", mirror=True), "mirror: only PPO without memory"),
+        (settings(mirror=True, normalize={"norm_obs": True}), "mirror: observations that VecNormalize"),
         (replace(settings(mirror=True), scenario="parking", task="pose_navigation"), "'position' is in the frame"),
     ],
 )

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from gymnasium.wrappers import FilterObservation, FlattenObservation, NormalizeObservation, RescaleAction
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.monitor import Monitor
@@ -22,6 +23,16 @@ HOW: dict[str, Any] = {"n_steps": 16, "batch_size": 32, "n_epochs": 1, "seed": 0
 
 class Kept(PPO):
     """Keeps copies of the rollout before and after the callback, and learns nothing."""
+
+    before: dict[str, Any]
+    after: dict[str, Any]
+
+    def train(self) -> None:
+        self.after = contents(self.rollout_buffer)
+
+
+class KeptTeam(sb3.MaskedPPO):
+    """``Kept`` for teams."""
 
     before: dict[str, Any]
     after: dict[str, Any]
@@ -99,17 +110,42 @@ def test_single_environments_learn_what_a_batch_learns() -> None:
     assert torch.equal(*found)
 
 
-def test_teams_learn_from_the_mirrored_rows_of_robots_that_acted() -> None:
-    found = [
-        learned(
-            sb3.make_multi_agent_vec_env("circle_swap", 2, seed=0, max_steps=20, n_robots=4),
-            *callbacks,
-            kind=sb3.MaskedPPO,
-        )
-        for callbacks in ([], [sb3.MirrorCallback()])
-    ]
-    assert torch.isfinite(found[1]).all()
-    assert not torch.equal(*found)
+def test_rows_of_teams_are_mirrored() -> None:
+    env = sb3.make_multi_agent_vec_env("circle_swap", 2, seed=0, max_steps=20, n_robots=4)
+    model = KeptTeam("MlpPolicy", env, **HOW)
+    model.learn(256, callback=Before())
+    check_rows(model, env)
+
+
+def check_rows(model: Any, env: Any) -> None:
+    """Compare the rows of the last rollout with mirrored ones; half of them are."""
+    mirror, names = env.env_method("mirror")[0], ("actions", "log_probs", "advantages", "returns", "values")
+    seen = [{key: part for key, part in one.items() if key not in names} for one in (model.before, model.after)]
+    before, after = (next(iter(one.values())) if "" in one else one for one in seen)
+    changed = (model.before["actions"] != model.after["actions"]).reshape(*model.after["values"].shape, -1).any(axis=-1)
+    wanted, actions = mirror.observation(before), mirror.actions(model.before["actions"])
+    for here, there in (
+        [(after, wanted)] if not isinstance(after, dict) else [(after[key], wanted[key]) for key in after]
+    ):
+        np.testing.assert_array_equal(here[changed], there[changed])
+    np.testing.assert_array_equal(model.after["actions"][changed], actions[changed])
+    assert 0.2 < changed.mean() < 0.8
+
+
+def test_choices_and_dicts() -> None:
+    task = {"name": "discrete_navigation", "observation_form": "dict"}
+    env = sb3.make_vec_env(ROOM, 8, seed=0, task=task)
+    model = Kept("MultiInputPolicy", env, **HOW)
+    model.learn(128, callback=Before())
+    check_rows(model, env)
+
+
+def test_a_critic_that_sees_more() -> None:
+    task = {"name": "navigation", "critic_observations": ["route", {"name": "local_map", "cells": 8}]}
+    env = sb3.make_vec_env(ROOM, 8, seed=0, task=task, critic=True)
+    model = Kept(sb3.AsymmetricPolicy, env, **HOW)
+    model.learn(128, callback=Before())
+    check_rows(model, env)
 
 
 def test_images_are_mirrored_as_stable_baselines3_stores_them() -> None:
@@ -124,19 +160,30 @@ def test_images_are_mirrored_as_stable_baselines3_stores_them() -> None:
 
 
 def test_a_mixture_of_scenarios_with_the_same_observations() -> None:
-    parts = {name: sb3.make_vec_env(name, 2, seed=0) for name in (ROOM, "dense_room")}
-    assert torch.isfinite(learned(sb3.MixtureVecEnv(parts), sb3.MirrorCallback())).all()
+    env = sb3.MixtureVecEnv({name: sb3.make_vec_env(name, 4, seed=0) for name in (ROOM, "dense_room")})
+    model = Kept("MlpPolicy", env, **HOW)
+    model.learn(128, callback=Before())
+    check_rows(model, env.parts[ROOM])
 
 
 def refusals() -> dict[str, Any]:
     """Return what is refused, by message."""
     room = lambda: sb3.make_vec_env(ROOM, 2, seed=0)  # noqa: E731
     return {
-        "for PPO, .* got SAC": lambda: SAC("MlpPolicy", room(), device="cpu"),
-        "without memory; got GruPPO": lambda: sb3.GruPPO("MlpGruPolicy", room(), **HOW),
-        "clip_range_vf compares": lambda: PPO("MlpPolicy", room(), clip_range_vf=0.2, **HOW),
-        "normalised by VecNormalize": lambda: PPO("MlpPolicy", VecNormalize(room()), **HOW),
-        "a wrapper changes observations": lambda: PPO("MlpPolicy", VecFrameStack(room(), 2), **HOW),
+        "only PPO .* got SAC": lambda: SAC("MlpPolicy", room(), device="cpu"),
+        "without memory .* got GruPPO": lambda: sb3.GruPPO("MlpGruPolicy", room(), **HOW),
+        "clip_range_vf would compare": lambda: PPO("MlpPolicy", room(), clip_range_vf=0.2, **HOW),
+        "target_kl would stop updates": lambda: PPO("MlpPolicy", room(), target_kl=0.02, **HOW),
+        "that VecNormalize normalises": lambda: PPO("MlpPolicy", VecNormalize(room()), **HOW),
+        "a wrapper changes parts": lambda: PPO("MlpPolicy", VecFrameStack(room(), 2), **HOW),
+        "parts, shapes or bounds of obs": lambda: PPO(
+            "MultiInputPolicy", wrapped(lambda env: FilterObservation(env, ["scan"]), "dict"), **HOW
+        ),
+        "shapes or bounds of observations": lambda: PPO("MlpPolicy", wrapped(FlattenObservation, "dict"), **HOW),
+        "bounds of observations, so": lambda: PPO("MlpPolicy", wrapped(NormalizeObservation), **HOW),
+        "changes the space of actions": lambda: PPO(
+            "MlpPolicy", wrapped(lambda env: RescaleAction(env, 0.0, 1.0)), **HOW
+        ),
         "need an environment of irsim_gym": lambda: PPO("MlpPolicy", make_vec_env("Pendulum-v1", 2), **HOW),
         "in the frame of the world": lambda: PPO(
             "MlpPolicy",
@@ -151,6 +198,17 @@ def refusals() -> dict[str, Any]:
     }
 
 
+def wrapped(wrapper: Any, form: str = "flat") -> Any:
+    """Return an environment in a wrapper of Gymnasium."""
+    task = {"name": "navigation", "observation_form": form}
+    return DummyVecEnv([lambda: wrapper(gymnasium.make(f"irsim_gym/{ROOM}-v0", task=task))] * 2)
+
+
+def rescaled(env: Any) -> Any:
+    """Return an environment whose actions are from 0 to 1."""
+    return RescaleAction(env, 0.0, 1.0)
+
+
 def made(task: Any) -> gymnasium.Env:
     """Return a single environment."""
     return gymnasium.make(f"irsim_gym/{ROOM}-v0", task=task)
@@ -159,6 +217,7 @@ def made(task: Any) -> gymnasium.Env:
 HEADING, RECORD = ({"name": "blank", "observations": [one]} for one in ("goal_heading", "goal_record"))
 
 
+@pytest.mark.filterwarnings("ignore:.*precision lowered")
 @pytest.mark.parametrize("message", refusals())
 def test_refused(message: str) -> None:
     with pytest.raises(IrsimGymError, match=message):
@@ -166,11 +225,18 @@ def test_refused(message: str) -> None:
 
 
 def test_rewards_may_be_normalised() -> None:
-    env = VecNormalize(sb3.make_vec_env(ROOM, 2, seed=0), norm_obs=False)
-    assert torch.isfinite(learned(env, sb3.MirrorCallback())).all()
+    env = VecNormalize(sb3.make_vec_env(ROOM, 8, seed=0), norm_obs=False)
+    model = Kept("MlpPolicy", env, **HOW)
+    model.learn(128, callback=Before())
+    check_rows(model, env)
 
 
 @pytest.mark.parametrize("share", [-0.1, 1.5])
 def test_share_is_a_share(share: float) -> None:
     with pytest.raises(ValueError, match="from 0 to 1"):
         sb3.MirrorCallback(share=share)
+
+
+def test_a_seed_is_not_negative() -> None:
+    with pytest.raises(ValueError, match="seed must be >= 0"):
+        sb3.MirrorCallback(seed=-1)

@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Rays
 from irsim_gym.engine import Shard
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import IN_WORLD
 from irsim_gym.tasks.observations.position import place_scale, write_place
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
@@ -34,9 +35,9 @@ class GoalPosition:
         """Return the meaning of the columns."""
         return [Columns(f"{axis} of the next goal", place_scale(axis, model)) for axis in ("x", "y")]
 
-    def mirrored(self, term: Term) -> None:
-        """Return None: it is in the frame of the world."""
-        return
+    def mirrored(self, term: Term) -> str:
+        """Return why it has no mirror: it is in the frame of the world."""
+        return IN_WORLD
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -14,7 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
+from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage, paint_occupied
 from irsim_gym.tasks.observations.painting import Paints
 from irsim_gym.tasks.term import Bound, Term
@@ -74,9 +74,9 @@ class LocalMap:
         first = "from the row farthest ahead on, each from left to right" if self.rotated else "from the upper row on"
         return [Columns(f"occupied share of a cell of {side:.3g} m, {first}", "0 to 1", self.cells**2)]
 
-    def mirrored(self, term: Term) -> Mirrored | None:
-        """Return the cells of each row from right to left; None if the world's axes point up and right."""
-        return sectors_exchanged(self.cells, self.cells) if self.rotated else None
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the cells of each row from right to left; a reason if the axes of the world point up and right."""
+        return sectors_exchanged(self.cells, self.cells) if self.rotated else IN_WORLD
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -16,7 +16,7 @@ from irsim_gym.raster.sheets import paint
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
+from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.painting import (
     Canvas,
     Paints,
@@ -108,9 +108,9 @@ class OccupancyImage:
         """Description of the image's area and orientation."""
         return around(self.metres, self.pixels, self.rotated)
 
-    def mirrored(self, term: Term) -> Mirrored | None:
-        """Return the columns of pixels from right to left; None if the world's axes point up and right."""
-        return sectors_exchanged(self.pixels) if self.rotated else None
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the columns of pixels from right to left; a reason if the axes of the world point up and right."""
+        return sectors_exchanged(self.pixels) if self.rotated else IN_WORLD
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -12,6 +12,7 @@ from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import IN_WORLD
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -37,9 +38,9 @@ class Position:
         """Return the meaning of the columns."""
         return [Columns(f"{axis} of the agent's place", place_scale(axis, model)) for axis in ("x", "y")]
 
-    def mirrored(self, term: Term) -> None:
-        """Return None: it is in the frame of the world."""
-        return
+    def mirrored(self, term: Term) -> str:
+        """Return why it has no mirror: it is in the frame of the world."""
+        return IN_WORLD
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -118,9 +118,12 @@ class Scan:
         sectors = tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         return [Columns("least range of a sector of the scan", scale, len(sectors), sectors)]
 
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the sectors from right to left."""
-        return sectors_exchanged(len(term.arrays.first))
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the sectors from right to left; a reason if a beam on a border belongs to one side alone."""
+        first, last = term.arrays.first.astype(np.int64), term.arrays.last.astype(np.int64)
+        if not np.array_equal(first, len(term.arrays.angles) - last[::-1]):
+            return "has beams on the borders of its sectors: choose 'sectors' that divide the number of beams"
+        return sectors_exchanged(len(first))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
