@@ -13,7 +13,6 @@ from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.contract import is_foreign
 from irsim_gym.envs.spaces import VECTOR, Observation, ObservationLayout, critic_key, observation_layout
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.families import FOOTPRINTS
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
@@ -21,12 +20,11 @@ from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.term_contract import checked_mirrored
 from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.transition import CRITIC
-from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+from irsim_gym.world.kinds import KeepsSymmetry
+from irsim_gym.world.model import OMNI_WORLD
 
 OF_GOAL_FORM = ("position", "heading", "goal_position")
 """Observations in the frame of the world that ``observation_form: goal`` adds."""
-ALWAYS_EVEN = ("circle", "rectangle")
-"""Shapes that are symmetrical about their centres, whatever sizes are drawn."""
 CLOSE = 1e-9
 """Largest difference of lengths [m], angles [rad] and limits that count as equal."""
 
@@ -196,13 +194,13 @@ def _of_action(episodes: Episodes) -> Iterator[str]:
 
 def _has_even_limits(episodes: Episodes, body: int) -> bool:
     """Return whether a body's limits to the left and to the right are equal in all levels."""
-    spec = episodes.simulation.scenario.bodies[body]
-    low, high = np.array(spec.vel_min), np.array(spec.vel_max)
-    if spec.speed_range is not None and episodes.simulation.model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR):
-        # Each level draws the greatest speed of both axes, and raises lower limits to its negative.
-        high[1] = spec.speed_range[1]
-        low[1] = max(low[1], -high[1])
-    return bool(np.allclose(low[1:], -high[1:], rtol=0.0, atol=CLOSE))
+    model, traits = episodes.simulation.model, episodes.simulation.parts.traits
+    size = len(episodes.simulation.scenario.bodies[body].kinematics.command_names)
+    low, high = model.velocity_min[0, body, 1:size].copy(), model.velocity_max[0, body, 1:size].copy()
+    for drawn in traits[(traits["body"] == body) & (traits["n_axes"] > 1) & ~np.isnan(traits["low"])]:
+        # A level draws the greatest speed of both axes, and raises lower limits to its negative.
+        low[0], high[0] = max(drawn["least"][1], -drawn["high"]), drawn["high"]
+    return bool(np.allclose(low, -high, rtol=0.0, atol=CLOSE))
 
 
 def _of_bodies(episodes: Episodes) -> Iterator[str]:
@@ -212,7 +210,7 @@ def _of_bodies(episodes: Episodes) -> Iterator[str]:
     for name, b in zip(episodes.agent_names, episodes.task.agents, strict=True):
         shape = episodes.simulation.scenario.bodies[b].shape
         outline = shape.outline()
-        if shape.is_random and FOOTPRINTS.name_of(type(shape)) not in ALWAYS_EVEN:
+        if shape.is_random and not isinstance(shape, KeepsSymmetry):
             yield f"the shape of '{name}' is drawn, and not symmetrical about its x axis"
         elif not _is_symmetrical(outline.segments, outline.discs):
             yield f"the shape of '{name}' is not symmetrical about its x axis"

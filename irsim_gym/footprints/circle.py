@@ -25,6 +25,7 @@ class Circle:
     """A disc."""
 
     only_kernels: ClassVar[bool] = True
+    keeps_symmetry: ClassVar[bool] = True
 
     radius: float = option(0.2, gt=0.0, unit="m", meaning="Radius.")
     center: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Centre in the body frame.")

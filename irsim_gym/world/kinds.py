@@ -113,6 +113,13 @@ class FootprintKind(Protocol):
 
 
 @runtime_checkable
+class KeepsSymmetry(Protocol):
+    """A footprint whose drawn outlines are symmetrical about the body's x axis if the largest one is."""
+
+    keeps_symmetry: ClassVar[bool]
+
+
+@runtime_checkable
 class Draws(Protocol):
     """A footprint that is drawn anew for each level."""
 
