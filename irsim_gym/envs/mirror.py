@@ -36,7 +36,7 @@ class Mirror:
     Attributes:
         vectors: What becomes of the columns of each array of the observation, by key; the key of a single array is
             empty.
-        images: The columns of pixels of each image, by key.
+        images: The column of pixels that each column of an image takes its pixels from, by key, shape ``(width,)``.
         choices: The mirrored choice of each choice, shape ``(n_choices,)``; empty for continuous actions.
         action: The sign of each component of a continuous action, shape ``(n_components,)``; empty for choices.
     """
@@ -58,7 +58,11 @@ class Mirror:
         return self._part("", given, channels_first)
 
     def actions(self, given: NDArray[Any]) -> NDArray[Any]:
-        """Return mirrored actions: of shape ``(..., n_components)``, or choices of any shape."""
+        """Return mirrored actions, of the same form as the given ones.
+
+        Args:
+            given: Actions in [-1, 1], of shape ``(..., n_components)``, or choices of any shape.
+        """
         if self.choices.size:
             return self.choices[given.astype(np.int64)].astype(given.dtype)
         mirrored: NDArray[Any] = given * self.action
