@@ -58,10 +58,13 @@ class Mirror:
         return self._part("", given, channels_first)
 
     def actions(self, given: NDArray[Any]) -> NDArray[Any]:
-        """Return mirrored actions, of the same form as the given ones.
+        """Return mirrored actions.
 
         Args:
             given: Actions in [-1, 1], of shape ``(..., n_components)``, or choices of any shape.
+
+        Returns:
+            Mirrored actions, of the shape of ``given``.
         """
         if self.choices.size:
             return self.choices[given.astype(np.int64)].astype(given.dtype)
