@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.contract import is_foreign
-from irsim_gym.envs.spaces import VECTOR, Observation, ObservationLayout, critic_key, observation_layout
+from irsim_gym.envs.spaces import Observation, critic_key, observation_key
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
-from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
+from irsim_gym.tasks.mirrored import HasMirrored, Mirrored, command_exchanged
 from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.term_contract import checked_mirrored
 from irsim_gym.tasks.term_watch import kind_of
-from irsim_gym.tasks.transition import CRITIC
 from irsim_gym.world.kinds import KeepsSymmetry
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -85,30 +84,41 @@ def mirror_of(episodes: Episodes) -> Mirror:
     Raises:
         IrsimGymError: If left and right cannot be exchanged; the message lists every reason.
     """
-    problems = [*_of_bodies(episodes), *_of_action(episodes), *_of_form(episodes)]
-    named = {id(term): _mirrored(term, width) for term, width in _widths(episodes)}
-    own = OF_GOAL_FORM if episodes.task.observation_form == "goal" else ()
-    chosen = [found for (term, _), found in zip(_widths(episodes), named.values(), strict=True) if term.name not in own]
-    problems += [found for found in chosen if isinstance(found, str)]
+    is_goal_form = episodes.task.observation_form == "goal"
+    problems = [*_of_bodies(episodes), *_of_action(episodes)]
+    if is_goal_form:
+        problems.append("'observation_form: goal' gives positions in the frame of the world")
+    parts: dict[str, list[Mirrored]] = {}
+    images: dict[str, Ints] = {}
+    for key, term, width in _observed(episodes):
+        found = _mirrored(term, width)
+        if isinstance(found, Mirrored) and isinstance(term.options, IsImage):
+            images[key] = found.columns
+        elif isinstance(found, Mirrored):
+            parts.setdefault(key, []).append(found)
+        elif not (is_goal_form and term.name in OF_GOAL_FORM):
+            problems.append(found)
     if problems:
         raise IrsimGymError(f"left and right cannot be exchanged here: {'; '.join(problems)}")
-    parts = {place: found for place, found in named.items() if isinstance(found, Mirrored)}
+    vectors = {key: _side_by_side(own) for key, own in parts.items()}
     action = episodes.terms["action"][0].options
     choices = _mirrored_choices(action) if isinstance(action, DiscreteAction) else np.zeros(0, np.int64)
-    signs = np.ones(0, np.float32) if choices.size else _signs(int(episodes.action_sizes.max()))
-    return Mirror(_vectors(episodes, parts), _images(episodes, parts), choices, signs)
+    n_components = 0 if choices.size else int(episodes.action_sizes.max())
+    return Mirror(vectors, images, choices, command_exchanged(n_components).signs)
 
 
-def _widths(episodes: Episodes) -> Iterator[tuple[Term, int]]:
-    """Yield all observations with their numbers of columns, or of columns of pixels."""
+def _observed(episodes: Episodes) -> Iterator[tuple[str, Term, int]]:
+    """Yield the key of each observation, the observation, and its number of columns, or of columns of pixels."""
     for family, bounds in (
         ("observations", episodes.observation_terms),
         ("critic_observations", episodes.critic_terms),
     ):
         widths = {name: len(low) for name, low, _ in bounds}
         for term in episodes.terms[family]:
+            is_critics = family == "critic_observations"
+            key = critic_key(term.name, term.options) if is_critics else observation_key(episodes, term.name)
             is_image = isinstance(term.options, IsImage)
-            yield term, term.options.image_shape[1] if is_image else widths[term.name]
+            yield key, term, term.options.image_shape[1] if is_image else widths[term.name]
 
 
 def _mirrored(term: Term, width: int) -> Mirrored | str:
@@ -120,68 +130,16 @@ def _mirrored(term: Term, width: int) -> Mirrored | str:
     return f"the observation '{term.name}' {found}" if isinstance(found, str) else found
 
 
-def _vectors(episodes: Episodes, parts: Mapping[int, Mirrored]) -> dict[str, Mirrored]:
-    """Return what becomes of the columns of each array, by key."""
-    layout = observation_layout(episodes)
-    found: dict[str, Mirrored] = {}
-    numbers = [term for term in episodes.terms["observations"] if not isinstance(term.options, IsImage)]
-    if numbers:
-        flat = _side_by_side([parts[id(term)] for term in numbers])
-        found |= {key: _chosen(flat, columns) for key, columns in _arrays(layout, flat.columns.size).items()}
-    seen_by_critic = [term for term in episodes.terms["critic_observations"] if not isinstance(term.options, IsImage)]
-    if seen_by_critic:
-        found[CRITIC] = _side_by_side([parts[id(term)] for term in seen_by_critic])
-    return found
-
-
-def _arrays(layout: ObservationLayout, width: int) -> dict[str, Ints]:
-    """Return the columns of the flat observation in each array that the layout makes of it, by key."""
-    every = np.arange(width)
-    if not layout.flat:
-        return {key: every[columns] for key, columns in layout.columns.items()}
-    is_alone = not layout.images and not layout.critic
-    return {"" if is_alone else VECTOR: every if layout.picked is None else layout.picked}
-
-
-def _images(episodes: Episodes, parts: Mapping[int, Mirrored]) -> dict[str, Ints]:
-    """Return the columns of pixels of each image, by key."""
-    own = [term for term in episodes.terms["observations"] if isinstance(term.options, IsImage)]
-    others = [term for term in episodes.terms["critic_observations"] if isinstance(term.options, IsImage)]
-    is_alone = observation_layout(episodes).flat and len(own) == 1
-    is_alone &= not episodes.observation_terms and not episodes.view.critic
-    keys = [("" if is_alone else term.name, term) for term in own]
-    keys += [(critic_key(term.name, term.options), term) for term in others]
-    return {key: parts[id(term)].columns for key, term in keys}
-
-
 def _side_by_side(parts: list[Mirrored]) -> Mirrored:
     starts = np.cumsum([0, *(part.columns.size for part in parts)])
     columns = [part.columns + start for part, start in zip(parts, starts, strict=False)]
     return Mirrored(np.concatenate(columns), np.concatenate([part.signs for part in parts]))
 
 
-def _chosen(flat: Mirrored, columns: Ints) -> Mirrored:
-    """Return what becomes of some columns, which are exchanged among themselves."""
-    places = np.full(flat.columns.size, -1)
-    places[columns] = np.arange(columns.size)
-    return Mirrored(places[flat.columns[columns]], flat.signs[columns])
-
-
-def _signs(n_components: int) -> Rays:
-    """Return the signs of a command's components: all but the speed ahead point or turn to one side."""
-    return np.array([1.0, *[-1.0] * (n_components - 1)], np.float32)
-
-
 def _mirrored_choices(action: DiscreteAction) -> Ints:
     """Return the mirrored choice of each choice."""
     grid = np.arange(action.n_choices).reshape(action.linear, action.lateral, action.angular)
     return grid[:, ::-1, ::-1].reshape(-1).copy()
-
-
-def _of_form(episodes: Episodes) -> Iterator[str]:
-    """Yield why the form of observations has no mirror."""
-    if episodes.task.observation_form == "goal":
-        yield "'observation_form: goal' gives positions in the frame of the world"
 
 
 def _of_action(episodes: Episodes) -> Iterator[str]:

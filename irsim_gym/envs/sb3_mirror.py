@@ -12,6 +12,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv, VecTransposeImage, is_vecenv_wrapped, unwrap_vec_normalize
 
 from irsim_gym.envs.mirror import Mirror
+from irsim_gym.envs.observations import on_each
 from irsim_gym.envs.sb3_gru import GruPPO
 from irsim_gym.errors import IrsimGymError
 
@@ -45,8 +46,7 @@ class MirrorCallback(BaseCallback):
         self._channels_first = False
 
     def _on_training_start(self) -> None:
-        check_mirrored(self.model)
-        self._mirror = common_mirror(self.training_env)
+        self._mirror = checked_mirror(self.model)
         self._channels_first = is_vecenv_wrapped(self.training_env, VecTransposeImage)
 
     def _on_step(self) -> bool:
@@ -58,17 +58,18 @@ class MirrorCallback(BaseCallback):
         buffer: Any = self.model.rollout_buffer  # type: ignore[attr-defined]
         chosen = np.random.default_rng((self.seed, self.num_timesteps)).random(buffer.rewards.shape) < self.share
         seen = buffer.observations
-        parts = seen if isinstance(seen, dict) else {"": seen}
-        picked = {key: part[chosen] for key, part in parts.items()}
-        given = picked if isinstance(seen, dict) else picked[""]
-        mirrored = self._mirror.observation(given, channels_first=self._channels_first)
-        for key, part in (mirrored if isinstance(mirrored, dict) else {"": mirrored}).items():
-            parts[key][chosen] = part
+        picked = on_each(seen, lambda part: part[chosen])
+        mirrored = self._mirror.observation(picked, channels_first=self._channels_first)
+        if isinstance(mirrored, dict):
+            for key, part in mirrored.items():
+                seen[key][chosen] = part
+        else:
+            seen[chosen] = mirrored
         buffer.actions[chosen] = self._mirror.actions(buffer.actions[chosen])
 
 
-def check_mirrored(model: Any) -> None:
-    """Check that an algorithm can learn from mirrored rows, and that its environment can be mirrored.
+def checked_mirror(model: Any) -> Mirror:
+    """Return the mirror of the environment of an algorithm that can learn from mirrored rows.
 
     Raises:
         IrsimGymError: If it cannot; the message says why.
@@ -89,6 +90,7 @@ def check_mirrored(model: Any) -> None:
         raise IrsimGymError("a wrapper changes parts, shapes or bounds of observations, so they cannot be mirrored")
     if not _fits_actions(mirror, env.action_space):
         raise IrsimGymError("a wrapper changes the space of actions, so they cannot be mirrored")
+    return mirror
 
 
 def _fits_observations(mirror: Mirror, space: Space[Any], *, channels_first: bool) -> bool:

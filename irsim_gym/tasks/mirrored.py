@@ -50,6 +50,11 @@ def unchanged(width: int) -> Mirrored:
     return signed(*[1.0] * width)
 
 
+def command_exchanged(n_components: int) -> Mirrored:
+    """Return the components of a command; all but the first point or turn to one side, and change their signs."""
+    return signed(*[1.0, *[-1.0] * n_components][:n_components])
+
+
 def sectors_exchanged(count: int, times: int = 1) -> Mirrored:
     """Return sectors in reverse order; there are ``times`` groups of ``count`` sectors."""
     return _grouped(np.arange(count)[::-1], times)

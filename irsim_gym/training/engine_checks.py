@@ -31,8 +31,12 @@ def check_engine(settings: Settings) -> None:
     wanted = settings.hyperparameters
     known = {*KEYS, *(PPO_KEYS if settings.algorithm == "ppo" else ())}
     unknown = [name for name, value in wanted.arguments.items() if name not in known and value is not None]
-    own: dict[str, Any] = {name: getattr(wanted, name) for name in ("normalize", "curriculum", "clone")}
-    own["mirror"] = wanted.mirror or None
+    own: dict[str, Any] = {
+        "normalize": wanted.normalize,
+        "curriculum": wanted.curriculum,
+        "mirror": wanted.mirror or None,
+        "clone": wanted.clone,
+    }
     unknown += [name for name, value in own.items() if value is not None]
     if unknown:
         raise IrsimGymError(

@@ -17,7 +17,7 @@ from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.envs.sb3_critic_parts import has_critic_parts
-from irsim_gym.envs.sb3_mirror import check_mirrored
+from irsim_gym.envs.sb3_mirror import checked_mirror
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, MirrorCallback, buffers_for
 from irsim_gym.training import checkpoint as files
@@ -106,7 +106,7 @@ def _check_mirror(model: BaseAlgorithm, settings: Settings) -> None:
     if not settings.hyperparameters.mirror:
         return
     try:
-        check_mirrored(model)
+        checked_mirror(model)
     except IrsimGymError as error:
         env = model.get_env()
         assert env is not None

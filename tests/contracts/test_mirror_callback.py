@@ -21,24 +21,23 @@ ROOM = "cluttered_room"
 HOW: dict[str, Any] = {"n_steps": 16, "batch_size": 32, "n_epochs": 1, "seed": 0, "device": "cpu"}
 
 
-class Kept(PPO):
+class Keeps:
     """Keeps copies of the rollout before and after the callback, and learns nothing."""
 
     before: dict[str, Any]
     after: dict[str, Any]
+    rollout_buffer: Any
 
     def train(self) -> None:
         self.after = contents(self.rollout_buffer)
 
 
-class KeptTeam(sb3.MaskedPPO):
-    """``Kept`` for teams."""
+class Kept(Keeps, PPO):
+    """A PPO that keeps its rollouts."""
 
-    before: dict[str, Any]
-    after: dict[str, Any]
 
-    def train(self) -> None:
-        self.after = contents(self.rollout_buffer)
+class KeptTeam(Keeps, sb3.MaskedPPO):
+    """The same for teams."""
 
 
 class Before(sb3.MirrorCallback):
@@ -124,10 +123,8 @@ def check_rows(model: Any, env: Any) -> None:
     before, after = (next(iter(one.values())) if "" in one else one for one in seen)
     changed = (model.before["actions"] != model.after["actions"]).reshape(*model.after["values"].shape, -1).any(axis=-1)
     wanted, actions = mirror.observation(before), mirror.actions(model.before["actions"])
-    for here, there in (
-        [(after, wanted)] if not isinstance(after, dict) else [(after[key], wanted[key]) for key in after]
-    ):
-        np.testing.assert_array_equal(here[changed], there[changed])
+    for key in after if isinstance(after, dict) else [...]:
+        np.testing.assert_array_equal(after[key][changed], wanted[key][changed])
     np.testing.assert_array_equal(model.after["actions"][changed], actions[changed])
     assert 0.2 < changed.mean() < 0.8
 
@@ -202,11 +199,6 @@ def wrapped(wrapper: Any, form: str = "flat") -> Any:
     """Return an environment in a wrapper of Gymnasium."""
     task = {"name": "navigation", "observation_form": form}
     return DummyVecEnv([lambda: wrapper(gymnasium.make(f"irsim_gym/{ROOM}-v0", task=task))] * 2)
-
-
-def rescaled(env: Any) -> Any:
-    """Return an environment whose actions are from 0 to 1."""
-    return RescaleAction(env, 0.0, 1.0)
 
 
 def made(task: Any) -> gymnasium.Env:

@@ -12,7 +12,7 @@ from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored, signed
+from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -44,7 +44,7 @@ class LastAction:
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
-        return signed(1.0, *[-1.0] * (term.action_size - 1))
+        return command_exchanged(term.action_size)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
