@@ -17,8 +17,8 @@ def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeSta
     """Begin an episode for the agents that ``began`` flags.
 
     Reads: state (goal_distance, pose), episode (began, clearance).
-    Writes: episode (deadlocked, goal_distance, hit, hit_kind, min_clearance, outcome, over, path_length, position,
-        reward, reward_term, stalled, steps, success, terminated, truncated).
+    Writes: episode (arrival, deadlocked, goal_distance, hit, hit_kind, min_clearance, outcome, over, path_length,
+        position, reward, reward_term, stalled, steps, success, terminated, truncated).
 
     Args:
         worlds: The worlds to treat.
@@ -32,7 +32,7 @@ def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeSta
             episode.position[w, a, 0], episode.position[w, a, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
             episode.min_clearance[w, a], episode.path_length[w, a] = episode.clearance[w, a], 0.0
             episode.goal_distance[w, a] = state.goal_distance[w, b]
-            episode.stalled[w, a], episode.deadlocked[w, a] = 0.0, False
+            episode.stalled[w, a], episode.deadlocked[w, a], episode.arrival[w, a] = 0.0, False, 0
             episode.steps[w, a], episode.hit[w, a], episode.hit_kind[w, a], episode.outcome[w, a] = 0, -1, 0, RUNNING
             episode.success[w, a], episode.over[w, a], episode.terminated[w, a], episode.truncated[w, a] = (
                 False,
@@ -80,8 +80,8 @@ def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
 def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState, kinds: Ints) -> None:
     """Record a step for agents whose episode is running.
 
-    Reads: state (goal_distance, hit, pose), episode (clearance, hit, min_clearance, outcome, over, path_length,
-        position, steps).
+    Reads: state (goal_distance, hit, pose), episode (arrival, clearance, hit, min_clearance, outcome, over,
+        path_length, position, steps).
     Writes: episode (goal_distance, hit, hit_kind, min_clearance, over, path_length, position, steps).
 
     Args:
@@ -97,7 +97,7 @@ def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState,
             if episode.over[w, a]:
                 continue
             dx, dy = state.pose[w, b, 0] - episode.position[w, a, 0], state.pose[w, b, 1] - episode.position[w, a, 1]
-            episode.path_length[w, a] += np.sqrt(dx * dx + dy * dy)
+            episode.path_length[w, a] += np.sqrt(dx * dx + dy * dy) if episode.arrival[w, a] == 0 else 0.0
             episode.position[w, a, 0], episode.position[w, a, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
             episode.min_clearance[w, a] = min(episode.min_clearance[w, a], episode.clearance[w, a])
             episode.goal_distance[w, a], episode.hit[w, a] = state.goal_distance[w, b], state.hit[w, b]
@@ -111,7 +111,7 @@ def measure_standstill(
 ) -> None:
     """Measure the time for which agents have stood still away from their goals.
 
-    Reads: model (has_goal, step_time), state (arrived, stopped, twist), episode (outcome, stalled).
+    Reads: model (has_goal, step_time), state (arrived, stopped, twist), episode (arrival, outcome, stalled).
     Writes: episode (deadlocked, stalled).
 
     Args:
@@ -127,7 +127,8 @@ def measure_standstill(
                 continue
             vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
             is_slow = state.stopped[w, b] or vx * vx + vy * vy < slow * slow
-            stands = is_slow and model.has_goal[b] and not state.arrived[w, b]
+            has_goal = model.has_goal[b] and not state.arrived[w, b] and episode.arrival[w, a] == 0
+            stands = is_slow and has_goal
             episode.stalled[w, a] = episode.stalled[w, a] + model.step_time[0] if stands else 0.0
             # Half a step of tolerance, because a sum of step times may end up just below ``patience``.
             episode.deadlocked[w, a] = stands and episode.stalled[w, a] > patience - 0.5 * model.step_time[0]
@@ -158,6 +159,29 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
             episode.truncated[w, a] = found == RUNNING and episode.steps[w, a] >= max_steps
             episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else found
             episode.success[w, a] = found == SUCCESS
+
+
+@kernel
+def settle_arrivals(worlds: Ints, on_the_way: Flags, episode: EpisodeState) -> None:
+    """Let agents that have arrived and drive on succeed however their episodes end, and clear what the way costs.
+
+    Reads: episode (arrival, outcome, over, steps).
+    Writes: episode (outcome, reward_term, success).
+
+    Args:
+        worlds: The worlds to treat.
+        on_the_way: Whether a reward term is paid on the way only, ``(n_rewards,)``.
+    """
+    for w in worlds:
+        for a in range(episode.outcome.shape[1]):
+            if episode.over[w, a] or episode.arrival[w, a] == 0:
+                continue
+            if episode.outcome[w, a] != RUNNING:
+                episode.outcome[w, a], episode.success[w, a] = SUCCESS, True
+            if episode.arrival[w, a] < episode.steps[w, a]:
+                for k in range(on_the_way.shape[0]):
+                    if on_the_way[k]:
+                        episode.reward_term[w, a, k] = 0.0
 
 
 @kernel

@@ -43,6 +43,9 @@ class EpisodeState(Arrays):
     path_length: Floats = column("world agent", np.float64, "m", "distance travelled")
     goal_distance: Floats = column("world agent", np.float64, "m", "distance to the next goal")
     steps: Ints = column("world agent", np.int64, "", "steps taken")
+    arrival: Ints = column(
+        "world agent", np.int64, "", "step in which it arrived and did not end; 0 before, and where arrivals end"
+    )
     stalled: Floats = column("world agent", np.float64, "s", "time stalled away from its goal")
     deadlocked: Flags = column("world agent", np.bool_, "", "it has been stalled for deadlock_time")
     hit: Ints = column("world agent", np.int64, "", "the touched body (lowest id), -1 for none")

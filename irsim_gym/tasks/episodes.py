@@ -65,6 +65,8 @@ class Episodes:
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
+        self._waits = any(getattr(ending, "wait", False) for ending in task.endings)
+        self._on_the_way = np.array([reward.role in ("potential", "running") for reward in task.rewards], np.bool_)
         self._critic = bind(OBSERVATIONS, task.critic_observations, simulation, task)
         terms = [*self._observations, *self._critic, *self._rewards]
         self._minded_clearance = max(
@@ -295,6 +297,8 @@ class Episodes:
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         for term in self._rewards:
             term.options.pay(term, model, world, state, shard)
+        if self._waits:
+            account.settle_arrivals(shard.worlds, self._on_the_way, state)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
             account.share_rewards(shard.worlds, self.task.team_reward, state)
         account.sum_rewards(shard.worlds, state)

@@ -8,6 +8,7 @@ from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
 from irsim_gym.tasks.observations.goal_position import GoalPosition
 from irsim_gym.tasks.observations.goal_record import GoalRecord
+from irsim_gym.tasks.observations.has_arrived import HasArrived
 from irsim_gym.tasks.observations.heading import Heading
 from irsim_gym.tasks.observations.last_action import LastAction
 from irsim_gym.tasks.observations.local_map import LocalMap
@@ -43,6 +44,7 @@ OBSERVATIONS.register("own_body", OwnBody)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)
+OBSERVATIONS.register("has_arrived", HasArrived)
 OBSERVATIONS.register("route", Route)
 OBSERVATIONS.register("trail", Trail)
 OBSERVATIONS.register("position", Position)

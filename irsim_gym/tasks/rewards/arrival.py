@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import SUCCESS, Outcome
-from irsim_gym.tasks.rewards.on_outcome import pay_outcome
 from irsim_gym.tasks.term import Role, Term
 from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
@@ -16,7 +17,7 @@ from irsim_gym.world.state import State
 
 @kind
 class Arrival:
-    """Bonus ``+weight``, once, when the episode ends with success."""
+    """Bonus ``+weight``, once, when the agent succeeds; see ``arrived`` for agents that drive on."""
 
     only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "bonus"
@@ -28,9 +29,23 @@ class Arrival:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays, as text."""
-        return f"+{self.weight:g}, once, when the episode ends with success"
+        return f"+{self.weight:g}, once, when it succeeds"
 
     @staticmethod
     def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the bonus."""
-        pay_outcome(shard.worlds, term.column, SUCCESS, term.options.weight, episode)
+        pay_success(shard.worlds, term.column, term.options.weight, episode)
+
+
+@kernel
+def pay_success(worlds: Ints, column: int, amount: float, episode: EpisodeState) -> None:
+    """Write ``amount`` in the step of an arrival after which the agent drives on, or at the end with success, else 0.
+
+    Reads: episode (arrival, outcome, steps).
+    Writes: episode (reward_term).
+    """
+    for w in worlds:
+        for a in range(episode.outcome.shape[1]):
+            arrival = episode.arrival[w, a]
+            succeeds = arrival == episode.steps[w, a] if arrival > 0 else episode.outcome[w, a] == SUCCESS
+            episode.reward_term[w, a, column] = amount if succeeds else 0.0
