@@ -28,6 +28,7 @@ task:
 
 def test_the_module_is_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(sys, "argv", ["irsim_gym", "--version"])
+    monkeypatch.delitem(sys.modules, "irsim_gym.__main__", raising=False)  # another test may have imported it
     with pytest.raises(SystemExit) as end:
         runpy.run_module("irsim_gym", run_name="__main__")
     assert end.value.code == 0
