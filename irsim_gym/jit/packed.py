@@ -129,15 +129,14 @@ class PackedLibrary(Library):  # type: ignore[misc]
 
     def add_ir_module(self, ir_module: Any) -> None:
         """Add the kernel and its packed entry."""
-        super().add_ir_module(ir_module)
         # The function with a body is the kernel. By Numba's calling convention, its first two arguments are the places
         # for the returned value and for an exception.
         kernel = next(one for one in ir_module.functions if not one.is_declaration)
+        kernel.attributes.add("alwaysinline")
+        super().add_ir_module(ir_module)
         given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
         self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, given, self._layout)))
-        inside = self._final_module.get_function(kernel.name)
-        inside.linkage = "internal"
-        inside.add_function_attribute("alwaysinline")
+        self._final_module.get_function(kernel.name).linkage = "internal"
 
     def _finalize_final_module(self) -> None:
         """Load the code as Numba does, and note whether it reads an environment, which holds Python objects."""

@@ -43,7 +43,8 @@ def test_an_arrival_pays_at_once_and_the_episode_ends_with_the_last_one() -> Non
     assert [step for step, pay in enumerate(bonus, 1) if pay != [0.0, 0.0]] == [8, 28]
     assert [bonus[7], bonus[27]] == [[5.0, 0.0], [0.0, 5.0]]
     assert outcomes(episodes) == [Outcome.SUCCESS, Outcome.SUCCESS]
-    assert episodes.view.terminated.all() and not episodes.view.truncated.any()
+    assert episodes.view.terminated.all()
+    assert not episodes.view.truncated.any()
 
 
 def test_after_its_arrival_a_robot_drives_on_for_nothing() -> None:
