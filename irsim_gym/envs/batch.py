@@ -18,6 +18,7 @@ from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks.transition import Percepts
 
 WORLD_LIMITS = 4
@@ -95,8 +96,8 @@ class Batch:
         last_seen: What each agent perceived last in the latest of its episodes that has ended, zeros before.
 
     Raises:
-        ValueError: ``respawn`` without ``autoreset`` or where arrivals wait for the team, or ``world_steps`` without
-            ``respawn`` or below 1.
+        ValueError: ``respawn`` without ``autoreset``, or ``world_steps`` without ``respawn`` or below 1.
+        IrsimGymError: ``respawn`` with a task whose arrivals wait for the team.
     """
 
     def __init__(
@@ -112,8 +113,10 @@ class Batch:
             raise ValueError("with respawn=True, agents restart by themselves, so autoreset=False has no effect")
         if world_steps is not None and (not respawn or world_steps < 1):
             raise ValueError(f"world_steps is for agents that respawn and must be >= 1, got {world_steps!r}")
-        if respawn and any(getattr(ending, "wait", False) for ending in worlds.episodes.task.endings):
-            raise ValueError("with respawn=True, agents restart one by one, and none can wait for others (wait: true)")
+        if respawn and worlds.episodes.waits:
+            raise IrsimGymError(
+                "agents that restart one by one cannot wait for others: omit respawn, or set wait: false"
+            )
         self.worlds = worlds
         self.autoreset, self.respawn = autoreset, respawn
         self.world_steps = world_steps or WORLD_LIMITS * worlds.episodes.task.max_steps

@@ -40,7 +40,8 @@ class MotionLog:
         self.people.stepped(episodes, worlds)
         infos, dt = episodes.view.infos, float(episodes.simulation.model.step_time[0])
         count = self._count[worlds]
-        counts = (infos["steps"][worlds] > count) & (infos["outcome"][worlds] != Outcome.COLLISION)
+        steps = episodes.steps_to_arrival(worlds)
+        counts = (steps > count) & (infos["outcome"][worlds] != Outcome.COLLISION)
         velocity = self._velocities(episodes, worlds)
         change = (velocity - self._velocity[worlds]) / dt
         turn = np.where((count > 0)[..., None], change - self._change[worlds], 0.0) / dt

@@ -44,7 +44,7 @@ class PeopleLog:
         """Measure the agents whose episode was running."""
         if not len(self._people):
             return
-        runs = episodes.view.infos["steps"][worlds] > self._count[worlds]
+        runs = episodes.steps_to_arrival(worlds) > self._count[worlds]
         gap, time = self._look(episodes, worlds)
         for k, near in enumerate(INTRUSIONS):
             self._near[worlds, :, k] += runs & (gap < near)

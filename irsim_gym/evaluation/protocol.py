@@ -150,7 +150,7 @@ def episode_row(
 ) -> EpisodeRow:
     """Return the row of an agent whose episode has ended; ``hits`` are the names of the ``HitKind`` values."""
     infos = {name: values[world, agent] for name, values in episodes.view.infos.items()}
-    steps = _steps_taken(episodes, world, agent)
+    steps = int(episodes.steps_to_arrival(world)[agent])
     outcome = Outcome(int(infos["outcome"]))
     return EpisodeRow(
         level=level,
@@ -172,11 +172,6 @@ def episode_row(
     )
 
 
-def _steps_taken(episodes: Episodes, world: int, agent: int) -> int:
-    """Return the steps of an agent's episode, up to its arrival if it drove on after it."""
-    return int(episodes.state.arrival[world, agent]) or int(episodes.view.infos["steps"][world, agent])
-
-
 def _goals_reached(episodes: Episodes, world: int, agent: int) -> float:
     """Return the number of goals that an agent has reached; NaN if it has only one, or an endless sequence."""
     model, state = episodes.simulation.model, episodes.simulation.state
@@ -195,7 +190,7 @@ def _goals_per_minute(episodes: Episodes, world: int, agent: int) -> float:
     reached = _goals_reached(episodes, world, agent)
     if math.isnan(reached):
         return math.nan
-    steps = _steps_taken(episodes, world, agent)
+    steps = int(episodes.steps_to_arrival(world)[agent])
     has_finished = Outcome(int(episodes.view.infos["outcome"][world, agent])) is Outcome.SUCCESS
     counted = steps if has_finished else episodes.task.max_steps
     return 60.0 * reached / (counted * float(episodes.simulation.model.step_time[0]))

@@ -97,9 +97,11 @@ def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState,
             if episode.over[w, a]:
                 continue
             dx, dy = state.pose[w, b, 0] - episode.position[w, a, 0], state.pose[w, b, 1] - episode.position[w, a, 1]
-            episode.path_length[w, a] += np.sqrt(dx * dx + dy * dy) if episode.arrival[w, a] == 0 else 0.0
+            if episode.arrival[w, a] == 0:
+                episode.path_length[w, a] += np.sqrt(dx * dx + dy * dy)
             episode.position[w, a, 0], episode.position[w, a, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
-            episode.min_clearance[w, a] = min(episode.min_clearance[w, a], episode.clearance[w, a])
+            if episode.arrival[w, a] == 0:
+                episode.min_clearance[w, a] = min(episode.min_clearance[w, a], episode.clearance[w, a])
             episode.goal_distance[w, a], episode.hit[w, a] = state.goal_distance[w, b], state.hit[w, b]
             episode.hit_kind[w, a] = kinds[episode.hit[w, a]] if episode.hit[w, a] >= 0 else 0
             episode.steps[w, a] += 1
@@ -159,6 +161,25 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
             episode.truncated[w, a] = found == RUNNING and episode.steps[w, a] >= max_steps
             episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else found
             episode.success[w, a] = found == SUCCESS
+
+
+@kernel
+def release_arrivals(worlds: Ints, episode: EpisodeState) -> None:
+    """End the episodes of agents that have arrived with success, if no agent is on its way, or at the time limit.
+
+    Reads: episode (arrival, outcome, over, truncated).
+    Writes: episode (outcome, success, terminated, truncated).
+    """
+    for w in worlds:
+        is_on_its_way = False
+        for a in range(episode.outcome.shape[1]):
+            if episode.outcome[w, a] == RUNNING and episode.arrival[w, a] == 0:
+                is_on_its_way = True
+        for a in range(episode.outcome.shape[1]):
+            waits = episode.arrival[w, a] > 0 and not episode.over[w, a]
+            if waits and (episode.truncated[w, a] or (episode.outcome[w, a] == RUNNING and not is_on_its_way)):
+                episode.outcome[w, a], episode.success[w, a] = SUCCESS, True
+                episode.terminated[w, a], episode.truncated[w, a] = True, False
 
 
 @kernel

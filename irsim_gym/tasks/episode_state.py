@@ -40,11 +40,11 @@ class EpisodeState(Arrays):
         "world agent", np.float64, "m", "distance to the nearest other body, as far as it matters"
     )
     min_clearance: Floats = column("world agent", np.float64, "m", "least clearance so far, the start included")
-    path_length: Floats = column("world agent", np.float64, "m", "distance travelled")
+    path_length: Floats = column("world agent", np.float64, "m", "distance travelled, up to an arrival")
     goal_distance: Floats = column("world agent", np.float64, "m", "distance to the next goal")
     steps: Ints = column("world agent", np.int64, "", "steps taken")
     arrival: Ints = column(
-        "world agent", np.int64, "", "step in which it arrived and did not end; 0 before, and where arrivals end"
+        "world agent", np.int64, "", "step in which it arrived, if the ending ``arrived`` waits; else 0"
     )
     stalled: Floats = column("world agent", np.float64, "s", "time stalled away from its goal")
     deadlocked: Flags = column("world agent", np.bool_, "", "it has been stalled for deadlock_time")

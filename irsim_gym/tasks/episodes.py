@@ -15,6 +15,7 @@ from irsim_gym.engine.direct import Direct
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.tasks import account, actions, team_state
 from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
+from irsim_gym.tasks.endings.arrived import Arrived
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
@@ -34,6 +35,7 @@ class Episodes:
     Attributes:
         simulation: The worlds, compiled with ``agents=task.agents``.
         task: The task.
+        waits: Whether agents that have arrived drive on until their team has.
         state: The state of the episodes.
         view: The latest transition.
         observation_terms: Name, lower and upper bounds of each part of the observation, in order; images have no
@@ -52,6 +54,7 @@ class Episodes:
             raise ValueError(f"the simulation's agents are {tuple(simulation.agents)}, the task {task.agents}")
         self.simulation = simulation
         self.task = task
+        self.waits = any(isinstance(ending, Arrived) and ending.wait for ending in task.endings)
         self._agents = np.array(task.agents, np.int64)
         self.agent_names = tuple(simulation.parts.names[b] for b in task.agents)
         self.action_sizes = action_sizes(simulation, self._agents)
@@ -65,7 +68,6 @@ class Episodes:
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
-        self._waits = any(getattr(ending, "wait", False) for ending in task.endings)
         self._on_the_way = np.array([reward.role in ("potential", "running") for reward in task.rewards], np.bool_)
         self._critic = bind(OBSERVATIONS, task.critic_observations, simulation, task)
         terms = [*self._observations, *self._critic, *self._rewards]
@@ -154,6 +156,19 @@ class Episodes:
         """
         chosen = np.arange(self.n_worlds) if worlds is None else np.asarray(worlds, np.int64)
         return team_state.team_states(self.simulation, self._agents, self.state.outcome, chosen)
+
+    def steps_to_arrival(self, worlds: Ints | int) -> Ints:
+        """Return the steps that agents have taken, without those after an arrival.
+
+        Args:
+            worlds: Index of a world, or indices, shape ``(n,)``.
+
+        Returns:
+            Steps, shape ``(n_agents,)`` or ``(n, n_agents)``.
+        """
+        arrival = self.state.arrival[worlds]
+        steps: Ints = np.where(arrival > 0, arrival, self.state.steps[worlds])
+        return steps
 
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps]; rewards that are spread over an episode change with it."""
@@ -295,9 +310,11 @@ class Episodes:
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
+        if self.waits:
+            account.release_arrivals(shard.worlds, state)
         for term in self._rewards:
             term.options.pay(term, model, world, state, shard)
-        if self._waits:
+        if self.waits:
             account.settle_arrivals(shard.worlds, self._on_the_way, state)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
             account.share_rewards(shard.worlds, self.task.team_reward, state)

@@ -10,7 +10,7 @@ class Outcome(IntEnum):
     """The outcome of an agent's episode; the numbers are part of the public interface.
 
     If several outcomes apply in the same step, the first of collision, left the world, success, deadlock and timeout
-    counts.
+    counts. An agent that has arrived and waits for its team succeeds whatever comes later.
     """
 
     RUNNING = 0

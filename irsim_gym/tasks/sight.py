@@ -7,7 +7,20 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.task import Task
 
-OF_ITSELF = frozenset({"goal", "goal_heading", "velocity", "last_action", "drive", "own_body", "goal_record", "trail"})
+OF_ITSELF = frozenset(
+    {
+        "goal",
+        "goal_heading",
+        "velocity",
+        "last_action",
+        "drive",
+        "own_body",
+        "goal_record",
+        "has_arrived",
+        "rank",
+        "trail",
+    }
+)
 """Observations that contain only the agent itself and its goal."""
 OF_ROBOTS = frozenset({"neighbors"})
 """Observations that contain only robots."""

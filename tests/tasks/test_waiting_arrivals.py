@@ -9,6 +9,7 @@ import pytest
 from task_tools import BALL, ROBOT, drive, play
 
 import irsim_gym
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.tasks import Episodes, Outcome
@@ -97,6 +98,57 @@ def test_the_time_limit_truncates_those_that_have_not_arrived() -> None:
     assert episodes.view.truncated[0].tolist() == [False, True]
 
 
+def test_a_collision_in_the_step_of_the_arrival_is_no_arrival() -> None:
+    # The robot touches the ball 0.25 m before its goal, in the step in which it is within the threshold.
+    robot = {**NEAR, "goal": [3.05, 2, 0]}
+    episodes = team([robot, FAR], {**BALL, "state": [3.45, 2, 0]})
+    for _ in range(8):
+        drive(episodes, 1, 0)
+    assert outcomes(episodes) == [Outcome.COLLISION, Outcome.RUNNING]
+    assert (paid(episodes, "arrival"), paid(episodes, "collision")) == ([0.0, 0.0], [-4.0, 0.0])
+    assert episodes.state.arrival[0].tolist() == [0, 0]
+
+
+def test_nobody_waits_for_a_robot_that_is_deadlocked() -> None:
+    endings = [{"name": "arrived", "wait": True}, "deadlocked"]
+    episodes = team([NEAR, FAR], deadlock_time=1.0, endings=endings, rewards=[{"name": "deadlock", "weight": 4.0}])
+    while episodes.view.live[0].any():
+        episodes.step(np.array([[[1.0, 0.0], [-1.0, 0.0]]]))
+    assert outcomes(episodes) == [Outcome.SUCCESS, Outcome.DEADLOCK]
+    assert episodes.view.infos["steps"][0].tolist() == [10, 10]
+
+
+def test_bodies_that_have_failed_vanish_and_those_that_wait_stay() -> None:
+    episodes = team([NEAR, FAR, {**FAR, "state": [2, 5, 0]}], {**BALL, "state": [3, 5, 0]}, ended="vanish")
+    for _ in range(12):
+        drive(episodes, 1, 0)
+    assert outcomes(episodes) == [Outcome.RUNNING, Outcome.RUNNING, Outcome.COLLISION]
+    assert episodes.simulation.model.present[0, :3].tolist() == [True, True, False]
+
+
+def test_agents_of_pettingzoo_stay_until_the_last_one_has_arrived() -> None:
+    world = {"world": {"height": 10, "width": 10}, "robot": [NEAR, FAR], "task": {"name": "team_navigation", **WAITS}}
+    env = irsim_gym.parallel_env(world)
+    env.reset(seed=0)
+    lengths = []
+    while env.agents:
+        lengths.append(len(env.agents))
+        _, _, ended, _, infos = env.step({agent: np.array([1.0, 0.0], np.float32) for agent in env.agents})
+    assert lengths == [2] * 28
+    assert ended == {"robot_0": True, "robot_1": True}
+    assert [infos[agent]["is_success"] for agent in infos] == [True, True]
+
+
+def test_worlds_wait_alike_on_any_number_of_threads() -> None:
+    runs = [play([NEAR, FAR], None, WAITS, 5, num_threads, team=True) for num_threads in (1, 2)]
+    for _ in range(30):
+        for episodes in runs:
+            drive(episodes, 1, 0)
+        np.testing.assert_array_equal(runs[0].view.reward, runs[1].view.reward)
+    assert (runs[0].state.arrival == [8, 28]).all()
+    assert (runs[1].state.arrival == [8, 28]).all()
+
+
 def test_a_shared_reward_reaches_those_that_have_arrived() -> None:
     episodes = team([NEAR, FAR], team_reward=0.25)
     for _ in range(28):
@@ -125,10 +177,11 @@ def test_a_single_robot_waits_for_nobody() -> None:
 def test_times_and_paths_of_an_evaluation_end_with_the_arrival() -> None:
     (level,) = evaluate_team(reference_policy("dash"), team([NEAR, FAR]), 1)
     assert [row.episode.time for row in level.agents] == pytest.approx([0.8, 2.8])
+    assert [row.episode.acceleration for row in level.agents] == pytest.approx([10.0 / 8, 10.0 / 28])
     assert [row.episode.path_length for row in level.agents] == pytest.approx([0.8, 2.8])
 
 
 def test_robots_that_restart_one_by_one_cannot_wait() -> None:
     world = {"world": {"height": 10, "width": 10}, "robot": [NEAR, FAR], "task": {"name": "team_navigation", **WAITS}}
-    with pytest.raises(ValueError, match="wait: true"):
+    with pytest.raises(IrsimGymError, match="omit respawn, or set wait: false"):
         irsim_gym.make_batch(world, 2, respawn=True)

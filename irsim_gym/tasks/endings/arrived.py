@@ -35,36 +35,35 @@ class Arrived:
     def when(self, term: Term) -> str:
         """Return the condition, as text."""
         there = "within its goal_threshold of its last goal"
-        return f"it has been {there}, and no agent is on its way any more" if self.wait else f"it is {there}"
+        if not self.wait:
+            return f"it is {there}"
+        return (
+            f"it has been {there}, and no agent is on its way any more or the time is up; a later failure is a success"
+        )
 
     @staticmethod
     def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
         if term.options.wait:
-            wait_for_team(shard.worlds, term.agents, term.column, term.max_steps, state, episode)
+            note_arrivals(shard.worlds, term.agents, term.column, state, episode)
         else:
             copy_flag(shard.worlds, term.agents, term.column, state, episode)
 
 
 @kernel
-def wait_for_team(worlds: Ints, agents: Ints, column: int, max_steps: int, state: State, episode: EpisodeState) -> None:
-    """Note arrivals, and flag the agents that have arrived if no agent is on its way, or at the time limit.
+def note_arrivals(worlds: Ints, agents: Ints, column: int, state: State, episode: EpisodeState) -> None:
+    """Note the step in which an agent arrives, unless its episode ends as a failure in the same step.
+
+    The flag stays off, because ``account.release_arrivals`` ends the episodes of agents that wait.
 
     Reads: state (arrived), episode (arrival, ending, over, steps).
     Writes: episode (arrival, ending).
     """
     for w in worlds:
-        is_on_its_way = False
         for a in range(agents.shape[0]):
-            if episode.over[w, a]:
-                continue
-            if episode.arrival[w, a] == 0 and state.arrived[w, agents[a]]:
-                episode.arrival[w, a] = episode.steps[w, a]
+            episode.ending[w, a, column] = False
             fails = False
             for k in range(column):  # endings of higher precedence, already written
                 fails = fails or episode.ending[w, a, k]
-            if episode.arrival[w, a] == 0 and not fails and episode.steps[w, a] < max_steps:
-                is_on_its_way = True
-        for a in range(agents.shape[0]):
-            has_time = is_on_its_way and episode.steps[w, a] < max_steps
-            episode.ending[w, a, column] = episode.arrival[w, a] > 0 and not has_time
+            if state.arrived[w, agents[a]] and episode.arrival[w, a] == 0 and not fails and not episode.over[w, a]:
+                episode.arrival[w, a] = episode.steps[w, a]

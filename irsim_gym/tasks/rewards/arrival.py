@@ -29,7 +29,7 @@ class Arrival:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays, as text."""
-        return f"+{self.weight:g}, once, when it succeeds"
+        return f"+{self.weight:g}, once, when it reaches its last goal"
 
     @staticmethod
     def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -39,7 +39,7 @@ class Arrival:
 
 @kernel
 def pay_success(worlds: Ints, column: int, amount: float, episode: EpisodeState) -> None:
-    """Write ``amount`` in the step of an arrival after which the agent drives on, or at the end with success, else 0.
+    """Write ``amount`` in the step of an arrival that waits, or at the end with success, else 0.
 
     Reads: episode (arrival, outcome, steps).
     Writes: episode (reward_term).
