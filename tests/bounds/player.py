@@ -30,7 +30,7 @@ NUMBERS = {
     "name": "blank",
     "observations": [name for name in OBSERVATIONS.names() if name not in ("occupancy_image", "top_view", "neighbors")],
     "rewards": [{"name": "progress", "potential": "geodesic", "cell": 0.5}, "clearance", "smoothness"],
-    "endings": ["arrived", "collided", "deadlocked", "left_world"],
+    "endings": [{"name": "arrived", "wait": True}, "collided", "deadlocked", "left_world"],
     "audit": False,
 }
 

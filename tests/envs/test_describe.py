@@ -48,6 +48,8 @@ EVERYTHING: dict[str, Any] = {
         {"name": "exact_free_travel", "directions": 24},
         {"name": "time_to_collision", "directions": 24},
         "goal_record",
+        "has_arrived",
+        "rank",
         "route",
         "position",
         "heading",

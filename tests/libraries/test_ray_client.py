@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,13 +24,19 @@ def ray():
 
 
 @pytest.fixture
-def head() -> Iterator[str]:
-    """Start a cluster of its own process, and return the address of its server for clients."""
-    ports = [_free_port() for _ in range(2)]
-    _ray("start", "--head", "--node-ip-address=127.0.0.1", f"--port={ports[0]}", f"--ray-client-server-port={ports[1]}",
-         "--include-dashboard=false", "--num-cpus=3", "--disable-usage-stats")  # fmt: skip
-    yield f"ray://127.0.0.1:{ports[1]}"
-    _ray("stop", "--force")
+def head(tmp_path: Path) -> Iterator[str]:
+    """Start a cluster in a process group of its own, and return the address of its server for clients."""
+    port, client = _free_port(), _free_port()
+    ports = [f"--port={port}", f"--ray-client-server-port={client}", "--node-ip-address=127.0.0.1"]
+    options = ["--num-cpus=3", "--include-dashboard=false", "--disable-usage-stats", f"--temp-dir={tmp_path / 'ray'}"]
+    command = [str(Path(sys.executable).with_name("ray")), "start", "--head", "--block", *ports, *options]
+    started = subprocess.Popen(command, env={**os.environ, **LOOPBACK}, start_new_session=True)
+    try:
+        _wait_for(client, started)
+        yield f"ray://127.0.0.1:{client}"
+    finally:
+        os.killpg(started.pid, signal.SIGTERM)
+        started.wait(LONGEST_S)
 
 
 def _free_port() -> int:
@@ -37,9 +45,15 @@ def _free_port() -> int:
         return int(tried.getsockname()[1])
 
 
-def _ray(*words: str) -> None:
-    command = Path(sys.executable).with_name("ray")
-    subprocess.run([command, *words], env={**os.environ, **LOOPBACK}, check=True, timeout=LONGEST_S)
+def _wait_for(port: int, started: subprocess.Popen[bytes]) -> None:
+    until = time.monotonic() + LONGEST_S
+    while time.monotonic() < until:
+        assert started.poll() is None
+        with socket.socket() as tried:
+            if tried.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.5)
+    raise AssertionError("the server for clients never came")
 
 
 @pytest.mark.slow

@@ -35,6 +35,7 @@ def seeing(*names: str, endings: tuple[str, ...] = ("collided",)) -> dict[str, A
             False,
             "the obstacles",
         ),
+        ([ROBOT], BALL, seeing("goal", "has_arrived"), False, "the obstacles"),
         ([ROBOT], BALL, seeing("goal", "route"), False, ""),
         ([ROBOT], BALL, seeing("goal", endings=("arrived",)), False, ""),  # nothing happens when it collides
         ([ROBOT], MARK, seeing("goal"), False, ""),

@@ -21,7 +21,7 @@ from irsim_gym.world.state import State
 
 @kind
 class HasArrived:
-    """1 if the agent has reached its last goal and drives on (see the ending ``arrived`` with ``wait``), else 0."""
+    """1 if the agent has reached its last goal and drives on, else 0; always 0 unless ``arrived`` has ``wait``."""
 
     only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True

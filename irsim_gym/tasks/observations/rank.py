@@ -20,7 +20,7 @@ from irsim_gym.world.state import State
 
 
 @kind
-class Rank:
+class TeamRank:
     """The agent's place among the agents of its world, from 0 for the first to 1 for the last; 0 for a single one.
 
     Agents with one policy that see the same do the same, and may give way to each other for ever. Their numbers let
