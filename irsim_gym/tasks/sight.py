@@ -17,7 +17,6 @@ OF_ITSELF = frozenset(
         "own_body",
         "goal_record",
         "has_arrived",
-        "rank",
         "trail",
     }
 )

@@ -49,7 +49,6 @@ EVERYTHING: dict[str, Any] = {
         {"name": "time_to_collision", "directions": 24},
         "goal_record",
         "has_arrived",
-        "rank",
         "route",
         "position",
         "heading",

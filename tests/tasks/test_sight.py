@@ -31,7 +31,7 @@ def seeing(*names: str, endings: tuple[str, ...] = ("collided",)) -> dict[str, A
         (
             [ROBOT],
             BALL,
-            seeing("goal", "velocity", "last_action", "goal_record", "has_arrived", "rank", "trail"),
+            seeing("goal", "velocity", "last_action", "goal_record", "trail"),
             False,
             "the obstacles",
         ),

@@ -165,11 +165,6 @@ def test_another_episode_begins_without_arrivals() -> None:
     assert episodes.state.arrival[0].tolist() == [0, 0]
 
 
-def test_the_rank_is_the_place_in_the_team() -> None:
-    episodes = team([NEAR, FAR, {**FAR, "state": [2, 5, 0]}], observations=["rank"])
-    assert episodes.state.observation[0, :, -1].tolist() == [0.0, 0.5, 1.0]
-
-
 def test_a_single_robot_waits_for_nobody() -> None:
     one, other = (play({"goal": [3, 5, 0]}, None, task) for task in (WAITS, {}))
     while other.view.live[0].any():

@@ -18,7 +18,6 @@ from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
 from irsim_gym.tasks.observations.own_body import OwnBody
 from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.position import Position
-from irsim_gym.tasks.observations.rank import TeamRank
 from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.seen_map import SeenMap
@@ -46,7 +45,6 @@ OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)
 OBSERVATIONS.register("has_arrived", HasArrived)
-OBSERVATIONS.register("rank", TeamRank)
 OBSERVATIONS.register("route", Route)
 OBSERVATIONS.register("trail", Trail)
 OBSERVATIONS.register("position", Position)
