@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +16,7 @@ import pytest
 from needed import library
 
 LONGEST_S = 500
-LOOPBACK = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0"}
+LOOPBACK = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0", "RAY_AUTH_MODE": "disabled"}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -24,19 +25,22 @@ def ray():
 
 
 @pytest.fixture
-def head(tmp_path: Path) -> Iterator[str]:
+def head() -> Iterator[str]:
     """Start a cluster in a process group of its own, and return the address of its server for clients."""
     port, client = _free_port(), _free_port()
+    folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)  # the path of a socket has 107 bytes at most
     ports = [f"--port={port}", f"--ray-client-server-port={client}", "--node-ip-address=127.0.0.1"]
-    options = ["--num-cpus=3", "--include-dashboard=false", "--disable-usage-stats", f"--temp-dir={tmp_path / 'ray'}"]
+    options = ["--num-cpus=3", "--include-dashboard=false", "--disable-usage-stats", f"--temp-dir={folder.name}"]
     command = [str(Path(sys.executable).with_name("ray")), "start", "--head", "--block", *ports, *options]
     started = subprocess.Popen(command, env={**os.environ, **LOOPBACK}, start_new_session=True)
     try:
         _wait_for(client, started)
         yield f"ray://127.0.0.1:{client}"
     finally:
-        os.killpg(started.pid, signal.SIGTERM)
-        started.wait(LONGEST_S)
+        if started.poll() is None:
+            os.killpg(started.pid, signal.SIGTERM)
+            started.wait(LONGEST_S)
+        folder.cleanup()
 
 
 def _free_port() -> int:
