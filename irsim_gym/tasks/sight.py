@@ -8,17 +8,7 @@ from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.task import Task
 
 OF_ITSELF = frozenset(
-    {
-        "goal",
-        "goal_heading",
-        "velocity",
-        "last_action",
-        "drive",
-        "own_body",
-        "goal_record",
-        "has_arrived",
-        "trail",
-    }
+    {"goal", "goal_heading", "velocity", "last_action", "drive", "own_body", "goal_record", "has_arrived", "trail"}
 )
 """Observations that contain only the agent itself and its goal."""
 OF_ROBOTS = frozenset({"neighbors"})

@@ -28,13 +28,7 @@ def seeing(*names: str, endings: tuple[str, ...] = ("collided",)) -> dict[str, A
     [
         ([ROBOT], BALL, "navigation", False, ""),
         ([{**ROBOT, "sensors": []}], BALL, "navigation", False, ""),
-        (
-            [ROBOT],
-            BALL,
-            seeing("goal", "velocity", "last_action", "goal_record", "trail"),
-            False,
-            "the obstacles",
-        ),
+        ([ROBOT], BALL, seeing("goal", "velocity", "last_action", "goal_record", "trail"), False, "the obstacles"),
         ([ROBOT], BALL, seeing("goal", "has_arrived"), False, "the obstacles"),
         ([ROBOT], BALL, seeing("goal", "route"), False, ""),
         ([ROBOT], BALL, seeing("goal", endings=("arrived",)), False, ""),  # nothing happens when it collides
