@@ -164,22 +164,28 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
 
 
 @kernel
-def release_arrivals(worlds: Ints, episode: EpisodeState) -> None:
-    """End the episodes of agents that have arrived with success, if no agent is on its way, or at the time limit.
+def hold_arrivals(worlds: Ints, episode: EpisodeState) -> None:
+    """Note arrivals, and let agents that have arrived go on for as long as others of their world are on their way.
 
-    Reads: episode (arrival, outcome, over, truncated).
-    Writes: episode (outcome, success, terminated, truncated).
+    At the time limit no agent is on its way any more, since all agents of a world began together.
+
+    Reads: episode (arrival, outcome, over, steps).
+    Writes: episode (arrival, outcome, success, terminated, truncated).
     """
     for w in worlds:
         is_on_its_way = False
         for a in range(episode.outcome.shape[1]):
-            if episode.outcome[w, a] == RUNNING and episode.arrival[w, a] == 0:
-                is_on_its_way = True
+            if episode.outcome[w, a] == SUCCESS and episode.arrival[w, a] == 0:
+                episode.arrival[w, a] = episode.steps[w, a]
+            is_on_its_way |= episode.outcome[w, a] == RUNNING and episode.arrival[w, a] == 0
         for a in range(episode.outcome.shape[1]):
-            waits = episode.arrival[w, a] > 0 and not episode.over[w, a]
-            if waits and (episode.truncated[w, a] or (episode.outcome[w, a] == RUNNING and not is_on_its_way)):
-                episode.outcome[w, a], episode.success[w, a] = SUCCESS, True
-                episode.terminated[w, a], episode.truncated[w, a] = True, False
+            found = episode.outcome[w, a]
+            fails = found != RUNNING and found != SUCCESS and found != TIMEOUT
+            if episode.over[w, a] or episode.arrival[w, a] == 0 or fails:
+                continue
+            episode.outcome[w, a] = RUNNING if is_on_its_way else SUCCESS
+            episode.success[w, a] = episode.terminated[w, a] = not is_on_its_way
+            episode.truncated[w, a] = False
 
 
 @kernel

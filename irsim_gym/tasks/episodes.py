@@ -311,7 +311,7 @@ class Episodes:
             term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         if self.waits:
-            account.release_arrivals(shard.worlds, state)
+            account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
             term.options.pay(term, model, world, state, shard)
         if self.waits:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.endings.body_flag import copy_flag
 from irsim_gym.tasks.episode_state import EpisodeState
@@ -43,27 +41,5 @@ class Arrived:
 
     @staticmethod
     def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        """Write the flag."""
-        if term.options.wait:
-            note_arrivals(shard.worlds, term.agents, term.column, state, episode)
-        else:
-            copy_flag(shard.worlds, term.agents, term.column, state, episode)
-
-
-@kernel
-def note_arrivals(worlds: Ints, agents: Ints, column: int, state: State, episode: EpisodeState) -> None:
-    """Note the step in which an agent arrives, unless its episode ends as a failure in the same step.
-
-    The flag stays off, because ``account.release_arrivals`` ends the episodes of agents that wait.
-
-    Reads: state (arrived), episode (arrival, ending, over, steps).
-    Writes: episode (arrival, ending).
-    """
-    for w in worlds:
-        for a in range(agents.shape[0]):
-            episode.ending[w, a, column] = False
-            fails = False
-            for k in range(column):  # endings of higher precedence, already written
-                fails = fails or episode.ending[w, a, k]
-            if state.arrived[w, agents[a]] and episode.arrival[w, a] == 0 and not fails and not episode.over[w, a]:
-                episode.arrival[w, a] = episode.steps[w, a]
+        """Write the flag; ``account.hold_arrivals`` lets agents wait."""
+        copy_flag(shard.worlds, term.agents, term.column, state, episode)
