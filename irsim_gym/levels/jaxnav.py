@@ -25,6 +25,9 @@ WORDS = {
     "cells": ("map_data",),
 }
 """Names of a level's arrays in an ``.npz``, and in the classes of JaxNav's pickles."""
+BENCHMARKS = {1: "jaxnav_single", 4: "jaxnav_four"}
+"""The benchmark that plays levels of so many robots, if their map has its size."""
+SIZE = (11, 11)
 AXES = {
     "cells": ("level", "row", "column"),
     "start_xy": ("level", "robot", "2"),
@@ -35,6 +38,8 @@ AXES = {
 
 def import_jaxnav(path: Path) -> LevelSet:
     """Return JaxNav's levels for robots named ``robot_0``, ``robot_1`` and so on.
+
+    Levels of the benchmark ``jaxnav_single`` or ``jaxnav_four`` name it, so that they are played as they are.
 
     Raises:
         ScenarioError: If the file cannot be used; the error lists every problem.
@@ -51,7 +56,10 @@ def import_jaxnav(path: Path) -> LevelSet:
         "goal": np.concatenate([goal, np.full((*heading.shape, 1), np.nan)], axis=2),
         "cells": cells.transpose(0, 2, 1) == 1,
     }
-    return complete_levels("", found, {"source": "JaxNav", "file": path.name})
+    about = {"source": "JaxNav", "file": path.name}
+    if heading.shape[1] in BENCHMARKS and cells.shape[1:] == SIZE:
+        about["scenario"] = BENCHMARKS[heading.shape[1]]
+    return complete_levels("", found, about)
 
 
 def _from_pickle(path: Path) -> dict[str, NDArray[Any]]:

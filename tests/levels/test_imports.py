@@ -115,6 +115,7 @@ def test_jaxnav_pickles_are_read_without_their_classes(
         monkeypatch.delitem(sys.modules, name)
     levels, twin = import_jaxnav(tmp_path / "levels.pkl"), import_jaxnav(tmp_path / "levels.npz")
     assert levels.bodies == ("robot_0",)
+    assert "scenario" not in levels.about, "these maps are smaller than the benchmark's"
     assert twin.hashes().tolist() == levels.hashes().tolist()[:2] == levels.hashes().tolist()[2:]
     assert np.argwhere(twin.cells).tolist() == [[0, 3, 2]]
     assert twin.start[:, 0] == pytest.approx(np.array([[1.5, 1.5, 0.5], [1.5, 1.5, 3.5 - 2 * np.pi]]), abs=1e-6)
@@ -171,6 +172,7 @@ def test_the_published_levels_of_jaxnav(tmp_path: Path) -> None:
     for ends in (levels.start, levels.goal[:, :, 0]):
         column, row = np.moveaxis(np.floor(ends[..., :2]).astype(int), 2, 0)
         assert not levels.cells[np.arange(1000)[:, None], column, row].any()
+    assert levels.about["scenario"] == "jaxnav_four"
     (tmp_path / "four.npz").write_bytes(levels.content())
     data = {
         "world": {"width": 11, "height": 11, "obstacle_map": {"name": "cells"}}, "levels": str(tmp_path / "four.npz"),
