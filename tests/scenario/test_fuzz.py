@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from irsim_gym.errors import ScenarioError
@@ -121,6 +121,7 @@ def test_any_mapping(data: Any) -> None:
 
 
 @QUICK
+@example({"obstacle": {"shape": [{"name": "polygon", "number": 10**390}]}})
 @given(SCENARIOS)
 def test_anything_like_a_scenario(data: Any) -> None:
     check(data)
