@@ -10,7 +10,6 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, normal, uniform
-from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.world.model import Model
 from irsim_gym.world.outline import chain
@@ -76,7 +75,7 @@ def outline_problems(options: VertexShape) -> Iterator[tuple[str, str]]:
     if options.vertices is None and not options.random_shape:
         yield "vertices", "is required unless random_shape is true"
     if options.number != 1:
-        yield "number", f"a body has one outline: write number: {show(options.number)} beside shape, not in it"
+        yield "number", "a body has one outline: write number beside shape, not in it"
     yield from unordered_ranges(options, "avg_radius_range", least=1e-3)
     yield from unordered_ranges(options, "irregularity_range", "spikeyness_range", least=0.0)
     for key in ("irregularity_range", "spikeyness_range"):

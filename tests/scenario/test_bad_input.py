@@ -216,7 +216,7 @@ ENTRIES = {
     ),
     "number of outlines": (
         "obstacle:\n  shape:\n    name: polygon\n    random_shape: true\n    number: 3",
-        "5 obstacle.shape.number: a body has one outline: write number: 3 beside shape, not in it",
+        "5 obstacle.shape.number: a body has one outline: write number beside shape, not in it",
     ),
     "state": ("robot: {state: here}", "1 robot.state: must be a list of numbers, got 'here'"),
     "empty state": ("robot: {state: []}", "1 robot.state: must have at least 1 values, got 0"),
