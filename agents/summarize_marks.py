@@ -1,8 +1,8 @@
 """Write the tables of five seeds in README.md from results/: a row for each benchmark, and one for each seed.
 
-    irsim-gym train maze --task seen_navigation --seeds 5 --out runs/maze
-    irsim-gym evaluate maze ppo=runs/maze/seed_0,... --out runs/maze/own
-    python agents/summarize.py maze runs/maze/seed_* --test runs/maze/own --json-only
+    irsim-gym train narrow_door --task patient_navigation --seeds 5 --out runs/door
+    irsim-gym evaluate narrow_door ppo=runs/door/seed_0,... --out runs/door/own
+    python agents/summarize.py narrow_door runs/door/seed_* --test runs/door/own --json-only
     python agents/summarize_marks.py
 
 A file of policies that are played where they were not trained is the `summary.json` of `irsim-gym evaluate`.
