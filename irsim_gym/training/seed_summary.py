@@ -12,6 +12,8 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import write_figure, write_json
+from irsim_gym.training.checkpoint_files import list_checkpoints
+from irsim_gym.training.run import Run
 
 Figures = dict[str, Any]
 """A row of a ``summary.json`` of ``irsim-gym evaluate``, or the whole file, as plain data."""
@@ -115,6 +117,9 @@ def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) 
         run: Folder of the run.
         tests: Evaluations by their labels.
         part: Name of the scenario of a mixture whose curve is wanted; None for the whole curve.
+
+    Raises:
+        IrsimGymError: If later checkpoints have no scores, so that the curve ends before the training did.
     """
     config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
     if part is not None:
@@ -123,6 +128,12 @@ def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) 
         points = [scenario_point(point, part) for point in curve["points"]]
         curve = {"points": points, "seconds_to": seconds_to(points)}
     last = curve["points"][-1]
+    unscored = [path for path in list_checkpoints(Run(run).checkpoints) if int(path.name) > last["steps"]]
+    if unscored:
+        raise IrsimGymError(
+            f"{run}: {len(unscored)} checkpoint(s) after {last['steps']:,} steps have no scores; the command of the "
+            "training computes them"
+        )
     return {
         "run": run.name,
         "settings": config["settings"],

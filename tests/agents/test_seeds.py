@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 from command_line import run as command
 
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.results_files import read_results
 from irsim_gym.training.seed_runs import group_folder
-from irsim_gym.training.seed_summary import seed_cells
+from irsim_gym.training.seed_summary import named_as_runs, read_seed, seed_cells
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
@@ -78,6 +80,18 @@ def test_seeds_are_trained_and_summed_up(monkeypatch: pytest.MonkeyPatch, capsys
     assert found.result.levels == 6
     assert found.run is not None
     assert found.run["settings"]["seed"] == 4
+
+
+def test_a_run_whose_last_checkpoints_have_no_scores_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seeds", 1) == 0
+    (run,) = Path("all").glob("seed_*")
+    test = json.loads(Path("all/test/summary.json").read_text())
+    named = named_as_runs(test, [run])
+    assert read_seed(run, {"yard": named})["steps"] == 64
+    (last,) = (run / "checkpoints").iterdir()
+    shutil.copytree(last, last.with_name(f"{int(last.name) + 64:0{len(last.name)}}"))
+    with pytest.raises(IrsimGymError, match=r"seed_0: 1 checkpoint\(s\) after 64 steps have no scores"):
+        read_seed(run, {"yard": named})
 
 
 def test_a_seed_of_several_is_the_run_of_that_seed(monkeypatch: pytest.MonkeyPatch) -> None:

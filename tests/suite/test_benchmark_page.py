@@ -67,16 +67,21 @@ def test_a_run_takes_the_place_of_the_rows_of_its_benchmarks(tmp_path: Path, mon
         rows.update({"maze": rows.pop("maze")})
         for name in set(rows) - {"maze"}:
             del rows[name]
-    run.figures["maze"] = {"dash": run.figures["maze"]["dash"]}
+    run.figures["maze"] = {"mine": run.figures["maze"]["dash"]}
+    run.runs["maze"] = {"mine": run.runs["maze"]["dash"]}
     run.methods = {"mine": [{"source": "mine", "sha256": None}]}
     run.write(tmp_path / "run")
     take_over(tmp_path / "run")
     after = json.loads(copy.read_text())
     assert list(after["figures"]) == list(before["figures"])
-    assert list(after["figures"]["maze"]) == ["dash"]
+    assert list(after["figures"]["maze"]) == ["mine"]
     del after["figures"]["maze"], before["figures"]["maze"]
     assert after["figures"] == before["figures"]
     assert list(after["methods"]) == [*before["methods"], "mine"]
+    run.methods["late"] = run.methods["mine"]
+    run.write(tmp_path / "run")
+    with pytest.raises(SystemExit, match=r"is not finished, .* continues it: late in maze$"):
+        take_over(tmp_path / "run")
     run.levels = 10
     run.write(tmp_path / "run")
     with pytest.raises(SystemExit, match="holds 10 test levels, not 1000 test levels"):
