@@ -1,4 +1,4 @@
-"""Mixture files: what they ask for, their mistakes, and the shipped one."""
+"""Mixture files: what they ask for, their mistakes, and the shipped ones."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_a_scenario_is_no_mixture_and_a_mixture_is_trained_alone(tmp_path: Path)
         requested_mixture(["maze", "general"], is_mixture=True)
 
 
-def test_the_shipped_mixture_is_all_of_core_with_one_robot() -> None:
+def test_the_mixture_general_is_all_of_core_with_one_robot() -> None:
     suite = shipped_suite()
     single = [suite.members[name] for name in suite.tiers["core"] if not suite.members[name].team]
     core = {(one.scenario, *sorted(one.parameters.items())) for one in single}
@@ -108,6 +108,18 @@ def test_the_shipped_mixture_is_all_of_core_with_one_robot() -> None:
     assert {(one.scenario, *sorted(one.parameters.items())) for one in found.parts} == core
     settings = found.request(TrainingRequest("general")).settings()
     assert len(settings.mixture) == 6
+
+
+def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() -> None:
+    first, careful = (read_mixture(mixture_file(name)) for name in ("rl_rvo", "rl_rvo_careful"))  # type: ignore[arg-type]
+    assert [(one.scenario, one.parameters) for one in first.parts] == [
+        (one.scenario, one.parameters) for one in careful.parts
+    ]
+    for mixture, task, steps in ((first, "crowded", 8_000_000), (careful, "careful", 12_000_000)):
+        settings = mixture.request(TrainingRequest("rl_rvo")).settings()
+        assert settings.task == f"{task}_team_navigation"
+        assert settings.hyperparameters.n_timesteps == steps
+        assert settings.is_team
 
 
 @pytest.mark.slow
