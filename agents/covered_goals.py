@@ -46,7 +46,7 @@ def main(scenario: str, runs: Sequence[str], levels: int, split: str, out: Path 
         lost = lost[[not is_won for is_won in winnable(scenario, run, lost, split)]]
     record = {
         "what": "levels that no policy wins, and those of them that no robot could have won while bodies moved so",
-        "command": f"python agents/covered_goals.py {scenario} {' '.join(runs)} --levels {levels} --split {split}",
+        "command": f"python agents/covered_goals.py {scenario} RUNS --levels {levels} --split {split}",
         "conditions": conditions(make_episodes(scenario), split, levels),
         "machine": machine(),
         "policies": len(runs),

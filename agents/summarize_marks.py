@@ -73,6 +73,7 @@ MARKS = (
     Mark("jaxnav_single", "jaxnav_single"),
     Mark("parking", "parking", 95.0, "hybrid_astar"),
     Mark("crowd_nav", "crowd_nav", 96.9, "orca"),
+    Mark("drl_robot_navigation", "drl_robot_navigation", 99.0, "orca"),
 )
 ELSEWHERE = (
     Elsewhere("narrow_door_in_1.15", "narrow_door", "narrow_door_1.15"),
