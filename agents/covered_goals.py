@@ -25,11 +25,13 @@ from shapely.geometry.base import BaseGeometry
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.evaluation.perception import Perceived
+from irsim_gym.evaluation.policy import by_agent
 from irsim_gym.evaluation.teams import top_speed
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import conditions, make_episodes
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import machine
+from irsim_gym.world.rows import row_of
 
 CELL = 0.025
 SLACK = CELL / 2.0**0.5
@@ -70,7 +72,7 @@ def play(
     policy.begin(episodes, worlds, levels)
     begun_or_stepped(episodes)
     while episodes.view.live.any():
-        episodes.step(np.asarray(policy.act(episodes, worlds)).reshape(len(levels), 1, -1))
+        episodes.step(by_agent(policy.act(episodes, worlds), episodes, worlds))
         begun_or_stepped(episodes)
     return episodes
 
@@ -115,9 +117,10 @@ def leads_to_goal(episodes: Episodes, motion: Motion, w: int) -> bool:
     """
     simulation, (robot,) = episodes.simulation, episodes.task.agents
     model = simulation.model
+    tolerance = float(model.goal_threshold[row_of(model.goal_threshold, w), robot])
     free = FreePlaces(simulation, robot, w)
     step = top_speed(episodes, w, 0) * float(model.step_time[0]) + 2.0 * SLACK
-    goal = free.near(simulation.state.goal[w, robot, :2], float(row(model.goal_threshold, w)[robot]) + SLACK)
+    goal = free.near(simulation.state.goal[w, robot, :2], tolerance + SLACK)
     places = free.near(motion.start[w], SLACK)
     for number in range(1, int(episodes.state.steps[w, 0]) + 1):
         places = spread(places, step / CELL) & free.at(motion.segments[number][w], motion.discs[number][w])
@@ -143,7 +146,7 @@ class FreePlaces:
         x_min, y_min, x_max, y_max = self.model.bounds
         sides = (np.arange(low + CELL / 2.0, high, CELL) for low, high in ((x_min, x_max), (y_min, y_max)))
         self.x, self.y = np.meshgrid(*sides, indexing="ij")
-        self.margin = float(row(self.model.radius, w)[robot]) - SLACK
+        self.margin = float(self.model.radius[row_of(self.model.radius, w), robot]) - SLACK
         self.covered: dict[int, tuple[bytes, Flags]] = {}
 
     def near(self, point: Floats, distance: float) -> Flags:
@@ -172,16 +175,10 @@ class FreePlaces:
         return known[1]
 
 
-def row(values: Floats, w: int) -> Floats:
-    """Return the values of a world, which all worlds may share."""
-    found: Floats = values[w % len(values)]
-    return found
-
-
 def rows_of(outlines: Floats, start: Ints, count: Ints, body: int, w: int) -> Floats:
     """Return the rows of a body among the outlines of a world."""
     first = int(start[body])
-    return outlines[first : first + int(count[w % len(count), body])]
+    return outlines[first : first + int(count[row_of(count, w), body])]
 
 
 def outline_of(lines: Floats, rounds: Floats, *, is_area: bool) -> BaseGeometry:

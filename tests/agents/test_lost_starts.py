@@ -41,4 +41,7 @@ def test_a_slow_robot_before_a_fast_disc(script: Any, gap: float, is_lost: bool)
     }
     scenario = {"world": {"step_time": 0.1}, "robot": robot, "obstacle": disc}
     episodes = make_episodes(scenario, n_worlds=script.MANY)
+    for count in (script.FEW, script.MANY):
+        lasted = script.survived(episodes, 0, "dev", script.sequences(count))
+        assert (lasted.max() == script.STEPS) is not is_lost
     assert script.can_survive(episodes, 0, "dev") is not is_lost
