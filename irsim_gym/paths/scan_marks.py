@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
@@ -159,6 +159,9 @@ def part_within(x: float, y: float, dx: float, dy: float, high_x: float, high_y:
 def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, doubted: Ints) -> int:
     """Free the quarters that the beams of a scan pass, without those where they hit; return how many were occupied.
 
+    A beam frees quarters only as far as the beams beside it reach, too. Alone, it would free the quarters along a wall
+    that it grazes, because the wall lies in only a part of them.
+
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
     Writes: cells, doubted.
 
@@ -176,15 +179,16 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
         return 0
     readings, least, most = scan.ranges[w, s], np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
     for i in range(readings.shape[0]):
-        if readings[i] > least:
-            x, y = beam_end(scan, eye, s, i, float(readings[i]))
+        length = least_beside(readings, i)
+        if length > least:
+            x, y = beam_end(scan, eye, s, i, float(length))
             line = line_between(eye.x, eye.y, x, y, grid.columns, grid.rows, grid.columns)
             # The quarters up to the first occupied cell are skipped. That cell may begin at the boundary before the
             # one that is counted, and before the n-th boundary, from 0 on, a beam crosses at least 2 n of quarters.
             skipped = max(2 * count_empty(line, cells) - 2, 0)
             line = line_between(2.0 * eye.x, 2.0 * eye.y, 2.0 * x, 2.0 * y, columns, rows, ROW)
-            is_hit = readings[i] < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows
-            # The quarter that the beam hits stays occupied; a beam without a hit spares none (-1).
+            is_hit = length < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows
+            # The quarter at the end of a hit stays occupied; where nothing is hit, none does (-1).
             kept, number = (line.last if is_hit else -1), line.first + skipped * line.jump
             count = free_quarter(line.last, kept, cells, doubted, count)
             for n in range(skipped, line.lines):
@@ -193,6 +197,12 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
                 count = free_quarter(here, kept, cells, doubted, count)
                 count = free_quarter(here + line.jump, kept, cells, doubted, count)
     return count
+
+
+@kernel(inlined=True)
+def least_beside(readings: Rays, i: int) -> np.float32:
+    """Return the least of the readings of beam i and the beams beside it [m]."""
+    return min(readings[max(i - 1, 0)], readings[i], readings[min(i + 1, readings.shape[0] - 1)])
 
 
 @kernel(inlined=True)

@@ -77,6 +77,8 @@ def place(grid: Any, x: float, y: float) -> tuple[int, int]:
 class Reference:
     """A map made from scans, beam by beam: lists of cells from sorted crossings of the lines between cells.
 
+    If bodies move, beams clear cells as far as the beams beside them reach, too.
+
     Its cells are half as wide as those of the map.
     """
 
@@ -110,16 +112,21 @@ class Reference:
         turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
         eye = np.array([x, y]) + turn @ np.array(options.offset[:2])
         angles = np.linspace(-0.5 * LIDAR["angle_range"], 0.5 * LIDAR["angle_range"], LIDAR["number"])
-        hits = []
-        for angle, reading in zip(angles, self.group.arrays["ranges"][w, self.member], strict=True):
+        readings, hits = self.group.arrays["ranges"][w, self.member], []
+        for i, angle in enumerate(angles):
             direction = turn @ [np.cos(angle + options.offset[2]), np.sin(angle + options.offset[2])]
-            end = eye + float(reading) * direction
-            cells = self.passed(eye, end)
-            if reading < options.range_max:
+            end = eye + float(readings[i]) * direction
+            if readings[i] < options.range_max:
                 hits.append(place(self.grid, *end))
-                cells = [cell for cell in cells if cell != hits[-1]]
-            self.set(cells, 1, (0, 1, 2) if self.moving else (0, 1))
+            self.set(self.before(eye, end, readings[i] < options.range_max), 1, (0, 1))
+            if self.moving:
+                least = readings[max(i - 1, 0) : i + 2].min()
+                self.set(self.before(eye, eye + float(least) * direction, least < options.range_max), 1, (2,))
         self.set(hits, 2, (0, 1, 2))
+
+    def before(self, eye: Any, end: Any, is_hit: bool) -> list[tuple[int, int]]:
+        """Return the cells that a beam passes, without the one that it hits."""
+        return [cell for cell in self.passed(eye, end) if not (is_hit and cell == place(self.grid, *end))]
 
 
 def check(cells: Any, reference: Reference) -> None:
@@ -158,6 +165,23 @@ def test_what_moves_away_is_cleared_and_what_stands_stays() -> None:
     drive(episodes, -1, 0)
     expected = levels_of(quarters(ways.seen.cells[0, 0]), 0.2 / CELL)
     np.testing.assert_array_equal(ways.levels[0, 0], expected)
+
+
+def test_beams_along_a_wall_do_not_clear_it() -> None:
+    wall = {"shape": {"name": "rectangle", "length": 1, "width": 2}, "state": [7.5, 7]}
+    mover = {**BALL, "state": [1, 1], "goal": [2, 1], "kinematics": {"name": "omni"}, "behavior": {"name": "dash"}}
+    round_scan = {"name": "lidar2d", "number": 200, "angle_range": 6.2832, "range_max": 6}
+    viewer = {"state": [5, 5.4, 0], "kinematics": {"name": "omni"}, "sensors": [round_scan]}
+    episodes = watching({**SEEN, "cell": 0.17}, robots=[robot(**viewer)], obstacle=[mover, wall])
+    seen = arrays(episodes).seen
+    rows, columns = zip(*(place(seen.grid, 7.0, y) for y in np.arange(6.1, 7.9, 0.05)), strict=True)
+    face = list(rows), list(columns)
+    occupied = []
+    for _ in range(25):
+        occupied.append((seen.cells[0, 0][face] & OCCUPIED != 0).sum())
+        drive(episodes, 1, 0.0)  # below the wall, until its left side is straight ahead
+    assert episodes.simulation.state.pose[0, 0, 0] > 7.0
+    assert min(occupied[10:]) >= max(occupied) - 6
 
 
 def test_shares_are_those_of_points_all_over_the_bins() -> None:

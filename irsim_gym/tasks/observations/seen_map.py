@@ -50,8 +50,8 @@ class SeenMap:
 
     For each ring, from the inside out, the columns are the occupied share of each sector, then the unknown share of
     each. Cells are unknown until a beam passes them or hits something in them; space outside the world is unknown. Hits
-    remain in the map, but beams clear them if other bodies can move. A cell is occupied as long as a quarter of it is.
-    Observations with the same ``cell`` and ``every`` share one map.
+    remain in the map. If other bodies can move, a beam clears them as far as the beams beside it reach, too. A cell is
+    occupied as long as a quarter of it is. Observations with the same ``cell`` and ``every`` share one map.
     """
 
     only_kernels: ClassVar[bool] = True

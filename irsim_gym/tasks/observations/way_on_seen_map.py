@@ -40,7 +40,8 @@ class WayOnSeenMap:
     Unknown space counts as free (Koenig and Smirnov 1996). The direction, as cosine and sine, is that of the last point
     of the path that can be reached straight. The length is divided by the world's diagonal and clipped to 1. Cells in
     which the agent fits, but not at their centre, cost eight times as much. Without a path, the direction is that of
-    the goal, and the length is 1. If other bodies can move, beams clear earlier hits.
+    the goal, and the length is 1. If other bodies can move, a beam clears earlier hits as far as the beams beside it
+    reach, too.
     """
 
     only_kernels: ClassVar[bool] = True
