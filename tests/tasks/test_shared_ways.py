@@ -162,3 +162,20 @@ def test_of_several_ways_the_nearest_is_paid_for() -> None:
         for _ in range(2):
             drive(episodes, -1, 0)
     assert cost(both)[0] == cost(one)[0] < -0.7 * 5.0 / both.task.max_steps
+
+
+def test_a_team_in_a_mirror_observes_the_mirrored_columns() -> None:
+    wall = {"shape": {"name": "rectangle", "length": 0.9, "width": 2.2}, "state": [5.03, 5.61, 0.3]}
+    robots = [robot(4.02, 4.46, (9, 8.9), 0.4), robot(3.01, 5.13, (7.3, 5.2), -0.3)]
+    upright, mirrored = (team([flipped(one, flip) for one in robots], [flipped(wall, flip)]) for flip in (False, True))
+    term = upright.terms["observations"][0]
+    exchanged = term.options.mirrored(term)
+    there = mirrored.view.observation[0][:, exchanged.columns] * exchanged.signs
+    np.testing.assert_allclose(upright.view.observation[0], there, atol=2 * CELL)
+    assert upright.view.observation[0, 0, 3] == 1.0
+
+
+def flipped(body: dict[str, Any], flip: bool) -> dict[str, Any]:
+    """Return a body whose upper and lower sides are exchanged."""
+    keys = [key for key in ("state", "goal") if key in body and flip]
+    return {**body, **{key: [body[key][0], 10 - body[key][1], -body[key][2]] for key in keys}}
