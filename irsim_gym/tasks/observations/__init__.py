@@ -22,7 +22,6 @@ from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.seen_map import SeenMap
 from irsim_gym.tasks.observations.seen_map_image import SeenMapImage
-from irsim_gym.tasks.observations.shared_ways import SharedWays
 from irsim_gym.tasks.observations.time_to_collision import TimeToCollision
 from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
@@ -33,7 +32,6 @@ OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)
 OBSERVATIONS.register("seen_map", SeenMap)
 OBSERVATIONS.register("way_on_seen_map", WayOnSeenMap)
-OBSERVATIONS.register("shared_ways", SharedWays)
 OBSERVATIONS.register("free_travel", FreeTravel)
 OBSERVATIONS.register("exact_free_travel", ExactFreeTravel)
 OBSERVATIONS.register("time_to_collision", TimeToCollision)
