@@ -26,6 +26,7 @@ from irsim_gym.cli_options import (
     Steps,
     Task,
     Team,
+    Watched,
 )
 from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
@@ -274,15 +275,17 @@ def play(
     split: Split = "train",
     robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
+    policy: Watched = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Drive a robot by hand in a window, level after level. The window lists the keys; esc quits."""
+    """Drive a robot by hand in a window, level after level, or watch a policy. The window lists the keys; esc quits."""
     from irsim_gym.training.manual_play import PlaySettings
     from irsim_gym.training.manual_play import play as play_by_hand
 
-    settings = PlaySettings(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
+    parameters = read_parameters(given)
+    settings = PlaySettings(scenario, task, robot, level, split, parameters, record, speed, policy, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:

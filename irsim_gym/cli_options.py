@@ -63,6 +63,14 @@ Reference = Annotated[
         autocompletion=cli_completion.policies,
     ),
 ]
+Watched = Annotated[
+    str | None,
+    typer.Option(
+        "--policy",
+        help="Drives until you press x: a shipped policy, a run's folder, a policy.zip or a behavior.",
+        autocompletion=cli_completion.policies,
+    ),
+]
 Given = Annotated[
     list[str] | None,
     typer.Option(

@@ -20,12 +20,14 @@ from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.drive_actions import to_actions
+from irsim_gym.evaluation.perception import Perceives, Perception, perceived_task
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.families import BEHAVIORS
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.tasks import Outcome
+from irsim_gym.tasks import Outcome, load_task
 from irsim_gym.training.inputs import check_inputs
+from irsim_gym.training.policies import load_policy
 from irsim_gym.training.recorder import Recorder, check_demonstrations
 from irsim_gym.training.scenario_request import ScenarioRequest
 
@@ -54,6 +56,7 @@ class PlaySettings:
         parameters: Values for the scenario's parameters.
         record: File for demonstrations, ``.npz``; None to record nothing.
         speed: Speed of the simulation relative to real time.
+        policy: Policy that drives until the person takes over, as ``load_policy`` accepts it; None for the person.
         strict: Whether unused keys are an error; False ignores them.
     """
 
@@ -65,6 +68,7 @@ class PlaySettings:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     record: Path | None = None
     speed: float = 1.0
+    policy: str | None = None
     strict: bool = True
 
 
@@ -87,21 +91,23 @@ class Player:
     """A manual session: plays level after level until the person quits.
 
     The keys are those of ``irsim_gym.load``: r restarts the level and discards its recording, n begins the next level,
-    l reloads the file, x switches to the robot's behaviour and back, alt and a digit select another robot.
+    l reloads the file, x switches to the policy, or without one to the robot's behaviour, and back, alt and a digit
+    select another robot.
 
     Raises:
         NoWindowError: If there is no display, or no working GUI toolkit.
-        IrsimGymError: If the scenario or the task is invalid, there is no such robot, or the file for demonstrations
-            belongs to another environment.
+        IrsimGymError: If the scenario or the task is invalid, there is no such robot or policy, the policy cannot drive
+            the robot, or the file for demonstrations belongs to another environment.
     """
 
     def __init__(self, settings: PlaySettings) -> None:
         self._settings, self._level, self._one = settings, settings.level, np.zeros(1, np.int64)
+        self._policy = None if settings.policy is None else load_policy(settings.policy)
         self._read(settings.robot)
         self._recorder = None if settings.record is None else Recorder(self._env, settings.record)
         self._outcomes: Counter[str] = Counter()
         self._paused = self._single_step = self._quit = self._hidden = False
-        self._auto: BehaviorPolicy | None = None
+        self._auto = self._policy
         self._message, self._said_at = "", 0.0
         self._begin()
         keys, title = self._scenario.gui.keyboard, f"{self._scenario.label} - irsim-gym play"
@@ -114,7 +120,9 @@ class Player:
         name, given = self._settings.scenario, self._settings.parameters
         strict = self._settings.strict
         self._scenario = load_scenario(name, given, strict=strict)
-        task = self._settings.task if robot is None else _task_of(self._scenario, self._settings.task, robot)
+        task: Any = self._settings.task if robot is None else _task_of(self._scenario, self._settings.task, robot)
+        if isinstance(self._policy, Perceives) and self._policy.perception is not None:
+            task = perceived(self._scenario, task, self._policy.perception)
         env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, strict=strict, **given)
         assert isinstance(env.unwrapped, WorldEnv)
         self._env, self._worlds = env, env.unwrapped.worlds
@@ -125,6 +133,8 @@ class Player:
     def _begin(self) -> None:
         """Begin the current level."""
         self._seen, _ = self._env.reset(options={"split": self._settings.split, "level": self._level})
+        if self._auto is not None:
+            self._auto.begin(self._worlds.episodes, self._one, np.array([self._level]))
         if self._recorder is not None:
             self._recorder.discard()
             self._recorder.begin(self._seen, self._level)
@@ -218,22 +228,24 @@ class Player:
     def _next(self) -> None:
         self._level += 1
         self._begin()
-        if self._auto is not None:
-            self._auto.begin(self._worlds.episodes, self._one, np.array([self._level]))
 
     def _switch(self) -> None:
-        """Switch between the person and the robot's own behaviour, or dash if it has none."""
+        """Switch between the person and the policy, without one the robot's own behaviour."""
         if self._auto is not None:
             self._auto = None
             return
-        behavior = self._scenario.bodies[self._body].behavior
-        policy = BehaviorPolicy("dash" if behavior is None else BEHAVIORS.name_of(type(behavior)))
+        policy = BehaviorPolicy(self._behavior()) if self._policy is None else self._policy
         try:
             policy.begin(self._worlds.episodes, self._one, np.array([self._level]))
         except IrsimGymError as error:
             self._say(str(error))
         else:
             self._auto = policy
+
+    def _behavior(self) -> str:
+        """Return the name of the robot's own behaviour, dash if it has none."""
+        behavior = self._scenario.bodies[self._body].behavior
+        return "dash" if behavior is None else BEHAVIORS.name_of(type(behavior))
 
     def _reload(self) -> None:
         if self._recorder is not None:
@@ -294,7 +306,7 @@ class Player:
             paid=f"return {self._return:.2f}",
             recorded=None if self._recorder is None else self._recorder.n_episodes,
             paused=self._paused,
-            by_itself=None if self._auto is None else self._auto.name,
+            by_itself=None if self._auto is None else self._settings.policy or self._behavior(),
             message=self._message if time.perf_counter() - self._said_at < MESSAGE_S else "",
         )
         return self._screen.picture(world_status(self._worlds.episodes, 0), standing)
@@ -316,7 +328,8 @@ def play(settings: PlaySettings) -> PlayResult:
     record = settings.record
     asked = ScenarioRequest(settings.scenario, settings.task, parameters=settings.parameters, strict=settings.strict)
     outputs = [] if record is None else [partial(check_demonstrations, record)]
-    check_inputs(asked, *outputs, split=settings.split)
+    policies = [] if settings.policy is None else [settings.policy]
+    check_inputs(asked, *outputs, policies=policies, split=settings.split)
     return Player(settings).run()
 
 
@@ -327,6 +340,17 @@ def _screen(worlds: Worlds, body: int) -> PlayScreen:
     scenario, renderer = worlds.scenario, make_renderer(worlds.simulation)
     names, several = scenario.bodies[body].kinematics.command_names, len(scenario.robots) > 1
     return PlayScreen(renderer, names, several=several)
+
+
+def perceived(scenario: Scenario, task: Any, perception: Perception) -> dict[str, Any]:
+    """Return a task with the observations and the action of a policy.
+
+    Raises:
+        UnfitPerceptionError: If the robot lacks what they need.
+    """
+    perceived_task(scenario, load_task(scenario, task), perception)
+    given = scenario.task if task is None else {"name": task} if isinstance(task, str) else task
+    return {**given, **perception.to_plain()}
 
 
 def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]:

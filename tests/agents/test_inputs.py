@@ -45,7 +45,10 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (("record", "cluttered_rom", "dash", "--html", "--out", "film.mp4"), (SCENARIO, "ends in .html")),
         (("record", "cluttered_rom", "file.txt", "broken.npz"), (SCENARIO, "file.txt is not a", "broken.npz is no")),
-        (("play", "cluttered_rom", *WORLD, "--record", "file.txt"), (SCENARIO, TASK, SPLIT, "must be .npz files")),
+        (
+            ("play", "cluttered_rom", *WORLD, "--policy", "dsah", "--record", "file.txt"),
+            (SCENARIO, TASK, SPLIT, POLICY, "must be .npz files"),
+        ),
         (
             ("arena", "cluttered_rom", "dsah", "dash", "dash", *WORLD, "--out", "file.txt"),
             (SCENARIO, TASK, POLICY, SPLIT, "dash is given more than once", "file.txt is a file"),

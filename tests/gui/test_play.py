@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,14 +38,14 @@ def start(screen: Screen, tmp_path: Path, until) -> Iterator[Start]:
     """Return a function that begins to play with some options, and waits for the window."""
     (tmp_path / "hall.yaml").write_text(FILE)
     begun: list[subprocess.Popen[str]] = []
-    program = [sys.executable, "-c", PROGRAM, "play", "hall.yaml"]
+    program = [sys.executable, "-c", PROGRAM, "play"]
 
-    def play(*options: str) -> subprocess.Popen[str]:
+    def play(*options: str, file: str = "hall.yaml", title: str = TITLE) -> subprocess.Popen[str]:
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        begun.append(subprocess.Popen([*program, *options], cwd=tmp_path, **pipes))
+        begun.append(subprocess.Popen([*program, file, *options], cwd=tmp_path, **pipes))
         screen.move(5, 5)
-        until(lambda: screen.has_window(TITLE) or begun[-1].poll() is not None, most=90.0)
-        screen.focus(TITLE)
+        until(lambda: screen.has_window(title) or begun[-1].poll() is not None, most=90.0)
+        screen.focus(title)
         for _ in range(6):  # its time goes on, so that the keyboard is ready
             before = screen.picture(640, 40)
             until(lambda last=before: not np.array_equal(screen.picture(640, 40), last), most=20.0)
@@ -122,3 +123,21 @@ def test_an_interrupt_keeps_what_was_recorded(start: Start, screen: Screen, tmp_
     found = irsim_gym.load_demonstrations(tmp_path / "demo.npz")
     assert found.about["robot"] == "far"
     assert found.actions[-1].tolist() == [1.0, 0.0]
+
+
+def test_a_policy_drives_until_the_person_takes_over(start: Start, screen: Screen, tmp_path: Path) -> None:
+    """The policy was trained with other observations than those of the scenario's task."""
+    options = ("--policy", "cluttered_room_memory", "--record", "demo.npz", "--speed", "3")
+    played = start(*options, file="cluttered_room", title="cluttered_room - irsim-gym play")
+    time.sleep(1.0)
+    screen.type("x")
+    time.sleep(0.5)
+    screen.type("Escape")
+    assert said(played).endswith("demo.npz: 1 episode\n")
+    found = irsim_gym.load_demonstrations(tmp_path / "demo.npz")
+    n_watched = int(np.flatnonzero(found.by_hand)[0])
+    assert n_watched > 5
+    assert found.by_hand[n_watched:].all()
+    policy: Any = irsim_gym.load_policy("cluttered_room_memory")
+    expected, _ = policy.predict(found.observations[:n_watched], deterministic=True)
+    np.testing.assert_allclose(found.actions[:n_watched], expected, atol=1e-4)
