@@ -6,7 +6,6 @@ from irsim_gym.tasks.rewards.clearance import Clearance
 from irsim_gym.tasks.rewards.collision import Collision
 from irsim_gym.tasks.rewards.deadlock import Deadlock
 from irsim_gym.tasks.rewards.left_world import LeftWorldPenalty
-from irsim_gym.tasks.rewards.obstruction import Obstruction
 from irsim_gym.tasks.rewards.progress import Progress
 from irsim_gym.tasks.rewards.smoothness import Smoothness
 from irsim_gym.tasks.rewards.time import Time
@@ -18,5 +17,4 @@ REWARDS.register("deadlock", Deadlock)
 REWARDS.register("left_world", LeftWorldPenalty)
 REWARDS.register("time", Time)
 REWARDS.register("clearance", Clearance)
-REWARDS.register("obstruction", Obstruction)
 REWARDS.register("smoothness", Smoothness)
