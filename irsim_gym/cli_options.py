@@ -66,7 +66,6 @@ Reference = Annotated[
 Watched = Annotated[
     str | None,
     typer.Option(
-        "--policy",
         help="Drives until you press x: a shipped policy, a run's folder, a policy.zip or a behavior.",
         autocompletion=cli_completion.policies,
     ),
