@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point, Rays
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Labels, Point, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
@@ -234,7 +234,9 @@ def free_quarter(number: int, kept: int, cells: Bytes, doubted: Ints, count: int
 
 
 @kernel
-def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, fresh: Labels) -> int:
+def mark_hits(
+    scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, fresh: Labels, skipped: Flags
+) -> int:
     """Mark the quarters in which the beams of a scan hit something; return how many were not known to be occupied.
 
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
@@ -248,12 +250,15 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
         grid: The grid.
         cells: Changed: what is known, shape ``(rows, columns)``.
         fresh: Written: the numbers of these quarters, row by row in twice as many columns, room for ``n_beams``.
+        skipped: Whether the hit of each beam is left out, shape ``(n_beams,)``; of no length if none is.
     """
     eye, s, count = eye_of(scan, k, pose, grid), scan.sensors[k], 0
     readings, least, most = scan.ranges[w, s], np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
     for i in range(readings.shape[0]):
         x, y = beam_end(scan, eye, s, i, float(readings[i]))
         if not (least < readings[i] < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows):
+            continue
+        if i < skipped.shape[0] and skipped[i]:
             continue
         column, row = int(2.0 * x), int(2.0 * y)
         bit = quarter(row, column)

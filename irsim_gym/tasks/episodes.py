@@ -20,7 +20,7 @@ from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.task import Task, checked_limit
-from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term
+from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
 from irsim_gym.tasks.term_watch import TermWatch
 from irsim_gym.tasks.transition import CRITIC, transition_of
 from irsim_gym.world.model import OMNI_WORLD
@@ -68,7 +68,7 @@ class Episodes:
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
-        self._on_the_way = np.array([reward.role in ("potential", "running") for reward in task.rewards], np.bool_)
+        self._on_the_way = np.array([is_paid_on_the_way(reward) for reward in task.rewards], np.bool_)
         self._critic = bind(OBSERVATIONS, task.critic_observations, simulation, task)
         terms = [*self._observations, *self._critic, *self._rewards]
         self._minded_clearance = max(

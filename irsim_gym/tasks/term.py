@@ -183,6 +183,8 @@ class RewardKind(Protocol):
     ``role``: ``potential`` (a difference of potentials), ``bonus`` (positive, once), ``penalty`` (negative, on an
     event) or ``running`` (never positive, and over a whole episode never below ``-weight``).
     ``least(bodies)``: optional, the smallest penalty if it depends on the body, for the audit of rewards.
+    ``after_arrival``: optional, True if a running cost is paid after an arrival, too (ending ``arrived`` with
+    ``wait``).
 
     Attributes:
         weight: Factor on what the term pays.
@@ -197,6 +199,11 @@ class RewardKind(Protocol):
     @staticmethod
     def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write column ``term.column`` of ``episode.reward_term``."""
+
+
+def is_paid_on_the_way(reward: RewardKind) -> bool:
+    """Return whether a reward is paid up to the arrival only, where agents drive on after it."""
+    return reward.role in ("potential", "running") and not getattr(reward, "after_arrival", False)
 
 
 class EndingKind(Protocol):

@@ -59,6 +59,7 @@ EVERYTHING: dict[str, Any] = {
         {"name": "seen_map", "sectors": 8, "rings": [1, 4]},
         {"name": "seen_map_image", "pixels": 40},
         "way_on_seen_map",
+        "yielding_way",
         {"name": "local_map", "cells": 8},
     ],
     "endings": ["arrived", "collided", "left_world", "deadlocked"],

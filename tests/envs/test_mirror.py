@@ -49,9 +49,10 @@ SCENE: dict[str, Any] = {
     ],
 }
 IN_WORLD = {"position", "heading", "goal_position"}
-ROUGH = {"seen_map", "seen_map_image", "occupancy_image", "top_view", "local_map", "trail", "route", "way_on_seen_map"}
+ROUGH = {"seen_map", "seen_map_image", "occupancy_image", "top_view", "local_map", "trail", "route"}
+ROUGH |= {"way_on_seen_map", "yielding_way"}
 """Observations with cells or pixels, at whose edges a rounding may decide."""
-WAYS = {"route", "way_on_seen_map"}
+WAYS = {"route", "way_on_seen_map", "yielding_way"}
 """Observations of a way along cells; of two equal ones, the search takes one."""
 OPTIONS: list[Any] = [
     {"scan": {"sectors": 90}},

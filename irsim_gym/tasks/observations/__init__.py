@@ -27,11 +27,13 @@ from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
 from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
+from irsim_gym.tasks.observations.yielding_way import YieldingWay
 
 OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)
 OBSERVATIONS.register("seen_map", SeenMap)
 OBSERVATIONS.register("way_on_seen_map", WayOnSeenMap)
+OBSERVATIONS.register("yielding_way", YieldingWay)
 OBSERVATIONS.register("free_travel", FreeTravel)
 OBSERVATIONS.register("exact_free_travel", ExactFreeTravel)
 OBSERVATIONS.register("time_to_collision", TimeToCollision)

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Ints, Labels
+from irsim_gym.arraytypes import Bytes, Flags, Ints, Labels
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.own_scans import own_scan
 from irsim_gym.jit import kernel
@@ -49,6 +49,8 @@ class SeenGrid(Struct):
         n_freed: Number of quarters that it showed to be no longer occupied, likewise.
         doubted: Scratch: occupied quarters that beams have passed, shape ``(n_slots, n_quarters)``; empty if only the
             learner can move, because occupied cells cannot become free then.
+        skipped: Whether the hit of each beam is left out of the map, shape ``(n_worlds, n_agents, n_beams)``; no beams
+            if no observation leaves any out.
     """
 
     scan: OwnScan
@@ -61,6 +63,7 @@ class SeenGrid(Struct):
     n_fresh: Labels
     n_freed: Labels
     doubted: Ints
+    skipped: Flags
 
     @classmethod
     def over(cls, term: Any, simulation: Simulation, agents: Ints, name: str, *, follows: bool) -> Self:
@@ -88,6 +91,7 @@ class SeenGrid(Struct):
             n_fresh=np.zeros(shape, np.int32),
             n_freed=np.zeros(shape, np.int32),
             doubted=np.zeros((simulation.shards.n_slots, 4 * grid.rows * grid.columns if can_change else 0), np.int64),
+            skipped=np.zeros((*shape, 0), np.bool_),
         )
 
 
@@ -136,7 +140,8 @@ def forget_seen(worlds: Ints, seen: SeenGrid, episode: EpisodeState) -> None:
 def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: State, episode: EpisodeState) -> None:
     """Add the latest scans to the learners' maps, at the start and then every ``every`` steps, unless already added.
 
-    Reads: term (agents), seen (cells, doubted, every, follows, grid, noted, scan), state (pose), episode (steps).
+    Reads: term (agents), seen (cells, doubted, every, follows, grid, noted, scan, skipped), state (pose), episode
+        (steps).
     Writes: seen (cells, doubted, fresh, n_freed, n_fresh, noted).
     """
     doubted = seen.doubted[slot]
@@ -152,6 +157,8 @@ def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: State,
                 mark_passed(seen.scan, w, a, pose, seen.grid, cells)
             if doubted.shape[0] > 0:
                 count = free_passed(seen.scan, w, a, pose, seen.grid, cells, doubted)
-            seen.n_fresh[w, a] = mark_hits(seen.scan, w, a, pose, seen.grid, cells, seen.fresh[w, a])
+            seen.n_fresh[w, a] = mark_hits(
+                seen.scan, w, a, pose, seen.grid, cells, seen.fresh[w, a], seen.skipped[w, a]
+            )
             seen.n_freed[w, a] = count_freed(cells, doubted, count)
             seen.noted[w, a] = steps

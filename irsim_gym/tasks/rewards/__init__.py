@@ -6,6 +6,7 @@ from irsim_gym.tasks.rewards.clearance import Clearance
 from irsim_gym.tasks.rewards.collision import Collision
 from irsim_gym.tasks.rewards.deadlock import Deadlock
 from irsim_gym.tasks.rewards.left_world import LeftWorldPenalty
+from irsim_gym.tasks.rewards.obstruction import Obstruction
 from irsim_gym.tasks.rewards.progress import Progress
 from irsim_gym.tasks.rewards.smoothness import Smoothness
 from irsim_gym.tasks.rewards.time import Time
@@ -17,4 +18,5 @@ REWARDS.register("deadlock", Deadlock)
 REWARDS.register("left_world", LeftWorldPenalty)
 REWARDS.register("time", Time)
 REWARDS.register("clearance", Clearance)
+REWARDS.register("obstruction", Obstruction)
 REWARDS.register("smoothness", Smoothness)

@@ -1,0 +1,203 @@
+"""Standing aside: which robots of a team yield to which, and where they go to let them pass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
+from irsim_gym.geometry.angles import turned
+from irsim_gym.jit import kernel
+from irsim_gym.paths.cell_lines import free_cell
+from irsim_gym.paths.grid import BLOCKED, Grid, centre
+from irsim_gym.paths.wavefront import NEVER, STRAIGHT, begin_costs, follow_costs, spread_costs
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.observations.seen_ways import SeenWays, last_in_sight
+from irsim_gym.tasks.observations.team_ways import TeamWays
+from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.term import Bound
+from irsim_gym.world.model import Model
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import State
+
+SOON = 1.5
+"""Two agents on their way meet if the first of them comes upon the other's way within this length of its own [m]."""
+
+
+@kernel
+def write_asides(
+    worlds: Ints,
+    slot: int,
+    term: Bound,
+    team: TeamWays,
+    ways: SeenWays,
+    model: Model,
+    state: State,
+    episode: EpisodeState,
+) -> None:
+    """Write the three elements of agents that yield or have arrived: where to go, or to stay.
+
+    Agents with higher numbers come first, as those with lower ones yield to them only if they cannot stand aside.
+
+    Reads: term (agents, column, options), team (costs, count, is_stuck, levels, points, robots, yields), ways (levels,
+        queues, seen, way), model (bounds, present, reach), state (direction, pose), episode (arrival).
+    Writes: team (costs, is_stuck, levels, yields), ways (queues, way), episode (observation).
+    """
+    width, n_agents = term.options[0].width, term.agents.shape[0]
+    across, up = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
+    full = np.sqrt(across * across + up * up)
+    for w in worlds:
+        for a in range(n_agents):
+            team.is_stuck[w, a] = False
+        for a in range(n_agents - 1, -1, -1):
+            find_yields(team, ways, w, a, term, width, state, episode)
+            if episode.arrival[w, a] == 0 and not yields_to_any(team, w, a):
+                continue
+            b = term.agents[a]
+            here, rest = (state.pose[w, b, 0], state.pose[w, b, 1]), 0.0
+            there = here
+            if is_in_way(team, w, a, here, width):
+                there, rest = find_aside(team, ways, slot, w, a, b, width, model, state)
+                team.is_stuck[w, a] = rest == np.inf
+                if rest == np.inf and episode.arrival[w, a] == 0:
+                    continue
+            dx, dy = there[0] - here[0], there[1] - here[1]
+            far = np.sqrt(dx * dx + dy * dy)
+            cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
+            row = episode.observation[w, a, term.column : term.column + 3]
+            row[0] = unit((dx * cosine + dy * sine) / far if far > 0.0 else 1.0)
+            row[1] = unit((dy * cosine - dx * sine) / far if far > 0.0 else 0.0)
+            row[2] = unit((far + rest) / full)
+
+
+@kernel
+def find_yields(
+    team: TeamWays, ways: SeenWays, w: int, a: int, term: Bound, width: float, state: State, episode: EpisodeState
+) -> None:
+    """Flag the agents to which an agent yields.
+
+    Reads: team (count, is_stuck, points), ways (seen), term (agents), state (pose), episode (arrival).
+    Writes: team (yields).
+    """
+    own = team.points[w, a, : team.count[w, a]]
+    soon = own[: int(SOON / ways.seen.grid.cell) + 1]
+    for other in range(term.agents.shape[0]):
+        points, b = team.points[w, other, : team.count[w, other]], term.agents[other]
+        team.yields[w, a, other] = other != a and (
+            episode.arrival[w, a] > 0
+            or (
+                (other < a or team.is_stuck[w, other])
+                and is_beside(own, (state.pose[w, b, 0], state.pose[w, b, 1]), width)
+                and come_near(soon, points, width)
+            )
+        )
+
+
+@kernel
+def yields_to_any(team: TeamWays, w: int, a: int) -> bool:
+    """Return whether an agent yields to any other.
+
+    Reads: team (yields).
+    """
+    return bool(team.yields[w, a].any())
+
+
+@kernel
+def is_beside(points: Floats, place: Point, width: float) -> bool:
+    """Return whether a point [m] is within ``width`` of one of the points of a way, shape ``(n, 2)``."""
+    for k in range(points.shape[0]):
+        dx, dy = points[k, 0] - place[0], points[k, 1] - place[1]
+        if dx * dx + dy * dy < width * width:
+            return True
+    return False
+
+
+@kernel
+def come_near(ones: Floats, others: Floats, width: float) -> bool:
+    """Return whether any of some points is within ``width`` of any of others [m], shapes ``(n, 2)``."""
+    near = False
+    for k in range(ones.shape[0]):
+        near = near or is_beside(others, (ones[k, 0], ones[k, 1]), width)
+    return near
+
+
+@kernel
+def is_in_way(team: TeamWays, w: int, a: int, place: Point, width: float) -> bool:
+    """Return whether a point [m] is within ``width`` of the way of an agent to which another yields.
+
+    Reads: team (count, points, yields).
+    """
+    for other in range(team.count.shape[1]):
+        if team.yields[w, a, other] and is_beside(team.points[w, other, : team.count[w, other]], place, width):
+            return True
+    return False
+
+
+@kernel
+def find_aside(
+    team: TeamWays, ways: SeenWays, slot: int, w: int, a: int, b: int, width: float, model: Model, state: State
+) -> tuple[Point, float]:
+    """Find the nearest place out of the way of the others.
+
+    Reads: team (costs, count, levels, points, robots, yields), ways (levels, queues, seen, way), model (present,
+        reach), state (pose).
+    Writes: team (costs, levels), ways (queues, way).
+
+    Returns:
+        The last point of the path there that can be reached straight [m], and the length of the rest of the path [m];
+        infinite if there is no such place.
+    """
+    grid, levels, costs, way = ways.seen.grid, team.levels[slot], team.costs[slot], ways.way[slot]
+    here, reach = (state.pose[w, b, 0], state.pose[w, b, 1]), model.reach[row_of(model.reach, w)]
+    for i in range(grid.rows):
+        for j in range(grid.columns):
+            levels[i, j] = ways.levels[w, a, i, j]
+    for other in team.robots:
+        if other != b and model.present[w, other]:
+            place = (state.pose[w, other, 0], state.pose[w, other, 1])
+            block_disc(grid, place, reach[other] + reach[b], levels)
+    start = free_cell(grid, levels, here)
+    if start < 0:
+        return here, np.inf
+    spread_costs(levels, start, ways.queues[slot], costs)
+    end = nearest_outside(team, grid, w, a, width, costs)
+    if end < 0:
+        return here, np.inf
+    # Until here costs are those of ways to the start.
+    begin_costs(end, costs)
+    count = follow_costs(levels, costs, start, way)
+    if count == 0:
+        spread_costs(levels, end, ways.queues[slot], costs)
+        count = follow_costs(levels, costs, start, way)
+    if count == 0:
+        return here, np.inf
+    last = last_in_sight(here, grid, levels, way, count)
+    return centre(grid, last // grid.columns, last % grid.columns), costs.reshape(-1)[last] * (grid.cell / STRAIGHT)
+
+
+@kernel
+def nearest_outside(team: TeamWays, grid: Grid, w: int, a: int, width: float, costs: Labels) -> int:
+    """Return the number of the cell with the least cost that is not in the way of others, -1 if there is none.
+
+    Reads: team (count, points, yields).
+    """
+    best, found = NEVER, -1
+    for i in range(grid.rows):
+        for j in range(grid.columns):
+            if costs[i, j] < best and not is_in_way(team, w, a, centre(grid, i, j), width):
+                best, found = costs[i, j], i * grid.columns + j
+    return found
+
+
+@kernel
+def block_disc(grid: Grid, place: Point, radius: float, levels: Bytes) -> None:
+    """Block the cells whose centres are within a radius [m] of a point [m].
+
+    Writes: levels.
+    """
+    column, row = (place[0] - grid.origin_x) / grid.cell, (place[1] - grid.origin_y) / grid.cell
+    reach = radius / grid.cell
+    for i in range(max(int(row - reach), 0), min(int(row + reach) + 2, grid.rows)):
+        for j in range(max(int(column - reach), 0), min(int(column + reach) + 2, grid.columns)):
+            dx, dy = j + 0.5 - column, i + 0.5 - row
+            if dx * dx + dy * dy < reach * reach:
+                levels[i, j] = BLOCKED

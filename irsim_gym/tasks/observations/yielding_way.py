@@ -1,0 +1,92 @@
+"""Yielding way: the way to the goal of a robot that knows the ways of its team, or out of the way of others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.mirrored import Mirrored, signed
+from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
+from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, forget_seen, note_all
+from irsim_gym.tasks.observations.seen_ways import clear_levels, narrow_ways
+from irsim_gym.tasks.observations.standing_aside import write_asides
+from irsim_gym.tasks.observations.team_ways import TeamWays, find_points, skip_robots
+from irsim_gym.tasks.observations.way_on_seen_map import write_ways_seen
+from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
+from irsim_gym.world.model import Model
+from irsim_gym.world.state import State
+
+
+@kind
+class YieldingWay:
+    """Direction and length of the way that the agent should take, if the robots of a team tell each other their ways.
+
+    On its way it is the shortest one to the next goal on the map from the agent's own scans, as in
+    ``way_on_seen_map``, but without robots: hits of robots, whose places are known to each other, are left out. An
+    agent that yields and that stands within ``width`` of the next ``ahead`` metres of the others' ways is led to the
+    nearest place that does not, past the robots in their present places. An agent that yields elsewhere, or has
+    arrived, is told to stay: straight ahead, length 0. Without such a place, an agent that has arrived observes length
+    1, and another its way to the goal.
+
+    Agents that have arrived yield to all that are on their way. Of two on their way that meet, the one with the higher
+    number yields, or the other if that one cannot stand aside. They meet if the other stands within ``width`` of the
+    next ``ahead`` metres of the agent's way, and the next 1.5 m of it come within ``width`` of the other's.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = True
+
+    cell: float | None = CELL
+    every: int = EVERY
+    ahead: float = option(4.0, gt=0.0, unit="m", meaning="Length of the part of the ways that others know.")
+    width: float = option(0.8, gt=0.0, unit="m", meaning="Distance that robots need from the ways of others.")
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> TeamWays:
+        """Return the maps, the ways, and scratch memory."""
+        return TeamWays.over(self, simulation, agents, "yielding_way")
+
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
+        """Return the bounds of the three elements."""
+        return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+
+    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+        """Return the meaning of the columns."""
+        full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
+        point = "of the direction of its way, to the goal as if there were no robots or out of the ways of others"
+        return [
+            Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
+            Columns(f"sine {point}", "1 to the left, -1 to the right"),
+            Columns("length s of that way", f"s / {full:.3g} m, at most 1; 1 where there is none; 0 to stay"),
+        ]
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, -1.0, 1.0)
+
+    @staticmethod
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Clear the maps and ways."""
+        ways = term.arrays.ways
+        forget_seen(shard.worlds, ways.seen, episode)
+        clear_levels(shard.worlds, ways, episode)
+
+    @staticmethod
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Add the latest scans to the maps, find the ways, and write the three elements."""
+        team = term.arrays
+        ways = team.ways
+        skip_robots(shard.worlds, term.bound, team, ways.seen, model, state, episode)
+        note_all(shard.worlds, shard.slot, term.bound, ways.seen, state, episode)
+        narrow_ways(shard.worlds, term.bound, ways, model, episode)
+        write_ways_seen(shard.worlds, shard.slot, term.bound, ways, model, state, episode)
+        find_points(shard.worlds, shard.slot, term.bound, team, ways, state, episode)
+        write_asides(shard.worlds, shard.slot, term.bound, team, ways, model, state, episode)
