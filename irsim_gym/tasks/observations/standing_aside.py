@@ -11,9 +11,9 @@ from irsim_gym.paths.cell_lines import free_cell
 from irsim_gym.paths.grid import BLOCKED, Grid, centre
 from irsim_gym.paths.wavefront import NEVER, STRAIGHT, begin_costs, follow_costs, spread_costs
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.seen_ways import SeenWays, last_in_sight
+from irsim_gym.tasks.observations.seen_ways import last_in_sight
 from irsim_gym.tasks.observations.team_ways import TeamWays
-from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.observations.way_on_seen_map import write_way
 from irsim_gym.tasks.term import Bound
 from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
@@ -25,69 +25,55 @@ SOON = 1.5
 
 @kernel
 def write_asides(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    team: TeamWays,
-    ways: SeenWays,
-    model: Model,
-    state: State,
-    episode: EpisodeState,
+    worlds: Ints, slot: int, term: Bound, team: TeamWays, model: Model, state: State, episode: EpisodeState
 ) -> None:
     """Write the three elements of agents that yield or have arrived: where to go, or to stay.
 
     Agents with higher numbers come first, as those with lower ones yield to them only if they cannot stand aside.
 
-    Reads: term (agents, column, options), team (costs, count, is_stuck, levels, points, robots, yields), ways (levels,
-        queues, seen, way), model (bounds, present, reach), state (direction, pose), episode (arrival).
-    Writes: team (costs, is_stuck, levels, yields), ways (queues, way), episode (observation).
+    Reads: term (agents, column), team (costs, count, is_stuck, levels, points, robots, ways, width, yields), model
+        (bounds, present, reach), state (direction, pose), episode (arrival).
+    Writes: team (costs, is_stuck, levels, ways, yields), episode (observation).
     """
-    width, n_agents = term.options[0].width, term.agents.shape[0]
+    n_agents = term.agents.shape[0]
     across, up = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     full = np.sqrt(across * across + up * up)
     for w in worlds:
         for a in range(n_agents):
             team.is_stuck[w, a] = False
         for a in range(n_agents - 1, -1, -1):
-            find_yields(team, ways, w, a, term, width, state, episode)
+            find_yields(team, w, a, term, state, episode)
             if episode.arrival[w, a] == 0 and not yields_to_any(team, w, a):
                 continue
             b = term.agents[a]
             here, rest = (state.pose[w, b, 0], state.pose[w, b, 1]), 0.0
             there = here
-            if is_in_way(team, w, a, here, width):
-                there, rest = find_aside(team, ways, slot, w, a, b, width, model, state)
+            if is_in_way(team, w, a, here):
+                there, rest = find_aside(team, slot, w, a, b, model, state)
                 team.is_stuck[w, a] = rest == np.inf
                 if rest == np.inf and episode.arrival[w, a] == 0:
                     continue
-            dx, dy = there[0] - here[0], there[1] - here[1]
-            far = np.sqrt(dx * dx + dy * dy)
-            cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
             row = episode.observation[w, a, term.column : term.column + 3]
-            row[0] = unit((dx * cosine + dy * sine) / far if far > 0.0 else 1.0)
-            row[1] = unit((dy * cosine - dx * sine) / far if far > 0.0 else 0.0)
-            row[2] = unit((far + rest) / full)
+            write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
 
 
 @kernel
-def find_yields(
-    team: TeamWays, ways: SeenWays, w: int, a: int, term: Bound, width: float, state: State, episode: EpisodeState
-) -> None:
+def find_yields(team: TeamWays, w: int, a: int, term: Bound, state: State, episode: EpisodeState) -> None:
     """Flag the agents to which an agent yields.
 
-    Reads: team (count, is_stuck, points), ways (seen), term (agents), state (pose), episode (arrival).
+    Reads: team (count, is_stuck, points, ways, width), term (agents), state (pose), episode (arrival).
     Writes: team (yields).
     """
     own = team.points[w, a, : team.count[w, a]]
-    soon = own[: int(SOON / ways.seen.grid.cell) + 1]
+    soon = own[: int(SOON / team.ways.seen.grid.cell) + 1]
     for other in range(term.agents.shape[0]):
         points, b = team.points[w, other, : team.count[w, other]], term.agents[other]
         team.yields[w, a, other] = other != a and (
             episode.arrival[w, a] > 0
             or (
                 (other < a or team.is_stuck[w, other])
-                and is_beside(own, (state.pose[w, b, 0], state.pose[w, b, 1]), width)
-                and come_near(soon, points, width)
+                and is_beside(own, (state.pose[w, b, 0], state.pose[w, b, 1]), team.width)
+                and come_near(soon, points, team.width)
             )
         )
 
@@ -121,32 +107,30 @@ def come_near(ones: Floats, others: Floats, width: float) -> bool:
 
 
 @kernel
-def is_in_way(team: TeamWays, w: int, a: int, place: Point, width: float) -> bool:
+def is_in_way(team: TeamWays, w: int, a: int, place: Point) -> bool:
     """Return whether a point [m] is within ``width`` of the way of an agent to which another yields.
 
-    Reads: team (count, points, yields).
+    Reads: team (count, points, width, yields).
     """
     for other in range(team.count.shape[1]):
-        if team.yields[w, a, other] and is_beside(team.points[w, other, : team.count[w, other]], place, width):
+        if team.yields[w, a, other] and is_beside(team.points[w, other, : team.count[w, other]], place, team.width):
             return True
     return False
 
 
 @kernel
-def find_aside(
-    team: TeamWays, ways: SeenWays, slot: int, w: int, a: int, b: int, width: float, model: Model, state: State
-) -> tuple[Point, float]:
+def find_aside(team: TeamWays, slot: int, w: int, a: int, b: int, model: Model, state: State) -> tuple[Point, float]:
     """Find the nearest place out of the way of the others.
 
-    Reads: team (costs, count, levels, points, robots, yields), ways (levels, queues, seen, way), model (present,
-        reach), state (pose).
-    Writes: team (costs, levels), ways (queues, way).
+    Reads: team (costs, count, levels, points, robots, ways, width, yields), model (present, reach), state (pose).
+    Writes: team (costs, levels, ways).
 
     Returns:
         The last point of the path there that can be reached straight [m], and the length of the rest of the path [m];
         infinite if there is no such place.
     """
-    grid, levels, costs, way = ways.seen.grid, team.levels[slot], team.costs[slot], ways.way[slot]
+    ways, levels, costs = team.ways, team.levels[slot], team.costs[slot]
+    grid, way = ways.seen.grid, ways.way[slot]
     here, reach = (state.pose[w, b, 0], state.pose[w, b, 1]), model.reach[row_of(model.reach, w)]
     for i in range(grid.rows):
         for j in range(grid.columns):
@@ -159,7 +143,7 @@ def find_aside(
     if start < 0:
         return here, np.inf
     spread_costs(levels, start, ways.queues[slot], costs)
-    end = nearest_outside(team, grid, w, a, width, costs)
+    end = nearest_outside(team, w, a, costs)
     if end < 0:
         return here, np.inf
     # Until here costs are those of ways to the start.
@@ -175,15 +159,15 @@ def find_aside(
 
 
 @kernel
-def nearest_outside(team: TeamWays, grid: Grid, w: int, a: int, width: float, costs: Labels) -> int:
+def nearest_outside(team: TeamWays, w: int, a: int, costs: Labels) -> int:
     """Return the number of the cell with the least cost that is not in the way of others, -1 if there is none.
 
-    Reads: team (count, points, yields).
+    Reads: team (count, points, ways, width, yields).
     """
-    best, found = NEVER, -1
+    grid, best, found = team.ways.seen.grid, NEVER, -1
     for i in range(grid.rows):
         for j in range(grid.columns):
-            if costs[i, j] < best and not is_in_way(team, w, a, centre(grid, i, j), width):
+            if costs[i, j] < best and not is_in_way(team, w, a, centre(grid, i, j)):
                 best, found = costs[i, j], i * grid.columns + j
     return found
 

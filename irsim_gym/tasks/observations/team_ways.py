@@ -42,6 +42,7 @@ class TeamWays(Struct):
         is_stuck: Whether an agent should stand aside and cannot, shape ``(n_worlds, n_agents)``.
         levels: Scratch: cells in which a learner fits beside the robots, shape ``(n_slots, rows, columns)``.
         costs: Scratch: costs of ways over these cells, shaped alike.
+        width: Distance that robots need from the ways of others [m].
     """
 
     ways: SeenWays
@@ -52,13 +53,14 @@ class TeamWays(Struct):
     is_stuck: Flags
     levels: Bytes
     costs: Labels
+    width: float
 
     @classmethod
     def over(cls, term: Any, simulation: Simulation, agents: Ints, name: str) -> Self:
         """Return empty maps without ways.
 
         Args:
-            term: An observation with the attributes ``cell``, ``every``, ``ahead`` and ``without_sensor``.
+            term: An observation with the attributes ``cell``, ``every``, ``ahead``, ``width`` and ``without_sensor``.
             simulation: The simulation.
             agents: Body indices of the learners, shape ``(n_agents,)``.
             name: The observation's name, for errors.
@@ -76,19 +78,18 @@ class TeamWays(Struct):
             is_stuck=np.zeros(shape, np.bool_),
             levels=np.zeros(cells, np.uint8),
             costs=np.zeros(cells, np.int32),
+            width=term.width,
         )
 
 
 @kernel
-def skip_robots(
-    worlds: Ints, term: Bound, team: TeamWays, seen: SeenGrid, model: Model, state: State, episode: EpisodeState
-) -> None:
+def skip_robots(worlds: Ints, term: Bound, team: TeamWays, model: Model, state: State, episode: EpisodeState) -> None:
     """Flag the beams that hit a robot, in scans that are about to be added to a map.
 
-    Reads: term (agents), team (robots), seen (every, grid, scan), model (present, reach), state (pose), episode
-        (steps).
-    Writes: seen (skipped).
+    Reads: term (agents), team (robots, ways), model (present, reach), state (pose), episode (steps).
+    Writes: team (ways).
     """
+    seen = team.ways.seen
     scan, grid = seen.scan, seen.grid
     for w in worlds:
         reach = model.reach[row_of(model.reach, w)]
@@ -109,15 +110,13 @@ def skip_robots(
 
 
 @kernel
-def find_points(
-    worlds: Ints, slot: int, term: Bound, team: TeamWays, ways: SeenWays, state: State, episode: EpisodeState
-) -> None:
+def find_points(worlds: Ints, slot: int, term: Bound, team: TeamWays, state: State, episode: EpisodeState) -> None:
     """Find the first points of the agents' ways, a cell apart.
 
-    Reads: term (agents), ways (least, levels, queues, seen, target, way), state (goal, pose), episode (arrival,
-        outcome).
-    Writes: team (count, points), ways (least, queues, target, way).
+    Reads: term (agents), team (ways), state (goal, pose), episode (arrival, outcome).
+    Writes: team (count, points, ways).
     """
+    ways = team.ways
     grid, way = ways.seen.grid, ways.way[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):

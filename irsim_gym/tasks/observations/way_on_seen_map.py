@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.arraytypes import Ints, Point, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
@@ -135,10 +135,26 @@ def write_ways_seen(
                     rest = ways.least[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
                     if rest > 0.0:
                         there = centre(grid, place // grid.columns, place % grid.columns)
-            dx, dy = there[0] - here[0], there[1] - here[1]
-            far = np.sqrt(dx * dx + dy * dy)
-            cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
             row = episode.observation[w, a, term.column : term.column + 3]
-            row[0] = unit((dx * cosine + dy * sine) / far if far > 0.0 else 1.0)
-            row[1] = unit((dy * cosine - dx * sine) / far if far > 0.0 else 0.0)
-            row[2] = unit((far + rest) / full)
+            write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
+
+
+@kernel
+def write_way(row: Rays, here: Point, facing: Point, there: Point, rest: float, full: float) -> None:
+    """Write cosine and sine of the direction from ``here`` to ``there``, and the length of the way over the diagonal.
+
+    Args:
+        row: The three elements, shape ``(3,)``.
+        here: Where the agent is [m].
+        facing: Cosine and sine of its heading.
+        there: The last point that can be reached straight [m]. The direction is (1, 0) if it is ``here``.
+        rest: Length of the way from there on [m].
+        full: Diagonal of the world [m].
+
+    Writes: row.
+    """
+    dx, dy = there[0] - here[0], there[1] - here[1]
+    far = np.sqrt(dx * dx + dy * dy)
+    row[0] = unit((dx * facing[0] + dy * facing[1]) / far if far > 0.0 else 1.0)
+    row[1] = unit((dy * facing[0] - dx * facing[1]) / far if far > 0.0 else 0.0)
+    row[2] = unit((far + rest) / full)

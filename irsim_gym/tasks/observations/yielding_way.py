@@ -84,9 +84,9 @@ class YieldingWay:
         """Add the latest scans to the maps, find the ways, and write the three elements."""
         team = term.arrays
         ways = team.ways
-        skip_robots(shard.worlds, term.bound, team, ways.seen, model, state, episode)
+        skip_robots(shard.worlds, term.bound, team, model, state, episode)
         note_all(shard.worlds, shard.slot, term.bound, ways.seen, state, episode)
         narrow_ways(shard.worlds, term.bound, ways, model, episode)
         write_ways_seen(shard.worlds, shard.slot, term.bound, ways, model, state, episode)
-        find_points(shard.worlds, shard.slot, term.bound, team, ways, state, episode)
-        write_asides(shard.worlds, shard.slot, term.bound, team, ways, model, state, episode)
+        find_points(shard.worlds, shard.slot, term.bound, team, state, episode)
+        write_asides(shard.worlds, shard.slot, term.bound, team, model, state, episode)
