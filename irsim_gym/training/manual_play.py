@@ -349,8 +349,7 @@ def perceived(scenario: Scenario, task: Any, perception: Perception) -> dict[str
         UnfitPerceptionError: If the robot lacks what they need.
     """
     perceived_task(scenario, load_task(scenario, task), perception)
-    given = scenario.task if task is None else {"name": task} if isinstance(task, str) else task
-    return {**given, **perception.to_plain()}
+    return {**_mapping_of(scenario, task), **perception.to_plain()}
 
 
 def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]:
@@ -365,4 +364,9 @@ def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]
     if robot not in names:
         known = ", ".join(names) or "none"
         raise UnknownNameError(f"no robot '{robot}'{suggestion(robot, names)}; there are: {known}")
-    return {**(scenario.task if task is None else {"name": task}), "agents": robot}
+    return {**_mapping_of(scenario, task), "agents": robot}
+
+
+def _mapping_of(scenario: Scenario, task: Any) -> Mapping[str, Any]:
+    """Return a task as a mapping; it is given by name, as a mapping, or as None for the scenario's own."""
+    return scenario.task if task is None else {"name": task} if isinstance(task, str) else task
