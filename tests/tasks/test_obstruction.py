@@ -1,4 +1,4 @@
-"""The reward obstruction: who lets others go first pays for being in their way."""
+"""The reward obstruction: who has arrived pays for standing in the way of others."""
 
 from __future__ import annotations
 
@@ -56,22 +56,7 @@ def test_what_is_far_away_or_late_costs_nothing(options: Any, pays: bool) -> Non
     assert (cost(episodes)[0] < 0.0) == pays
 
 
-def test_of_two_that_meet_the_one_with_the_higher_number_pays() -> None:
-    episodes = team([robot(3, 5, (9, 5)), robot(6, 5.3, (1, 5.3))], rewards=[OBSTRUCTION])
-    drive(episodes, -1, 0)
-    first, second = cost(episodes)
-    assert first == 0.0 > second
-    assert second == pytest.approx(-5.0 / episodes.task.max_steps * (1 - 0.3 / 0.9), rel=0.2)
-
-
-def test_who_leaves_the_way_of_another_that_blocks_its_own_pays_nothing() -> None:
-    """Robot 1 has to pass robot 0, which drives away from it."""
-    episodes = team([robot(5, 5, (5, 9)), robot(3, 5, (9, 5))], rewards=[OBSTRUCTION])
-    drive(episodes, -1, 0)
-    assert cost(episodes) == [0.0, 0.0]
-
-
-def test_nobody_pays_for_others_behind_it_or_that_have_all_arrived() -> None:
+def test_nobody_pays_where_nobody_is_on_its_way_and_nobody_has_arrived() -> None:
     episodes = team([robot(5, 5, (9, 5)), robot(3, 5.3, (9, 5.3))], rewards=[OBSTRUCTION])
     for _ in range(5):
         drive(episodes, -1, 0)

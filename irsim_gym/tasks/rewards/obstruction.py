@@ -1,4 +1,4 @@
-"""Obstruction: the cost of being in the way of others that go first."""
+"""Obstruction: the cost of standing in the way of others after an arrival."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Ints, Spans
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
-from irsim_gym.paths.grid import centre
+from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.route import Route, RouteWays, entry, find_ways
@@ -21,15 +21,11 @@ from irsim_gym.world.state import State
 
 @kind
 class Obstruction:
-    """Cost of being in the way of another learner that goes first.
+    """Cost of being in the way of another learner after an arrival (ending ``arrived`` with ``wait``).
 
-    Learners that have arrived (ending ``arrived`` with ``wait``) let all others go first. Of two on their way that are
-    in each other's way, the one with the higher number lets the other go first, as in the observation
-    ``yielding_way``.
-
-    The cost is ``max(0, 1 - d / width)``, times ``weight / max_steps``, where d is the distance from the first
-    ``ahead`` metres of the path of the nearest learner that goes first. Paths are the shortest ones around everything
-    that never moves, as in the observation ``route``.
+    It is ``max(0, 1 - d / width)``, times ``weight / max_steps``, where d is the distance from the first ``ahead``
+    metres of the shortest path of the learner on its way that is nearest. Paths avoid everything that never moves, as
+    in the observation ``route``.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -51,7 +47,7 @@ class Obstruction:
         """Return when and how much it pays, as text."""
         most = self.weight / term.max_steps
         path = f"less than {self.width:g} m away from the next {self.ahead:g} m of another learner's path"
-        return f"where others go first, at a distance d {path}: -{most:.3g} (1 - d / {self.width:g} m) a step"
+        return f"after an arrival, at a distance d {path}: -{most:.3g} (1 - d / {self.width:g} m) a step"
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -70,7 +66,7 @@ class Obstruction:
 def pay_obstruction(
     worlds: Ints, term: Bound, amount: float, ways: RouteWays, state: State, episode: EpisodeState
 ) -> None:
-    """Write ``amount`` times how near agents are to the paths of others that go first.
+    """Write ``amount`` times how near agents that have arrived are to the paths of agents on their way.
 
     Reads: term (agents, column, options), ways (grid, length, onward), state (pose), episode (arrival, outcome,
         reward_term).
@@ -83,38 +79,29 @@ def pay_obstruction(
             b = term.agents[other]
             if episode.arrival[w, other] > 0 or episode.outcome[w, other] != RUNNING:
                 continue
-            for a in range(n_agents):
-                is_later = episode.arrival[w, a] > 0 or a > other
-                if a == other or not is_later or episode.outcome[w, a] != RUNNING:
+            first = entry(ways.length[w, other], ways.grid, state.pose[w, b, 0], state.pose[w, b, 1])
+            for a in range(n_agents if first >= 0 else 0):
+                if a == other or episode.arrival[w, a] == 0 or episode.outcome[w, a] != RUNNING:
                     continue
-                far = path_distance(ways, options.ahead, w, other, b, term.agents[a], state)
-                if far < options.width and episode.arrival[w, a] == 0:
-                    back = path_distance(ways, options.ahead, w, a, term.agents[a], b, state)
-                    far = far if back < options.width else np.inf
+                x, y = state.pose[w, term.agents[a], 0], state.pose[w, term.agents[a], 1]
+                far = path_distance(ways.onward[w, other], ways.grid, first, options.ahead, x, y)
                 cost = amount * max(0.0, 1.0 - far / options.width)
                 episode.reward_term[w, a, term.column] = min(episode.reward_term[w, a, term.column], cost)
 
 
 @kernel
-def path_distance(ways: RouteWays, ahead: float, w: int, a: int, body: int, other: int, state: State) -> float:
-    """Return the distance [m] of a body from the nearest cell centre on the first ``ahead`` metres of a path.
-
-    It is infinite where there is no path.
+def path_distance(onward: Spans, grid: Grid, first: int, ahead: float, x: float, y: float) -> float:
+    """Return the distance [m] of a point from the nearest cell centre on the first ``ahead`` metres of a path.
 
     Args:
-        ways: The paths.
+        onward: Number of the next cell on the path, -1 at its end, shape ``(n_cells,)``.
+        grid: The grid.
+        first: Number of the first cell.
         ahead: Length of the part [m].
-        w: World.
-        a: The agent whose path it is.
-        body: That agent's body.
-        other: The body whose distance is asked for.
-        state: The state.
-
-    Reads: ways (grid, length, onward), state (pose).
+        x: The point [m].
+        y: The point [m].
     """
-    grid, onward = ways.grid, ways.onward[w, a]
-    x, y = state.pose[w, other, 0], state.pose[w, other, 1]
-    here, driven, best = entry(ways.length[w, a], grid, state.pose[w, body, 0], state.pose[w, body, 1]), 0.0, np.inf
+    here, driven, best = first, 0.0, np.inf
     old_x, old_y = centre(grid, here // grid.columns, here % grid.columns)
     while here >= 0 and driven <= ahead:
         new_x, new_y = centre(grid, here // grid.columns, here % grid.columns)
