@@ -1,12 +1,14 @@
 """Score a policy in JaxNav's levels as SFL does, and write agents/results/jaxnav_score.json.
 
-    python agents/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N]
+    python agents/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N] [--mean]
 
-LEVELS is a user's own copy after ``irsim-gym levels import jaxnav``, or the name of a benchmark; POLICY a run's folder.
-SFL (Rutherford et al. 2024, sampling-for-learnability 8b14e2e) drives each level in ten windows of as many steps as the
-time limit. Actions are drawn, not taken at their mean. Where all robots have ended, the level begins again; an episode
-that is not over at the end of its window does not count, which favours short ones. A level's success is the share of
-robots that arrive, over all its episodes. A second set of windows scores the levels that are worst in the first.
+LEVELS is a user's own copy after ``irsim-gym levels import jaxnav``, or the name of a benchmark; POLICY a run's folder,
+or with ``--mean``, which takes the mean actions, the name of a shipped policy. Without TASK, episodes end as the
+benchmark says. SFL (Rutherford et al. 2024, sampling-for-learnability 8b14e2e) drives each level in ten windows of as
+many steps as the time limit. Actions are drawn, not taken at their mean. Where all robots have ended, the level begins
+again; an episode that is not over at the end of its window does not count, which favours short ones. A level's success
+is the share of robots that arrive, over all its episodes. A second set of windows scores the levels that are worst in
+the first.
 """
 
 from __future__ import annotations
@@ -42,15 +44,18 @@ def main() -> None:
     parser.add_argument("--task")
     parser.add_argument("--windows", type=int, default=10)
     parser.add_argument("--levels", type=int, default=1000)
+    parser.add_argument("--mean", action="store_true")
     options = parser.parse_args()
     played = make_episodes(options.levels_of, task=options.task, n_worlds=options.levels, team=True)
-    policy = drawing(load_policy(options.policy))
+    policy: Policy = load_policy(options.policy)
+    policy = policy if options.mean else drawing(policy)
     episodes = Perceived(played).of(policy)
     torch.manual_seed(0)
     passes = np.stack([rates(episodes, policy, options.windows) for _ in range(2)])
     row = {
         "task": options.task,
         "windows": options.windows,
+        "actions": "mean" if options.mean else "drawn",
         "conditions": conditions(episodes, "test", options.levels),
         "machine": machine(),
         "published": PUBLISHED[episodes.n_agents],
