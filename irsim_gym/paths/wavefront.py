@@ -103,11 +103,34 @@ def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> Non
         least: Written: the costs, shape ``(rows, columns)``.
     """
     walls, costs, columns = levels.reshape(-1), least.reshape(-1), levels.shape[1]
+    begin_wave(source, queues, costs)
+    here = next_cell(queues, costs)
+    while here >= 0:
+        offer_neighbours(walls, columns, here, queues, costs)
+        here = next_cell(queues, costs)
+
+
+@kernel
+def begin_wave(source: int, queues: Ints, costs: Labels) -> None:
+    """Begin a wave at a cell, for ``next_cell``.
+
+    Writes: queues, costs.
+    """
     costs[:] = NEVER
+    costs[source] = 0
     for q in range(4):
         queues[q, HEAD], queues[q, TAIL] = FIRST, FIRST
-    costs[source] = 0
     queues[0, FIRST], queues[0, TAIL] = source, FIRST + 1
+
+
+@kernel(inlined=True)
+def next_cell(queues: Ints, costs: Labels) -> int:
+    """Return the number of the next cell of a wave, the nearest of those that are left; -1 if none is left.
+
+    The cost of that cell is final. The wave goes on from it with ``offer_neighbours``.
+
+    Writes: queues.
+    """
     # Every queue is in order, as all its steps cost the same; the least entry is at the head of one of them.
     while True:
         best, chosen = np.int64(2**62), -1
@@ -116,20 +139,21 @@ def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> Non
             if head < queues[q, TAIL] and queues[q, head] < best:
                 best, chosen = queues[q, head], q
         if chosen < 0:
-            return
+            return -1
         queues[chosen, HEAD] += 1
-        cost, here = int(best >> BITS), int(best & (2**BITS - 1))
+        here = int(best & (2**BITS - 1))
         # Else the cell was reached at a lower cost after this entry was made.
-        if cost == costs[here]:
-            offer_neighbours(walls, columns, here, cost, queues, costs)
+        if best >> BITS == costs[here]:
+            return here
 
 
 @kernel(inlined=True)
-def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: Ints, costs: Labels) -> None:
+def offer_neighbours(walls: Bytes, columns: int, here: int, queues: Ints, costs: Labels) -> None:
     """Put the neighbours of a cell whose cheapest path so far leads through it into the queues.
 
     Writes: costs, queues.
     """
+    cost = int(costs[here])
     for k in range(8):
         aside, along = COLUMNS[k], ROWS[k] * columns
         there = here + aside + along

@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -42,8 +43,7 @@ class Goal:
 
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
-        width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-        full = self.scale or float(np.hypot(width, height))
+        full = self.scale or diagonal(model.bounds)
         bearing = "0 straight ahead, positive to the left"
         return [
             Columns("distance d of the next goal", f"d / {full:.3g} m, at most 1"),
@@ -70,8 +70,7 @@ def write_goal(worlds: Ints, term: Bound, model: Model, state: State, episode: E
     Writes: episode (observation).
     """
     options, agents, column = term.options[0], term.agents, term.column
-    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    full = np.sqrt(width * width + height * height) if np.isnan(options.scale) else options.scale
+    full = diagonal(model.bounds) if np.isnan(options.scale) else options.scale
     for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]

@@ -16,7 +16,7 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.nearest_bodies import moving
-from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.scaling import diagonal, unit
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -71,7 +71,7 @@ class Neighbors:
 
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
-        far = self.range or float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
+        far = self.range or diagonal(model.bounds)
         over, pace = f"x / {far:.3g} m", f"v / {self.speed:g} m/s, relative to the robot"
         columns = [
             Columns("nearest other robot: its origin, how far ahead", over),
@@ -108,8 +108,7 @@ def write_neighbors(
     Writes: robots (distance, found), episode (observation).
     """
     options, distance, found = term.options[0], robots.distance[slot], robots.found[slot]
-    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    far = np.sqrt(width * width + height * height) if np.isnan(options.range) else options.range
+    far = diagonal(model.bounds) if np.isnan(options.range) else options.range
     for w in worlds:
         reach = model.reach[row_of(model.reach, w)]
         for a in range(term.agents.shape[0]):

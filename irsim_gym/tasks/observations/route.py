@@ -19,8 +19,9 @@ from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored, signed
-from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.mirrored import Mirrored
+from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_direction
+from irsim_gym.tasks.scaling import diagonal, unit
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -97,21 +98,17 @@ class Route:
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
-        return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+        return way_bounds()
 
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
-        full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
-        return [
-            Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
-            Columns(f"sine {point}", "1 to the left, -1 to the right"),
-            Columns("length s of the shortest path to the next goal", f"s / {full:.3g} m, at most 1"),
-        ]
+        scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1"
+        return way_columns(point, "length s of the shortest path to the next goal", scaled)
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
-        return signed(1.0, -1.0, 1.0)
+        return way_mirrored()
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -162,8 +159,7 @@ def write_route(worlds: Ints, term: Bound, ways: RouteWays, model: Model, state:
     Reads: term (agents, column, options), ways (grid, length, onward), model (bounds), state (direction, goal, pose).
     Writes: episode (observation).
     """
-    ahead, column = term.options[0].ahead, term.column
-    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
+    ahead, column, full = term.options[0].ahead, term.column, diagonal(model.bounds)
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b, length = term.agents[a], ways.length[w, a]
@@ -174,13 +170,9 @@ def write_route(worlds: Ints, term: Bound, ways: RouteWays, model: Model, state:
             if first >= 0 and float(length[first]) > ahead:
                 way = float(length[first])
                 to_x, to_y = point_ahead(ways.onward[w, a], ways.grid, first, ahead, to_x, to_y)
-            dx, dy = to_x - x, to_y - y
-            far = np.sqrt(dx * dx + dy * dy)
-            cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
             row = episode.observation[w, a, column : column + 3]
-            row[0] = unit((dx * cosine + dy * sine) / far if far > 0.0 else 1.0)
-            row[1] = unit((dy * cosine - dx * sine) / far if far > 0.0 else 0.0)
-            row[2] = unit(way / np.sqrt(width * width + height * height))
+            write_direction(row, (x, y), turned(state.pose[w, b, 2], state.direction[w, b]), (to_x, to_y))
+            row[2] = unit(way / full)
 
 
 @kernel

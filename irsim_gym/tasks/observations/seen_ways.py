@@ -12,7 +12,16 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell, is_clear
 from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.paths.scan_marks import OCCUPIED, quarter
-from irsim_gym.paths.wavefront import NEVER, begin_costs, block_border, follow_costs, narrow, new_queues, spread_costs
+from irsim_gym.paths.wavefront import (
+    NEVER,
+    STRAIGHT,
+    begin_costs,
+    block_border,
+    follow_costs,
+    narrow,
+    new_queues,
+    spread_costs,
+)
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_grid import SeenGrid
@@ -109,6 +118,30 @@ def rebuild(levels: Bytes, cells: Bytes, reach: float) -> None:
             for k in range(4 if cells[i, j] & OCCUPIED != 0 else 0):
                 if cells[i, j] & quarter(k >> 1, k) != 0:
                     narrow(levels, j + 0.25 + 0.5 * (k & 1), i + 0.25 + 0.5 * (k >> 1), reach)
+
+
+@kernel
+def way_ahead(ways: SeenWays, slot: int, w: int, a: int, here: Point, goal: Point) -> tuple[Point, float, int]:
+    """Find the path of an agent from a point to its goal [m].
+
+    Reads: ways (least, levels, queues, seen, target, way).
+    Writes: ways (least, queues, target, way).
+
+    Returns:
+        The last point of the path that can be reached straight [m], the length of the rest of the path [m], and the
+        number of cells of the path that were written. The number is 0 if the goal itself can be reached straight. It is
+        0, too, if there is no path; the point is then the goal, and the length infinite.
+    """
+    grid = ways.seen.grid
+    if is_clear(here, goal, grid, ways.levels[w, a]):
+        return goal, 0.0, 0
+    count = find_way(ways, slot, w, a, here, goal)
+    if count == 0:
+        return goal, np.inf, 0
+    place = last_in_sight(here, grid, ways.levels[w, a], ways.way[slot], count)
+    # Costs are whole numbers, STRAIGHT for a step of one cell.
+    rest = ways.least[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
+    return (centre(grid, place // grid.columns, place % grid.columns) if rest > 0.0 else goal), rest, count
 
 
 @kernel

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Point
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell
 from irsim_gym.paths.grid import BLOCKED, Grid, centre
-from irsim_gym.paths.wavefront import NEVER, STRAIGHT, begin_costs, follow_costs, spread_costs
+from irsim_gym.paths.wavefront import (
+    STRAIGHT,
+    begin_costs,
+    begin_wave,
+    follow_costs,
+    next_cell,
+    offer_neighbours,
+    spread_costs,
+)
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_ways import last_in_sight
 from irsim_gym.tasks.observations.team_ways import TeamWays
-from irsim_gym.tasks.observations.way_on_seen_map import write_way
+from irsim_gym.tasks.observations.way_columns import write_way
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound
 from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
@@ -35,9 +44,7 @@ def write_asides(
         (bounds, present, reach), state (direction, pose), episode (arrival).
     Writes: team (costs, is_stuck, levels, ways, yields), episode (observation).
     """
-    n_agents = term.agents.shape[0]
-    across, up = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    full = np.sqrt(across * across + up * up)
+    n_agents, full = term.agents.shape[0], diagonal(model.bounds)
     for w in worlds:
         for a in range(n_agents):
             team.is_stuck[w, a] = False
@@ -142,11 +149,9 @@ def find_aside(team: TeamWays, slot: int, w: int, a: int, b: int, model: Model, 
     start = free_cell(grid, levels, here)
     if start < 0:
         return here, np.inf
-    spread_costs(levels, start, ways.queues[slot], costs)
-    end = nearest_outside(team, w, a, costs)
+    end = nearest_outside(team, slot, w, a, start)
     if end < 0:
         return here, np.inf
-    # Until here costs are those of ways to the start.
     begin_costs(end, costs)
     count = follow_costs(levels, costs, start, way)
     if count == 0:
@@ -159,16 +164,23 @@ def find_aside(team: TeamWays, slot: int, w: int, a: int, b: int, model: Model, 
 
 
 @kernel
-def nearest_outside(team: TeamWays, w: int, a: int, costs: Labels) -> int:
-    """Return the number of the cell with the least cost that is not in the way of others, -1 if there is none.
+def nearest_outside(team: TeamWays, slot: int, w: int, a: int, start: int) -> int:
+    """Return the number of the cell nearest to a cell that is not in the way of others, -1 if there is none.
 
-    Reads: team (count, points, ways, width, yields).
+    The way from there to the start counts. Of several equally near cells it is the one with the lowest number.
+
+    Reads: team (costs, count, levels, points, ways, width, yields).
+    Writes: team (ways).
     """
-    grid, best, found = team.ways.seen.grid, NEVER, -1
-    for i in range(grid.rows):
-        for j in range(grid.columns):
-            if costs[i, j] < best and not is_in_way(team, w, a, centre(grid, i, j)):
-                best, found = costs[i, j], i * grid.columns + j
+    grid, queues = team.ways.seen.grid, team.ways.queues[slot]
+    walls, costs = team.levels[slot].reshape(-1), team.costs[slot].reshape(-1)
+    begin_wave(start, queues, costs)
+    found, here = -1, next_cell(queues, costs)
+    while here >= 0 and (found < 0 or costs[here] == costs[found]):
+        if not is_in_way(team, w, a, centre(grid, here // grid.columns, here % grid.columns)):
+            found = here if found < 0 else min(found, here)
+        offer_neighbours(walls, grid.columns, here, queues, costs)
+        here = next_cell(queues, costs)
     return found
 
 

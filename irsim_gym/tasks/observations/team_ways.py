@@ -7,17 +7,19 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Labels
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Labels, Point
 from irsim_gym.engine import Simulation
+from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
-from irsim_gym.paths.cell_lines import is_clear
-from irsim_gym.paths.grid import centre
+from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.paths.scan_marks import beam_end, eye_of
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_grid import SeenGrid
-from irsim_gym.tasks.observations.seen_ways import SeenWays, find_way
+from irsim_gym.tasks.observations.seen_ways import SeenWays, way_ahead
+from irsim_gym.tasks.observations.way_columns import write_way
 from irsim_gym.tasks.outcome import RUNNING
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound
 from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
@@ -110,31 +112,51 @@ def skip_robots(worlds: Ints, term: Bound, team: TeamWays, model: Model, state: 
 
 
 @kernel
-def find_points(worlds: Ints, slot: int, term: Bound, team: TeamWays, state: State, episode: EpisodeState) -> None:
-    """Find the first points of the agents' ways, a cell apart.
+def write_own_ways(
+    worlds: Ints, slot: int, term: Bound, team: TeamWays, model: Model, state: State, episode: EpisodeState
+) -> None:
+    """Find the ways to the goals of agents that have not arrived, and write their three elements and first points.
 
-    Reads: term (agents), team (ways), state (goal, pose), episode (arrival, outcome).
-    Writes: team (count, points, ways).
+    Reads: term (agents, column), team (ways), model (bounds), state (direction, goal, pose), episode (arrival,
+        outcome).
+    Writes: team (count, points, ways), episode (observation).
     """
-    ways = team.ways
-    grid, way = ways.seen.grid, ways.way[slot]
+    full = diagonal(model.bounds)
     for w in worlds:
         for a in range(term.agents.shape[0]):
             team.count[w, a] = 0
-            if episode.arrival[w, a] > 0 or episode.outcome[w, a] != RUNNING:
+            if episode.arrival[w, a] > 0:
                 continue
-            b, points = term.agents[a], team.points[w, a]
-            here, there = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            points[0, 0], points[0, 1] = here
-            if is_clear(here, there, grid, ways.levels[w, a]):
-                dx, dy = there[0] - here[0], there[1] - here[1]
-                cells = np.sqrt(dx * dx + dy * dy) / grid.cell
-                count = min(points.shape[0], int(cells) + 1)
-                for k in range(1, count):
-                    points[k, 0], points[k, 1] = here[0] + dx * k / cells, here[1] + dy * k / cells
-            else:
-                n_cells = find_way(ways, slot, w, a, here, there)
-                count = min(points.shape[0], n_cells + 1) if n_cells > 0 else 0
-                for k in range(1, count):
-                    points[k, 0], points[k, 1] = centre(grid, way[k - 1] // grid.columns, way[k - 1] % grid.columns)
-            team.count[w, a] = count
+            b = term.agents[a]
+            here, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            there, rest, n_cells = way_ahead(team.ways, slot, w, a, here, goal)
+            row = episode.observation[w, a, term.column : term.column + 3]
+            write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
+            if episode.outcome[w, a] == RUNNING and rest < np.inf:
+                way, grid = team.ways.way[slot, :n_cells], team.ways.seen.grid
+                team.count[w, a] = write_points(team.points[w, a], here, goal, way, grid)
+
+
+@kernel
+def write_points(points: Floats, here: Point, goal: Point, way: Labels, grid: Grid) -> int:
+    """Write the first points of a way [m], a cell apart, and return their number.
+
+    Args:
+        points: The points, as many as there is room for, shape ``(n_points, 2)``.
+        here: The first point [m].
+        goal: Where the way leads [m].
+        way: Numbers of its cells; none if it is straight, shape ``(n_cells,)``.
+        grid: The grid of the cells.
+
+    Writes: points.
+    """
+    dx, dy = goal[0] - here[0], goal[1] - here[1]
+    cells = np.sqrt(dx * dx + dy * dy) / grid.cell
+    count = min(points.shape[0], (int(cells) if way.shape[0] == 0 else way.shape[0]) + 1)
+    points[0, 0], points[0, 1] = here
+    for k in range(1, count):
+        if way.shape[0] == 0:
+            points[k, 0], points[k, 1] = here[0] + dx * k / cells, here[1] + dy * k / cells
+        else:
+            points[k, 0], points[k, 1] = centre(grid, way[k - 1] // grid.columns, way[k - 1] % grid.columns)
+    return int(count)

@@ -5,28 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-import numpy as np
-
-from irsim_gym.arraytypes import Ints, Point, Rays
+from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
-from irsim_gym.paths.cell_lines import is_clear
-from irsim_gym.paths.grid import centre
-from irsim_gym.paths.wavefront import STRAIGHT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored, signed
+from irsim_gym.tasks.mirrored import Mirrored
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen, note_all, shared_map
-from irsim_gym.tasks.observations.seen_ways import (
-    SeenWays,
-    clear_levels,
-    find_way,
-    last_in_sight,
-    narrow_ways,
-)
-from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.observations.seen_ways import SeenWays, clear_levels, narrow_ways, way_ahead
+from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_way
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -76,21 +66,17 @@ class WayOnSeenMap:
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
-        return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+        return way_bounds()
 
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
-        full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = "of the direction of the shortest way to the next goal on what its scans have shown"
-        return [
-            Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
-            Columns(f"sine {point}", "1 to the left, -1 to the right"),
-            Columns("length s of that way", f"s / {full:.3g} m, at most 1; 1 where there is none"),
-        ]
+        scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none"
+        return way_columns(point, "length s of that way", scaled)
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
-        return signed(1.0, -1.0, 1.0)
+        return way_mirrored()
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -117,44 +103,11 @@ def write_ways_seen(
         goal, pose).
     Writes: ways (least, queues, target, way), episode (observation).
     """
-    grid, way = ways.seen.grid, ways.way[slot]
-    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    full = np.sqrt(width * width + height * height)
+    full = diagonal(model.bounds)
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            b, levels = term.agents[a], ways.levels[w, a]
-            here, there = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            rest = 0.0
-            if not is_clear(here, there, grid, levels):
-                count = find_way(ways, slot, w, a, here, there)
-                if count == 0:
-                    rest = np.inf
-                else:
-                    place = last_in_sight(here, grid, levels, way, count)
-                    # Costs are whole numbers, STRAIGHT for a step of one cell.
-                    rest = ways.least[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
-                    if rest > 0.0:
-                        there = centre(grid, place // grid.columns, place % grid.columns)
+            b = term.agents[a]
+            here, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            there, rest, _ = way_ahead(ways, slot, w, a, here, goal)
             row = episode.observation[w, a, term.column : term.column + 3]
             write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
-
-
-@kernel
-def write_way(row: Rays, here: Point, facing: Point, there: Point, rest: float, full: float) -> None:
-    """Write cosine and sine of the direction from ``here`` to ``there``, and the length of the way over the diagonal.
-
-    Args:
-        row: The three elements, shape ``(3,)``.
-        here: Where the agent is [m].
-        facing: Cosine and sine of its heading.
-        there: The last point that can be reached straight [m]. The direction is (1, 0) if it is ``here``.
-        rest: Length of the way from there on [m].
-        full: Diagonal of the world [m].
-
-    Writes: row.
-    """
-    dx, dy = there[0] - here[0], there[1] - here[1]
-    far = np.sqrt(dx * dx + dy * dy)
-    row[0] = unit((dx * facing[0] + dy * facing[1]) / far if far > 0.0 else 1.0)
-    row[1] = unit((dy * facing[0] - dx * facing[1]) / far if far > 0.0 else 0.0)
-    row[2] = unit((far + rest) / full)

@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-import numpy as np
-
 from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored, signed
+from irsim_gym.tasks.mirrored import Mirrored
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, forget_seen, note_all
 from irsim_gym.tasks.observations.seen_ways import clear_levels, narrow_ways
 from irsim_gym.tasks.observations.standing_aside import write_asides
-from irsim_gym.tasks.observations.team_ways import TeamWays, find_points, skip_robots
-from irsim_gym.tasks.observations.way_on_seen_map import write_ways_seen
+from irsim_gym.tasks.observations.team_ways import TeamWays, skip_robots, write_own_ways
+from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import Model
@@ -56,21 +55,17 @@ class YieldingWay:
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
-        return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+        return way_bounds()
 
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
-        full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         point = "of the direction of its way, to the goal as if there were no robots or out of the ways of others"
-        return [
-            Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
-            Columns(f"sine {point}", "1 to the left, -1 to the right"),
-            Columns("length s of that way", f"s / {full:.3g} m, at most 1; 1 where there is none; 0 to stay"),
-        ]
+        scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none; 0 to stay"
+        return way_columns(point, "length s of that way", scaled)
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
-        return signed(1.0, -1.0, 1.0)
+        return way_mirrored()
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -87,6 +82,5 @@ class YieldingWay:
         skip_robots(shard.worlds, term.bound, team, model, state, episode)
         note_all(shard.worlds, shard.slot, term.bound, ways.seen, state, episode)
         narrow_ways(shard.worlds, term.bound, ways, model, episode)
-        write_ways_seen(shard.worlds, shard.slot, term.bound, ways, model, state, episode)
-        find_points(shard.worlds, shard.slot, term.bound, team, state, episode)
+        write_own_ways(shard.worlds, shard.slot, term.bound, team, model, state, episode)
         write_asides(shard.worlds, shard.slot, term.bound, team, model, state, episode)

@@ -15,6 +15,7 @@ from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
@@ -115,8 +116,7 @@ def pay_field_gain(
     Writes: fields (potential), episode (reward_term).
     """
     grid, potential = fields.grid, fields.potential
-    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    rate = term.options[0].weight / np.sqrt(width * width + height * height)
+    rate = term.options[0].weight / diagonal(model.bounds)
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b = term.agents[a]

@@ -15,6 +15,7 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
+from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Role, Term
 from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
@@ -111,8 +112,7 @@ def pay_gain(worlds: Ints, term: Bound, memory: Potentials, model: Model, state:
     Reads: term (agents, column, options), memory (distance, target), model (bounds), state (goal, pose).
     Writes: memory (distance, target), episode (reward_term).
     """
-    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    rate = term.options[0].weight / np.sqrt(width * width + height * height)
+    rate = term.options[0].weight / diagonal(model.bounds)
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b, target = term.agents[a], memory.target[w, a]
