@@ -303,25 +303,38 @@ def test_the_way_out_of_a_trap_leads_back_first() -> None:
     assert 8.0 < length * np.hypot(10, 10) < 11.0
 
 
-def hidden_pair() -> list[Episodes]:
-    """Return two worlds that differ only behind the wall: in one a disc is gone, another has moved."""
+def hidden_pair(*, moving: bool) -> list[Episodes]:
+    """Return two worlds that differ only behind the wall: in one a disc is gone, another has moved.
+
+    Args:
+        moving: Whether these discs drift, and a ball rolls to and fro before the wall.
+    """
     wall = {"shape": {"name": "linestring", "vertices": [[5, 2.5], [5, 7.5]]}}
-    discs = [{"shape": {"name": "circle", "radius": 0.4}, "state": [6.5, y]} for y in (5.0, 6.0, 6.6)]
-    both = [wall, discs[0], discs[1]], [wall, {**discs[2], "state": [7.4, 4.4]}]
+    drifts = {"kinematics": {"name": "omni"}, "behavior": {"name": "dash"}, "vel_max": [0.02, 0.02]} if moving else {}
+    discs = [
+        {"shape": {"name": "circle", "radius": 0.4}, "state": [6.5, y], "goal": [7.5, 4.8], **drifts}
+        for y in (5.0, 6.0, 6.6)
+    ]
+    ball = {**BALL, "state": [3.4, 3.2], "kinematics": {"name": "omni"}, "behavior": {"name": "dash"}, "goal": [3.4, 6]}
+    seen = [wall, ball] if moving else [wall]
+    both = [*seen, discs[0], discs[1]], [*seen, {**discs[2], "state": [7.4, 4.4]}]
     return [watching(SEEN, WAY, PICTURE, obstacle=obstacle) for obstacle in both]
 
 
-def test_nothing_shows_before_a_scan_has_shown_it() -> None:
-    pair, differed = hidden_pair(), []
+@pytest.mark.parametrize("moving", [False, True])
+def test_nothing_shows_before_a_scan_has_shown_it(moving: bool) -> None:
+    pair, differed, n_freed = hidden_pair(moving=moving), [], 0
     for _ in range(100):
         scans = [episodes.simulation.scan(0)[0].arrays["ranges"][0, 0].copy() for episodes in pair]  # type: ignore[index]
         differed.append(not np.array_equal(*scans))
         if not any(differed):
             np.testing.assert_array_equal(*[episodes.view.observation for episodes in pair])
             np.testing.assert_array_equal(*[episodes.view.images["seen_map_image"] for episodes in pair])
+            n_freed += int(arrays(pair[0]).seen.n_freed[0, 0])
         for episodes in pair:
             drive(episodes, *((-1, -0.6) if len(differed) < 12 else (1, 0) if len(differed) < 57 else (1, 0.5)))
     assert differed.index(True) > 20
+    assert (n_freed > 0) == moving
     assert (pair[0].view.observation != pair[1].view.observation).any()
 
 
