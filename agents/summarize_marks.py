@@ -61,6 +61,23 @@ class Elsewhere:
     planner: str = "seen"
 
 
+@dataclass(frozen=True)
+class Shift:
+    """A policy on the shelf in benchmarks of the tier *shift* for which it was not trained.
+
+    Attributes:
+        policy: Its name.
+        home: The benchmark of its training from which its success falls.
+        benchmarks: Where it is played.
+        planner: Whose row of docs/benchmarks.md stands beside it.
+    """
+
+    policy: str
+    home: str
+    benchmarks: tuple[str, ...]
+    planner: str = "seen"
+
+
 MARKS = (
     Mark("bug_trap", "bug_trap"),
     Mark("narrow_door", "narrow_door"),
@@ -89,12 +106,34 @@ ELSEWHERE = (
     Elsewhere("crowd_nav_in_unyielding", "crowd_nav", "crowd_nav_unyielding", "orca"),
     Elsewhere("crowd_nav_in_policy", "crowd_nav", "crowd_nav_policy", "orca"),
 )
+MAPS, CROWDS = (
+    ("maze", "cellular_cave", "barn"),
+    tuple(f"crowd_nav_{name}" for name in ("fast", "groups", "unyielding", "policy")),
+)
+SHIFTS = (
+    Shift("cluttered_room", "cluttered_room", MAPS),
+    Shift("cluttered_room_memory", "cluttered_room", MAPS),
+    Shift("dense_room_memory", "dense_room", MAPS),
+    Shift("general", "cluttered_room", ("barn",)),
+    Shift("crowd_nav", "crowd_nav", CROWDS, "orca"),
+    Shift("general", "crowd_nav_random", CROWDS, "orca"),
+)
 OVERVIEW = (
     *("scenario", "`--task`", "aim %", "median %", "interquartile mean % [95 % interval]", "lowest, highest %"),
     *(f"worst {WORST} of all seeds", "planner % [95 % interval]", "CPU s", "steps"),
 )
 SEEDS = ("scenario", "seed", "success % [95 % interval]", "collision %", "timeout %", "SPL", f"worst {WORST}", "CPU s")
 PLAYED = ("trained in", "played in", "levels", "each seed %", "median %", "planner % [95 % interval]")
+
+SHIFTED = (
+    "policy",
+    "trained in",
+    "success there %",
+    "played in",
+    "success % [95 % interval]",
+    "fall, points",
+    "planner %",
+)
 
 
 def read(name: str) -> Any:
@@ -145,14 +184,29 @@ def played_row(place: Elsewhere, found: Any) -> tuple[str, ...]:
     )
 
 
+def shift_rows(shift: Shift, found: Any) -> Iterator[tuple[str, ...]]:
+    """Yield what a policy comes to in each benchmark, and by how much that is less than where it was trained."""
+    figures = found["figures"]
+    home = figures[shift.home][shift.policy]["success"]
+    for benchmark in shift.benchmarks:
+        there = figures[benchmark][shift.policy]["success"]
+        fall = 100 * (home["value"] - there["value"])
+        yield (
+            *(shift.policy, shift.home, f"{100 * home['value']:.1f}", benchmark, percent(there), f"{fall:.1f}"),
+            planner(benchmark, shift.planner),
+        )
+
+
 def tables() -> dict[str, str]:
     """Return the tables of the page, by the name in their comments; what has no results has no row."""
     marks = [(mark, found) for mark in MARKS if (found := read(mark.name)) is not None]
     played = [(place, found) for place in ELSEWHERE if (found := read(place.name)) is not None]
+    shifted = read("shift")
     return {
         "marks": _table(OVERVIEW, (overview_row(*one) for one in marks)),
         "marks-seeds": _table(SEEDS, (row for one in marks for row in seed_rows(*one))),
         "marks-elsewhere": _table(PLAYED, (played_row(*one) for one in played)),
+        "marks-shift": _table(SHIFTED, (row for shift in SHIFTS for row in shift_rows(shift, shifted))),
     }
 
 
