@@ -135,6 +135,11 @@ SHIFTED = (
     "planner %",
 )
 
+FOUR = (
+    *("seed", "SFL's protocol: robots %", "worst 5 %", "windows", "`test`: robots %", "teams % [95 % interval]"),
+    *("collision %", "timeout %", "makespan s", "CPU s"),
+)
+
 
 def read(name: str) -> Any:
     """Return a file of ``results``; None where there is none."""
@@ -197,15 +202,30 @@ def shift_rows(shift: Shift, found: Any) -> Iterator[tuple[str, ...]]:
         )
 
 
+def four_rows(scores: Any, found: Any) -> Iterator[tuple[str, ...]]:
+    """Yield what each seed of jaxnav_four comes to in SFL's levels, by its protocol, and on test levels."""
+    for seed in found["seeds"]:
+        (test,), published = seed["test"].values(), scores[f"jaxnav_four.npz {seed['run']}"]
+        shares = (test[name]["value"] for name in ("individual_success", "collision", "timeout"))
+        robots, collision, timeout = (f"{100 * share:.1f}" for share in shares)
+        yield (
+            *(str(seed["settings"]["seed"]), f"{100 * published['success']:.1f}"),
+            *(f"{100 * published['worst 5 %']:.1f}", str(published["windows"])),
+            *(robots, percent(test["cooperative_success"]), collision, timeout),
+            *(f"{test['makespan']:.1f}", f"{seed['cpu_seconds']:.0f}"),
+        )
+
+
 def tables() -> dict[str, str]:
     """Return the tables of the page, by the name in their comments; what has no results has no row."""
     marks = [(mark, found) for mark in MARKS if (found := read(mark.name)) is not None]
     played = [(place, found) for place in ELSEWHERE if (found := read(place.name)) is not None]
-    shifted = read("shift")
+    shifted, four = read("shift"), (read("jaxnav_score"), read("jaxnav_four"))
     return {
         "marks": _table(OVERVIEW, (overview_row(*one) for one in marks)),
         "marks-seeds": _table(SEEDS, (row for one in marks for row in seed_rows(*one))),
         "marks-elsewhere": _table(PLAYED, (played_row(*one) for one in played)),
+        "marks-four": _table(FOUR, four_rows(*four)),
         "marks-shift": _table(SHIFTED, (row for shift in SHIFTS for row in shift_rows(shift, shifted))),
     }
 
