@@ -15,10 +15,13 @@ from irsim_gym.paths.wavefront import (
     NEVER,
     TIGHT,
     begin_costs,
+    begin_wave,
     block_border,
     follow_costs,
     narrow,
     new_queues,
+    next_cell,
+    offer_neighbours,
     spread_costs,
 )
 
@@ -45,6 +48,19 @@ def test_costs_are_those_of_dijkstra(seed: int) -> None:
     np.testing.assert_array_equal(costs, reference_costs(levels, source))
     np.testing.assert_array_equal(costs, spread(levels, source, plain=True))
     assert np.isfinite(costs).sum() > 30
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cells_of_a_wave_come_in_the_order_of_their_costs(seed: int) -> None:
+    levels, source = drawn_levels(seed), 6 * 17 + 8
+    queues, costs, order = new_queues(*levels.shape), np.zeros(levels.size, np.int32), []
+    begin_wave(source, queues, costs)
+    while (here := next_cell(queues, costs)) >= 0:
+        order.append((here, int(costs[here])))
+        offer_neighbours(levels.reshape(-1), levels.shape[1], here, queues, costs)
+    expected = reference_costs(levels, source).reshape(-1)
+    assert sorted(here for here, _ in order) == np.flatnonzero(np.isfinite(expected)).tolist()
+    assert [cost for _, cost in order] == [expected[here] for here, _ in order] == sorted(cost for _, cost in order)
 
 
 def test_costs_begin_with_those_among_free_cells() -> None:
