@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from irsim_gym.geometry.angles import wrap, wrap_from
+from irsim_gym.geometry.angles import TINY, nearly_arctan2, wrap, wrap_from
 
 finite = st.floats(-1e6, 1e6)
 
@@ -60,3 +60,14 @@ def test_wrap_from_stays_in_the_interval(angle: float, low: float) -> None:
 def test_what_is_not_a_number_stays_so() -> None:
     assert np.isnan(wrap(np.nan))
     assert np.isnan(wrap_from(np.nan, 0.0))
+
+
+@given(finite, finite)
+def test_nearly_arctan2_is_within_its_error(y: float, x: float) -> None:
+    assume(max(abs(y), abs(x)) > TINY)
+    assert nearly_arctan2(y, x) == pytest.approx(np.arctan2(y, x), rel=0, abs=2e-8)
+
+
+@pytest.mark.parametrize(("y", "x"), [(0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (0, 1e-300), (-1e300, 0)])
+def test_nearly_arctan2_is_exact_on_the_axes(y: float, x: float) -> None:
+    assert nearly_arctan2(float(y), float(x)) == np.arctan2(float(y), float(x))

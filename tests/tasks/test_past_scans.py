@@ -112,9 +112,12 @@ def test_compiled_and_plain_agree() -> None:
     scan = generator.uniform(0.5, 4.5, 50).astype(np.float32)
     then, now = np.array([1.0, 2.0, 0.3]), np.array([1.4, 1.9, -0.8])
     rows = [np.full(9, 4.0, np.float32) for _ in range(2)]
-    compiled = past_scans.project
-    for project, row in zip((compiled, getattr(compiled, "py_func", compiled)), rows, strict=True):
-        project(scan, then, now, np.array([0.1, 0.0]), beams, np.float32(4.0), 0.2, row)
+    kernels = past_scans.find_ends, past_scans.lower_depths
+    plain = (getattr(kernel, "py_func", kernel) for kernel in kernels)
+    for (find_ends, lower_depths), row in zip((kernels, plain), rows, strict=True):
+        ends = np.zeros((2, 50))
+        find_ends(scan, then, now, np.array([0.1, 0.0]), beams, ends)
+        lower_depths(scan, ends, np.float32(4.0), 0.2, row)
     assert rows[0] == pytest.approx(rows[1], abs=1e-5)
     assert rows[0].min() < 2.0
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
+from irsim_gym.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
@@ -47,6 +48,7 @@ class Memory(Struct):
         scans: The latest scans [m], shape ``(n_worlds, n_agents, n_kept, n_beams)``; the index of a scan is its step
             modulo ``n_kept``.
         poses: The poses at which they were taken [m, m, rad], shape ``(n_worlds, n_agents, n_kept, 3)``.
+        ends: Scratch, see ``find_ends``, shape ``(n_slots, 2, n_beams)``.
     """
 
     ranges: Rays
@@ -58,6 +60,7 @@ class Memory(Struct):
     ago: Ints
     scans: Rays
     poses: Floats
+    ends: Floats
 
 
 @kind
@@ -105,6 +108,7 @@ class PastScans:
             ago=np.array(self.ago, np.int64),
             scans=np.zeros((*shape, len(table["angles"])), np.float32),
             poses=np.zeros((*shape, 3)),
+            ends=np.zeros((simulation.shards.n_slots, 2, len(table["angles"]))),
         )
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
@@ -134,7 +138,7 @@ class PastScans:
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Store the present scan, and write the sectors of earlier ones."""
         note_scans(shard.worlds, term.agents, term.arrays, state, episode)
-        write_past(shard.worlds, term.bound, term.arrays, state, episode)
+        write_past(shard.worlds, shard.slot, term.bound, term.arrays, state, episode)
 
 
 @kernel
@@ -154,33 +158,32 @@ def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: State, episode
 
 
 @kernel
-def write_past(worlds: Ints, term: Bound, memory: Memory, state: State, episode: EpisodeState) -> None:
+def write_past(worlds: Ints, slot: int, term: Bound, memory: Memory, state: State, episode: EpisodeState) -> None:
     """Write the encoded depths of earlier scans.
 
-    Reads: term (agents, column, options), memory (ago, beams, far, mount, poses, reach, scans), state (pose), episode
-        (observation, steps).
-    Writes: episode (observation).
+    Reads: term (agents, column, options), memory (ago, beams, ends, far, mount, poses, reach, scans), state (pose),
+        episode (observation, steps).
+    Writes: memory (ends), episode (observation).
     """
-    options, ago = term.options[0], memory.ago
+    options, ago, ends = term.options[0], memory.ago, memory.ends[slot]
     sectors = options.sectors
     for w in worlds:
         for a in range(term.agents.shape[0]):
             newest, far, now = episode.steps[w, a], memory.far[a], state.pose[w, term.agents[a]]
             for j in range(ago.shape[0]):
-                slot = (newest - min(ago[j], newest)) % memory.scans.shape[2]
+                kept = (newest - min(ago[j], newest)) % memory.scans.shape[2]
                 column = term.column + j * sectors
                 row = episode.observation[w, a, column : column + sectors]
                 row[:] = far
-                scan, then = memory.scans[w, a, slot], memory.poses[w, a, slot]
-                project(scan, then, now, memory.mount[a], memory.beams[a], far, memory.reach[a], row)
+                scan, then = memory.scans[w, a, kept], memory.poses[w, a, kept]
+                find_ends(scan, then, now, memory.mount[a], memory.beams[a], ends)
+                lower_depths(scan, ends, far, memory.reach[a], row)
                 encode(row, range_code(options, far))
 
 
 @kernel
-def project(
-    scan: Rays, then: Floats, now: Floats, mount: Floats, beams: Floats, far: np.float32, reach: float, row: Rays
-) -> None:
-    """Lower the sectors' depths [m] to those of a scan, transformed to another pose.
+def find_ends(scan: Rays, then: Floats, now: Floats, mount: Floats, beams: Floats, ends: Floats) -> None:
+    """Write where the beams of a scan end, seen from another pose; the loop is vectorised.
 
     Args:
         scan: Ranges [m], ``(n_beams,)``.
@@ -188,11 +191,8 @@ def project(
         now: Present pose of the body [m, m, rad].
         mount: Position of the sensor in the body frame [m].
         beams: Directions in the body frame, ``(2, n_beams)``.
-        far: Range from which a beam counts as having hit nothing [m].
-        reach: Distance from the body's origin that is depth 0 [m].
-        row: Output, ``(n_sectors,)``; the first sector begins straight behind.
+        ends: Output: distance [m], and angle as a share of a turn from straight behind, ``(2, n_beams)``.
     """
-    n_sectors = row.shape[0]
     # The pose of then in the frame of now: rotation by ``turn``, origin at ``along``, ``aside``.
     turn = then[2] - now[2]
     cosine, sine = np.cos(turn), np.sin(turn)
@@ -200,11 +200,27 @@ def project(
     dx, dy = then[0] - now[0], then[1] - now[1]
     along, aside = ahead * dx + left * dy, ahead * dy - left * dx
     for k in range(scan.shape[0]):
-        if scan[k] >= far:
-            continue
         x, y = mount[0] + scan[k] * beams[0, k], mount[1] + scan[k] * beams[1, k]
         there_x, there_y = along + cosine * x - sine * y, aside + sine * x + cosine * y
-        depth = np.float32(max(np.sqrt(there_x * there_x + there_y * there_y) - reach, 0.0))
-        # 0.5 puts the first sector straight behind; an angle of exactly pi belongs to it again.
-        sector = int((np.arctan2(there_y, there_x) / (2.0 * np.pi) + 0.5) * n_sectors) % n_sectors
-        row[sector] = min(row[sector], depth)
+        ends[0, k] = np.sqrt(there_x * there_x + there_y * there_y)
+        ends[1, k] = nearly_arctan2(there_y, there_x) / TURN + 0.5
+
+
+@kernel
+def lower_depths(scan: Rays, ends: Floats, far: np.float32, reach: float, row: Rays) -> None:
+    """Lower the sectors' depths [m] to where the beams of a scan end.
+
+    Args:
+        scan: Ranges [m], ``(n_beams,)``.
+        ends: Where the beams end, see ``find_ends``.
+        far: Range from which a beam counts as having hit nothing [m].
+        reach: Distance from the body's origin that is depth 0 [m].
+        row: Output, ``(n_sectors,)``; the first sector begins straight behind.
+    """
+    n_sectors = row.shape[0]
+    for k in range(scan.shape[0]):
+        if scan[k] < far:
+            # An angle of exactly pi, share 1, belongs to the first sector again.
+            sector = int(ends[1, k] * n_sectors)
+            sector = sector if sector < n_sectors else 0
+            row[sector] = min(row[sector], np.float32(max(ends[0, k] - reach, 0.0)))
