@@ -1,6 +1,6 @@
-"""Score a policy in JaxNav's levels as SFL does, and write agents/results/jaxnav_score.json.
+"""Score a policy in JaxNav's levels as SFL does, and add the score to a file.
 
-    python agents/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N] [--mean]
+    python agents/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N] [--mean] [--out FILE]
 
 LEVELS is a user's own copy after ``irsim-gym levels import jaxnav``, or the name of a benchmark; POLICY a run's folder,
 or with ``--mean``, which takes the mean actions, the name of a shipped policy. Without TASK, episodes end as the
@@ -25,6 +25,7 @@ import torch
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy, by_agent
+from irsim_gym.evaluation.tables import write_json
 from irsim_gym.evaluation.worst_levels import worst_shares
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import conditions, make_episodes
@@ -45,6 +46,7 @@ def main() -> None:
     parser.add_argument("--windows", type=int, default=10)
     parser.add_argument("--levels", type=int, default=1000)
     parser.add_argument("--mean", action="store_true")
+    parser.add_argument("--out", type=Path, default=OUT, help="default: results/jaxnav_score.json beside this file")
     options = parser.parse_args()
     played = make_episodes(options.levels_of, task=options.task, n_worlds=options.levels, team=True)
     policy: Policy = load_policy(options.policy)
@@ -62,9 +64,9 @@ def main() -> None:
         "success": round(float(passes.mean()), 4),
         **{f"worst {name}": round(value, 4) for name, value in worst_shares(passes).items()},
     }
-    rows = json.loads(OUT.read_text(encoding="utf-8")) if OUT.exists() else {}
+    rows = json.loads(options.out.read_text(encoding="utf-8")) if options.out.exists() else {}
     name = f"{Path(options.levels_of).name} {Path(options.policy).name}"
-    OUT.write_text(json.dumps({**rows, name: row}, indent=1) + "\n", encoding="utf-8")
+    write_json(options.out, {**rows, name: row})
     print(name, {key: value for key, value in row.items() if key not in ("conditions", "machine")})
 
 

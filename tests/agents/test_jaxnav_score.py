@@ -49,10 +49,9 @@ def test_actions_of_a_run_are_drawn(script: Any) -> None:
 def test_a_score_is_written_beside_those_that_are_there(
     script: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(script, "OUT", tmp_path / "score.json")
     (tmp_path / "score.json").write_text('{"an older one": 1}')
     words = ["jaxnav_score.py", "jaxnav_single", "dash", "--levels", "4", "--windows", "1"]
-    monkeypatch.setattr("sys.argv", words)
+    monkeypatch.setattr("sys.argv", [*words, "--out", str(tmp_path / "score.json")])
     script.main()
     rows = json.loads((tmp_path / "score.json").read_text())
     assert list(rows) == ["an older one", "jaxnav_single dash"]
