@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,10 +13,12 @@ from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardScenario
-from irsim_gym.training.run import lasting, run_of, scenario_name
+from irsim_gym.training.run import Run, lasting, run_of, scenario_name
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.shelf import card_of
 from irsim_gym.training.snapshot import differences, listed, take_snapshot
+
+Parameters = Mapping[str, object]
 
 
 def remembered_parameters(
@@ -26,7 +27,8 @@ def remembered_parameters(
     """Return values for a scenario's parameters: those that the user sets, and those of the policies' trainings.
 
     If all policies were trained in this scenario with the same value, this value replaces the default, and a line on
-    standard error reports it. Another line lists parameters whose values differ. Reference policies are ignored.
+    standard error reports it. Another line lists parameters whose values differ. Reference policies are ignored, and so
+    is a mixture that lists the scenario with different parameters.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
@@ -120,19 +122,29 @@ def change_message(scenario: str | Path, source: str | Path, found: list[str]) -
 
 
 def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
-    """Return the parameters of a policy's training; an empty dict if unknown, or if it was in another scenario."""
-    card = card_of(source)
-    if card is not None:
-        same = card.scenario.name == Path(scenario_name(scenario)).name
-        return dict(card.scenario.parameters) if same else {}
-    run = run_of(source)
+    """Return the parameters of a policy's training in a scenario; an empty dict if they are unknown."""
+    named, card = lasting(scenario_name(scenario)), card_of(source)
+    if card is None:
+        return _only_parameters(named, _parts_of(run_of(source)))
+    parts = card.training.mixture or (card.scenario,)
+    return _only_parameters(Path(named).name, [(part.name, part.parameters) for part in parts])
+
+
+def _parts_of(run: Run) -> list[tuple[str, Parameters]]:
+    """Return the scenarios of a run with their parameters; an empty list if its settings cannot be read."""
     try:
-        settings = json.loads(run.config.read_text(encoding="utf-8"))["settings"]
-        parts = settings.get("mixture") or [settings]
-        alike = [one for one in parts if one["scenario"] == lasting(scenario_name(scenario))]
-        return dict(alike[0].get("parameters", {})) if len(alike) == 1 else {}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return {}
+        return [(part.scenario, part.parameters) for part in run.settings().parts()]
+    except IrsimGymError:
+        return []
+
+
+def _only_parameters(scenario: str, parts: Sequence[tuple[str, Parameters]]) -> dict[str, Any]:
+    """Return the parameters of a scenario among the scenarios of a training.
+
+    The result is empty if the scenario is missing, or if a mixture lists it with different parameters.
+    """
+    found = [parameters for name, parameters in parts if name == scenario]
+    return dict(found[0]) if found and all(one == found[0] for one in found) else {}
 
 
 def _say(line: str) -> None:

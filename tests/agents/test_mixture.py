@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import pickle
+import shutil
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +20,7 @@ from rich.console import Console
 
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.cards import card_file
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.exporting import export
@@ -30,7 +32,7 @@ from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import combined, scenario_point
-from irsim_gym.training.shelf import card_of
+from irsim_gym.training.shelf import card_of, shelf_file
 from irsim_gym.training.shelf_tables import print_card
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
@@ -287,3 +289,33 @@ def test_the_parameters_of_each_are_remembered(tmp_path: Path) -> None:
     run.begin(settings(parts, team="episode"))
     assert remembered_parameters("circle_swap", [tmp_path])["n_robots"] == 3
     assert remembered_parameters("random_swap", [tmp_path])["n_robots"] == 2
+
+
+def test_a_scenario_with_several_values_in_a_mixture_is_not_remembered(tmp_path: Path) -> None:
+    """Equal values are not ambiguous, in whichever part they stand."""
+    twice = MixturePart("random_swap", {"n_robots": 5}), MixturePart("random_swap", {"n_robots": 3})
+    for name, parts, found in (("two", twice, {}), ("one", (twice[1], twice[1]), {"n_robots": 3})):
+        Run(tmp_path / name).begin(settings(parts, team="episode"))
+        assert remembered_parameters("random_swap", [tmp_path / name]) == found
+
+
+def test_a_card_remembers_the_parameters_of_each_scenario(capsys: pytest.CaptureFixture[str]) -> None:
+    assert remembered_parameters("crowd_nav", ["general"]) == {"goal_change": 0.5}
+    assert "crowd_nav (goal_change = 0.5), as in training" in capsys.readouterr().err
+    assert remembered_parameters("irsim_gym/crowd_nav-v0", ["general"]) == {"goal_change": 0.5}
+    assert remembered_parameters("parking", ["general"]) == {}
+
+
+def test_a_card_remembers_nothing_of_a_scenario_with_several_values(tmp_path: Path) -> None:
+    """The card of ``maze`` lists it with two shares of loops, neither of which is the default here."""
+    file = tmp_path / "mazes.npz"
+    shutil.copy(shelf_file("maze"), file)
+    card = json.loads(card_file(shelf_file("maze")).read_text())
+    parts = card["training"]["mixture"]
+    assert [part["name"] for part in parts] == ["maze", "maze"]
+    for loops, found in (((0.7, 0.0), {}), ((0.7, 0.7), {"loops": 0.7})):
+        for part, value in zip(parts, loops, strict=True):
+            part["parameters"] = {"loops": value}
+        card["scenario"]["parameters"] = {"loops": loops[0]}
+        card_file(file).write_text(json.dumps(card))
+        assert remembered_parameters("maze", [file]) == found
