@@ -183,12 +183,16 @@ class Run:
         """Read the settings.
 
         Raises:
-            IrsimGymError: If the folder holds no run.
+            IrsimGymError: If the folder holds no run, or its ``config.json`` is another file.
         """
         try:
             return Settings.from_plain(json.loads(self.config.read_text(encoding="utf-8"))["settings"])
-        except (OSError, ValueError, KeyError) as error:
+        except OSError as error:
             raise IrsimGymError(f"{self.folder} holds no training run: {error}") from error
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise IrsimGymError(
+                f"{self.folder} holds no training run: {self.config} has no settings of one ({error})"
+            ) from error
 
     def begin(self, settings: Settings, now: Snapshot | None = None) -> None:
         """Write the settings, and a copy of the scenario and its task.

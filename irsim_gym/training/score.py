@@ -84,10 +84,10 @@ def score_run(
 def read_curve(run: Run) -> list[Point]:
     """Return the scores on disk; none if there are none yet, or they cannot be read."""
     try:
-        points: list[Point] = json.loads(run.curve.read_text(encoding="utf-8"))["points"]
-    except (OSError, ValueError, KeyError):
+        points = [dict(point) for point in json.loads(run.curve.read_text(encoding="utf-8"))["points"]]
+    except (OSError, ValueError, KeyError, TypeError):
         return []
-    return points
+    return points if all({*PROGRESS, "levels", "success"} <= set(point) for point in points) else []
 
 
 def reached(points: Sequence[Point], mark: float) -> Point | None:

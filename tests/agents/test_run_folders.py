@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -281,3 +282,25 @@ def test_an_evaluation_keeps_earlier_results(monkeypatch: pytest.MonkeyPatch, ca
     assert (there / "summary.json").stat().st_mtime_ns == before
     assert command(monkeypatch, *evaluate, "--out", there, "--overwrite") == 0
     assert (there / "summary.json").stat().st_mtime_ns > before
+
+
+@pytest.mark.parametrize(
+    "content", ["[]", "null", "3", '{"settings": null}', '{"settings": {"scenario": "maze"}}', "{"]
+)
+def test_a_config_of_another_program_is_named(content: str) -> None:
+    Path("run").mkdir()
+    Path("run/config.json").write_text(content)
+    with pytest.raises(IrsimGymError, match=r"^run holds no training run: run/config.json has no settings of one"):
+        Run(Path("run")).settings()
+    Path("run/config.json").unlink()
+    with pytest.raises(IrsimGymError, match=r"^run holds no training run: .*No such file .* 'run/config.json'"):
+        Run(Path("run")).settings()
+
+
+def test_settings_with_hyperparameters_of_another_form_are_no_settings() -> None:
+    run = begun("run", asked())
+    data = json.loads(run.config.read_text())
+    for name in ("hyperparameters", "mixture", "engine"):
+        run.config.write_text(json.dumps({**data, "settings": {**data["settings"], name: [1]}}))
+        with pytest.raises(IrsimGymError, match=r"run/config.json has no settings of one"):
+            run.settings()

@@ -1,10 +1,13 @@
+import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from matplotlib.image import imread
 
 from irsim_gym.training.learning_curve import draw_curve
-from irsim_gym.training.score import reached
+from irsim_gym.training.run import Run
+from irsim_gym.training.score import reached, read_curve
 
 
 def point(seconds: float, success: float) -> dict[str, float]:
@@ -32,3 +35,16 @@ def test_curve_is_drawn_without_a_display(tmp_path: Path) -> None:
     picture = imread(tmp_path / "curve.png")
     assert picture.ndim == 3
     assert np.ptp(picture[..., 0]) > 0.5
+
+
+@pytest.mark.parametrize("content", ["[]", "null", '{"points": null}', '{"points": [3]}', '{"points": [{"steps": 1}]}'])
+def test_a_curve_of_another_form_has_no_scores(content: str, tmp_path: Path) -> None:
+    run = Run(tmp_path)
+    run.curve.write_text(content)
+    assert read_curve(run) == []
+
+
+def test_a_curve_is_read(tmp_path: Path) -> None:
+    point = {"steps": 64, "training_seconds": 1.5, "cpu_seconds": 1.0, "levels": 4, "success": 0.5}
+    Run(tmp_path).curve.write_text(json.dumps({"points": [point]}))
+    assert read_curve(Run(tmp_path)) == [point]
