@@ -36,6 +36,7 @@ class LearnabilityCallback(BaseCallback):
         self.levels = levels
         self._how: dict[str, Any] = {"share": share, "size": size, "seed": seed}
         self._n_agents = 1
+        self._is_team = False
 
     def _on_training_start(self) -> None:
         env = self.training_env
@@ -43,6 +44,7 @@ class LearnabilityCallback(BaseCallback):
             raise IrsimGymError(f"LearnabilityCallback: {env.unwrapped} is no environment of irsim_gym")
         if hasattr(env.unwrapped, "parts"):
             raise IrsimGymError("LearnabilityCallback: levels are known by their numbers, and a mixture has several 0")
+        self._is_team = hasattr(env.unwrapped, "n_agents")
         self._n_agents = getattr(env.unwrapped, "n_agents", 1)
         worlds = np.arange(env.num_envs // self._n_agents)
         if self.levels is None:
@@ -75,11 +77,11 @@ class LearnabilityCallback(BaseCallback):
     def _begun(self, dones: Flags) -> Ints:
         """Return the worlds that have begun another level in the latest step."""
         begun: Ints = np.flatnonzero(np.all(dones.reshape(-1, self._n_agents), axis=1))
-        if self._n_agents == 1 or not len(begun):
+        if not self._is_team or not len(begun):
             return begun
         times = self.training_env.get_attr("time", indices=(begun * self._n_agents).tolist())
-        at_once: Flags = np.array(times) == 0.0  # else all robots have respawned in a level that goes on
-        return begun[at_once]
+        has_restarted: Flags = np.array(times) == 0.0  # else all robots have respawned in a level that goes on
+        return begun[has_restarted]
 
     def _ask_for(self, worlds: Ints) -> None:
         """Tell the environment which levels follow, where they are chosen."""

@@ -89,16 +89,19 @@ def test_chosen_levels_are_begun_and_belong_to_the_split_train():
     assert sum(asked >= 0 for *_, asked in seen.rows) > 15
 
 
+@pytest.mark.parametrize("n_robots", [1, 3])
 @pytest.mark.parametrize("team", [{}, {"respawn": True, "world_steps": 20}])
-def test_the_success_of_a_team_is_the_mean_over_its_robots(team):
+def test_the_success_of_a_team_is_the_mean_over_its_robots(team, n_robots):
     curriculum, ended = sb3.LearnabilityCallback(share=0.0), Ended()
-    env = sb3.make_multi_agent_vec_env(MEET, 3, seed=0, max_steps=LIMIT, **team)
+    scenario = {**MEET, "robot": [{**MEET["robot"][0], "number": n_robots}]}
+    env = sb3.make_multi_agent_vec_env(scenario, 3, seed=0, max_steps=LIMIT, **team)
     sb3.MaskedPPO("MlpPolicy", env, **HOW).learn(1200, callback=[ended, curriculum])
     known = curriculum.levels
     known.update()
     under_way = {info["level"] for info in env.env_method("info")}
     expected = {level: np.mean(found) for level, found in ended.success.items() if level not in under_way}
     assert len(expected) > 4
+    assert known.plays.max() == 1.0  # no level is played again, and a respawn does not begin one
     assert dict(zip(known.levels.tolist(), (known.wins / known.plays).tolist(), strict=True)) == pytest.approx(expected)
 
 
