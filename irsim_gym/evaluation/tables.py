@@ -29,6 +29,8 @@ WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
 NARROW: Mapping[str, Any] = MappingProxyType({**COMPACT, "padding": (0, 1, 0, 0)})
 """Layouts of tables with many columns."""
+PLAIN: Mapping[str, Any] = MappingProxyType({"markup": False, "highlight": False, "soft_wrap": True})
+"""Arguments of ``Console.print`` for text that is printed as it is."""
 Row = TypeVar("Row")
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import print_table
+from irsim_gym.evaluation.tables import PLAIN, print_table
 from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
@@ -30,8 +30,6 @@ from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.verdict import look_command, verdict
-
-PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
 def run_training(

@@ -14,7 +14,7 @@ from typing import Any
 from rich.console import Console
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import plain, write_json
+from irsim_gym.evaluation.tables import PLAIN, plain, write_json
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.ray_session import ray_session
 from irsim_gym.training.run import Run, lasting, scenario_name
@@ -28,7 +28,6 @@ from irsim_gym.training.trial_settings import write_settings
 PLAN, TRIALS, TUNE = "sweep.json", "trials", "ray"
 FAILURES = 3
 """How often a training that fails, or whose node leaves, is begun again from its newest checkpoint."""
-PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
 def run_sweep(

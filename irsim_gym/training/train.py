@@ -13,7 +13,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
+from irsim_gym.evaluation.tables import PLAIN, remove_leftovers, write_bytes, write_csv
 from irsim_gym.extras import require
 from irsim_gym.sb3 import LogCallback
 from irsim_gym.training import checkpoint as files
@@ -153,7 +153,7 @@ def _check_run(run: Run, settings: Settings, now: Snapshot, resume: bool, screen
         raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
     if changed:
         message = f"the scenario has changed since this run began ({listed(changed)}); it uses its copy, {run.copy}"
-        screen.print(message, markup=False, highlight=False, soft_wrap=True)
+        screen.print(message, **PLAIN)
 
 
 def _model(

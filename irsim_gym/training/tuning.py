@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import plain, write_json
+from irsim_gym.evaluation.tables import PLAIN, plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
@@ -44,7 +44,6 @@ REFUSED = "refused"
 """Attribute of a trial with the reason why its settings cannot be trained."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
 """Number of trials that finish before any is pruned, and the first checkpoint at which a trial can be pruned."""
-PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
 @dataclass(frozen=True)
