@@ -33,12 +33,12 @@ class LearnableLevels:
     Attributes:
         levels: Levels in the memory, the most learnable first, shape ``(n,)``.
         wins: Successes in each, where older ones count less, shape ``(n,)``.
-        plays: Number of times that each was played, likewise.
+        plays: Number of times that each was played, where older ones count less, shape ``(n,)``.
         learnability: Learnability of each, from 0 to 0.25, shape ``(n,)``.
         following: Level that each world begins next, -1 for one that is drawn, shape ``(n_worlds,)``.
 
     Raises:
-        ValueError: A share that is none, or a memory without room.
+        ValueError: If ``share`` is not between 0 and 1, or ``size`` is less than 1.
     """
 
     def __init__(self, n_worlds: int, *, share: float = 0.5, size: int = 1000, seed: int = 0) -> None:

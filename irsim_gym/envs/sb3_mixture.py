@@ -21,20 +21,23 @@ from irsim_gym.errors import IrsimGymError
 
 
 class MixtureVecEnv(VecEnv):
-    """The slots of several batches, one batch after the other; each steps and restarts as it does alone.
+    """The slots of several batches, one batch after the other. Each batch steps and restarts as it does alone.
 
-    Observations need the same parts of the same sizes, and actions the same components; bounds may differ. Infos of an
-    episode that has ended hold the name of the batch as ``scenario``. Batches of teams say which slots acted, for
-    masked algorithms.
+    Observations need the same parts of the same sizes, and actions the same number of components, or of choices. Bounds
+    may differ, and so may the meaning of a component: the second is a turn rate on wheels and a speed to the left of an
+    omnidirectional robot. A policy for both needs an observation that tells them apart, such as ``own_body``.
+
+    Infos of an episode that has ended hold the name of the batch as ``scenario``. Mixtures of teams have the masks of
+    ``TeamVecEnv``, so that masked algorithms can learn from them.
 
     Args:
-        parts: The batches of ``make_vec_env`` or ``make_multi_agent_vec_env`` by name; not both kinds together.
+        parts: The batches by name, all from ``make_vec_env`` or all from ``make_multi_agent_vec_env``.
 
     Attributes:
         parts: The batches by name.
 
     Raises:
-        IrsimGymError: There is none, or one observes or acts otherwise than the first; the message says in what.
+        IrsimGymError: If there is no batch, or the batches differ in observations or actions.
     """
 
     statistics_asked = False
@@ -57,26 +60,26 @@ class MixtureVecEnv(VecEnv):
 
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
-        """Infos at the beginning of each slot's latest episode."""
+        """Infos from the beginning of each slot's latest episode."""
         return [info for batch in self._batches for info in batch.reset_infos]
 
     @reset_infos.setter
     def reset_infos(self, infos: list[dict[str, Any]]) -> None:
-        """Do nothing: the batches know theirs."""
+        """Do nothing, because each batch stores its own."""
 
     @property
     def acted(self) -> Flags:
-        """Slots whose row of the latest step is experience, shape ``(num_envs,)``, see ``TeamVecEnv``."""
+        """Slots whose row in the latest step is experience, shape ``(num_envs,)``; see ``TeamVecEnv``."""
         return np.concatenate([batch.acted for batch in self._batches])  # type: ignore[attr-defined]
 
     @property
     def acting(self) -> Flags:
-        """Slots that will act in the next step, shape ``(num_envs,)``, see ``TeamVecEnv``."""
+        """Slots that will act in the next step, shape ``(num_envs,)``; see ``TeamVecEnv``."""
         return np.concatenate([batch.acting for batch in self._batches])  # type: ignore[attr-defined]
 
     @property
     def leaves_out_waiting(self) -> bool:
-        """Whoever steps the environment ignores the rows of idle slots, see ``TeamVecEnv``."""
+        """Whether the rows of idle slots are ignored by whoever steps the environment; see ``TeamVecEnv``."""
         return all(batch.leaves_out_waiting for batch in self._batches)  # type: ignore[attr-defined]
 
     @leaves_out_waiting.setter
@@ -86,21 +89,21 @@ class MixtureVecEnv(VecEnv):
 
     @property
     def idle_share(self) -> float:
-        """Share of idle slots among all slots of all steps so far, see ``TeamVecEnv``."""
+        """Share of idle slots among all slots of all steps so far; see ``TeamVecEnv``."""
         idle = sum(batch.idle_share * batch.num_envs for batch in self._batches)  # type: ignore[attr-defined]
         return float(idle / self.num_envs)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed each batch with ``seed``, see ``VecEnv.seed``. Levels of different scenarios are different ones."""
+        """Seed each batch with ``seed``, see ``VecEnv.seed``. The same number is another level in each scenario."""
         return [given for batch in self._batches for given in batch.seed(seed)]
 
     def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
-        """Set the options of the next reset, for all slots or one by one."""
-        for batch, own in self._shared_out(options):
-            batch.set_options(own)
+        """Set the options of the next reset, for all slots or for each."""
+        for batch, start, end in zip(self._batches, self._starts, self._ends, strict=True):
+            batch.set_options(options[start:end] if isinstance(options, list) else options)
 
     def reset(self) -> Observation:
-        """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
+        """Begin an episode in every world, with the seeds and options that were set; then forget these."""
         for batch in self._batches:
             batch.statistics_asked = self.statistics_asked
         self.statistics_asked = False
@@ -108,7 +111,7 @@ class MixtureVecEnv(VecEnv):
         return first
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Take the actions ``(n_slots, ...)`` for the next ``step_wait``."""
+        """Store the actions, ``(n_slots, ...)``, for the next ``step_wait``."""
         rows = np.asarray(actions)
         if rows.shape[:1] != (self.num_envs,):
             raise ValueError(f"actions must have {self.num_envs} rows, got shape {rows.shape}")
@@ -119,7 +122,7 @@ class MixtureVecEnv(VecEnv):
         """Advance all worlds by one step.
 
         Returns:
-            Observations, rewards (float32), dones and infos of all slots; all fresh.
+            Observations, rewards (float32), dones and infos of all slots, as new arrays.
         """
         seen, rewards, dones, infos = zip(*(batch.step_wait() for batch in self._batches), strict=True)
         for name, ended, told in zip(self.parts, dones, infos, strict=True):
@@ -138,7 +141,7 @@ class MixtureVecEnv(VecEnv):
         return tuple(dict.fromkeys(name for batch in self._batches for name in batch.reward_names))
 
     def reward_terms(self) -> Floats:
-        """Return what each term paid in the latest step, ``(n_envs, n_terms)``; 0 for terms that a scenario lacks."""
+        """Return the reward of each term in the latest step, ``(n_envs, n_terms)``; 0 if a scenario lacks the term."""
         names, paid = self.reward_names, []
         for batch in self._batches:
             columns = [names.index(name) for name in batch.reward_names]
@@ -165,7 +168,7 @@ class MixtureVecEnv(VecEnv):
         return self._each(indices, lambda batch, slot: batch.get_attr(attr_name, [slot])[0])
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
-        """Set an attribute of the chosen slots; ``max_steps`` for all slots of a batch alone."""
+        """Set an attribute of the chosen slots; ``max_steps`` only for all slots of a batch."""
         for batch, slots in self._chosen(indices):
             batch.set_attr(attr_name, value, slots)
 
@@ -181,7 +184,7 @@ class MixtureVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
     ) -> list[bool]:
-        """Return True for ``Monitor`` alone, see ``NativeVecEnv``."""
+        """Return True for ``Monitor`` only; see ``NativeVecEnv``."""
         found = self._each(indices, lambda batch, slot: batch.env_is_wrapped(wrapper_class, [slot])[0])
         self.statistics_asked = any(batch.statistics_asked for batch in self._batches)
         return found
@@ -196,21 +199,16 @@ class MixtureVecEnv(VecEnv):
         return [ask(self._batches[k], slot) for k, slot in places]
 
     def _chosen(self, indices: Indices) -> Iterator[tuple[NativeVecEnv, list[int]]]:
-        """Yield batches, and which of their slots are chosen."""
+        """Yield the batches with chosen slots, each with the numbers of these slots within it."""
         chosen: dict[int, list[int]] = {}
         for k, slot in map(self._place, self._get_indices(indices)):
             chosen.setdefault(k, []).append(slot)
         for k, slots in chosen.items():
             yield self._batches[k], slots
 
-    def _shared_out(self, given: Any) -> Iterator[tuple[NativeVecEnv, Any]]:
-        """Yield batches with their part of what is given slot by slot, or all of it."""
-        for batch, start, end in zip(self._batches, self._starts, self._ends, strict=True):
-            yield batch, given[start:end] if isinstance(given, list) else given
-
 
 def _joined(spaces: Sequence[Any]) -> Space[Any]:
-    """Return a space that holds the observations of several spaces of one form."""
+    """Return a space that contains all of the given spaces, which have the same form."""
     first: Space[Any] = spaces[0]
     if isinstance(first, Dict):
         return Dict({name: _joined([space[name] for space in spaces]) for name in first.spaces})
@@ -222,7 +220,7 @@ def _joined(spaces: Sequence[Any]) -> Space[Any]:
 
 
 def _check_alike(parts: Mapping[str, NativeVecEnv]) -> None:
-    """Raise if a batch is of another kind than the first, or observes or acts otherwise."""
+    """Raise an error if a batch differs from the first in its kind, its observations or its actions."""
     (first, one), *others = parts.items()
     for name, other in others:
         if type(other) is not type(one):
@@ -240,7 +238,7 @@ def _check_alike(parts: Mapping[str, NativeVecEnv]) -> None:
 
 
 def _sizes(env: NativeVecEnv) -> dict[str, str]:
-    """Return the shape of each part of an observation, by its name, in order."""
+    """Return the shape of each part of an observation by its name, in order."""
     episodes = env.worlds.episodes
     found = {name: str(len(low)) for name, low, _ in episodes.observation_terms}
     found |= {f"critic's {name}": str(len(low)) for name, low, _ in episodes.critic_terms}
@@ -255,7 +253,7 @@ def _action(env: NativeVecEnv) -> dict[str, str]:
 
 
 def _difference(ours: Mapping[str, str], theirs: Mapping[str, str]) -> str:
-    """Return what one has and the other has not, in words."""
+    """Return in words what ``ours`` has and ``theirs`` has not."""
     found = [f"{name} ({size})" for name, size in ours.items() if theirs.get(name) != size]
     if not found and set(ours) == set(theirs):
         return f"the order {', '.join(ours)}"

@@ -1,4 +1,4 @@
-"""Several scenarios that one policy learns together: how they are asked for, and their shares of the worlds."""
+"""Several scenarios that one policy learns together: their notation, and their shares of the worlds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 
 SHARE = "share"
-"""The word for the weight of a scenario among what stands behind its name."""
+"""Name of the option with a scenario's weight."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class MixturePart:
     Attributes:
         scenario: Shipped name, environment id, or path of a scenario file.
         parameters: Values of its parameters by name.
-        share: Its weight: it gets this share of the sum of all weights of the worlds.
+        share: Weight of the scenario. Its share of the worlds is its weight divided by the sum of all weights.
     """
 
     scenario: str
@@ -29,22 +29,22 @@ class MixturePart:
 
     @property
     def label(self) -> str:
-        """Its name with its share and its parameters, for the name of a folder."""
+        """Name of the scenario with its share and its parameters, for the name of a folder."""
         share = [] if self.share == 1.0 else [f"{SHARE}={self.share:g}"]
         return "-".join(
             [Path(self.scenario).stem, *share, *(f"{key}={value}" for key, value in self.parameters.items())]
         )
 
     def to_plain(self) -> dict[str, Any]:
-        """Return it as plain data."""
+        """Return the part as plain data."""
         return {"scenario": self.scenario, "parameters": dict(self.parameters), "share": self.share}
 
 
 def read_part(text: str) -> MixturePart:
-    """Return what ``SCENARIO[:share=WEIGHT][:PARAMETER=VALUE]...`` asks for.
+    """Return the part that a text of the form ``SCENARIO[:share=WEIGHT][:PARAMETER=VALUE]...`` describes.
 
     Raises:
-        IrsimGymError: The text is of another form; the message says what is wrong with which part of it.
+        IrsimGymError: If the text has another form.
     """
     scenario, *options = text.split(":")
     while options and "=" not in options[0]:  # a path with a colon
@@ -69,13 +69,14 @@ def _weight(text: str, value: str) -> float:
 
 
 def shared_worlds(shares: Sequence[float], n_worlds: int) -> list[int]:
-    """Return how many worlds each scenario gets: one, and of the rest what is nearest to its share.
+    """Return the number of worlds of each scenario. Each gets its share of all worlds, and at least one.
 
     Args:
-        n_worlds: How many there are.
+        shares: Weights of the scenarios.
+        n_worlds: Number of all worlds.
 
     Raises:
-        IrsimGymError: There are fewer worlds than scenarios.
+        IrsimGymError: If there are fewer worlds than scenarios.
     """
     if n_worlds < len(shares):
         raise IrsimGymError(f"a mixture of {len(shares)} scenarios needs at least as many worlds: n_envs is {n_worlds}")

@@ -125,6 +125,16 @@ def test_what_differs_is_named() -> None:
         sb3.MixtureVecEnv({})
 
 
+def test_components_may_differ_in_meaning() -> None:
+    """The second one turns a robot on wheels, and moves another to its left; a column of ``own_body`` tells which."""
+    names = ("cluttered_room", "crowd_nav")
+    mixed = sb3.MixtureVecEnv({name: sb3.make_vec_env(name, 1, seed=0, task="general_navigation") for name in names})
+    told = mixed.describe()
+    seconds = [told[name].action.components[1].name for name in names]
+    assert seconds == ["turn rate, positive to the left", "speed to the left"]
+    assert mixed.reset()[:, 97].tolist() == [0.0, 1.0]
+
+
 def test_teams_of_different_size_say_who_acted() -> None:
     parts = {str(n): sb3.make_multi_agent_vec_env("random_swap", 2, seed=0, n_robots=n) for n in (2, 3)}
     mixed = sb3.MixtureVecEnv(parts)
