@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.scenario.messages import show
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import kind, option, option_fields
+from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.validation import Report, build
+from irsim_gym.training.algorithm_options import AlgorithmKeys, PolicyKeys, RunKeys
 from irsim_gym.training.hyperparameters import hyperparameters_folder
 
 DIGITS = 4
@@ -20,6 +22,8 @@ LINEAR = "lin_"
 """Prefix of a linear schedule in a hyper-parameter file."""
 REWARD = "reward."
 """Prefix of the names of rewards among the parameters of a trial."""
+DECLARED: Mapping[str, tuple[type[Any], ...]] = {"": (RunKeys, AlgorithmKeys), "policy_kwargs": (PolicyKeys,)}
+"""Tables of the hyper-parameters, by the mapping in which they stand."""
 
 Values = dict[str, Any]
 
@@ -39,7 +43,7 @@ class OptunaTrial(Protocol):
 
 @kind
 class Range:
-    """A range of numbers."""
+    """A range of numbers. If both limits are integers, all values are."""
 
     low: int | float = option(meaning="The smallest value.")
     high: int | float = option(meaning="The largest value.")
@@ -53,8 +57,9 @@ class Range:
 
     def draw(self, name: str, trial: OptunaTrial) -> Any:
         """Draw a value, and return it as a hyper-parameter file contains it."""
+        found: float
         if isinstance(self.low, int) and isinstance(self.high, int):
-            found: float = trial.suggest_int(name, self.low, self.high, log=self.log)
+            found = trial.suggest_int(name, self.low, self.high, log=self.log)
         else:
             found = float(f"{trial.suggest_float(name, self.low, self.high, log=self.log):.{DIGITS}g}")
         return self._written(found)
@@ -74,9 +79,11 @@ class Range:
         """
         is_linear = isinstance(value, str) and value.startswith(LINEAR)
         number = float(str(value).removeprefix(LINEAR))
-        if is_linear != (self.schedule == "linear") or not self.low <= number <= self.high:
+        is_whole = isinstance(self.low, int) and isinstance(self.high, int)
+        is_between = self.low <= number <= self.high and (number.is_integer() or not is_whole)
+        if is_linear != (self.schedule == "linear") or not is_between:
             raise ValueError(f"{value} is none of these")
-        return int(number) if isinstance(self.low, int) and isinstance(self.high, int) else number
+        return int(number) if is_whole else number
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,8 @@ class Choices:
 
     def draw(self, name: str, trial: OptunaTrial) -> Any:
         """Draw one of the values."""
-        return self._labels()[trial.suggest_categorical(name, list(self._labels()))]
+        labels = self._labels()
+        return labels[trial.suggest_categorical(name, list(labels))]
 
     def ends(self) -> tuple[Any, ...]:
         """Return all values."""
@@ -104,9 +112,22 @@ class Choices:
                 return label
         raise ValueError(f"{value} is none of these")
 
+    def repeats(self) -> Iterator[tuple[int, Any]]:
+        """Yield the index of each value that equals an earlier one, or has its label, with the earlier one."""
+        for i, value in enumerate(self.values):
+            for earlier in self.values[:i]:
+                if value == earlier or _label(value) == _label(earlier):
+                    yield i, earlier
+                    break
+
     def _labels(self) -> dict[Any, Any]:
-        """Return the values by their labels in Optuna, which are JSON texts for lists and mappings."""
-        return {json.dumps(one) if isinstance(one, list | dict) else one: one for one in self.values}
+        """Return the values by their labels in Optuna."""
+        return {_label(one): one for one in self.values}
+
+
+def _label(value: object) -> Any:
+    """Return the label of a choice in Optuna: a JSON text for a list or mapping, else the value itself."""
+    return json.dumps(value) if isinstance(value, list | dict) else value
 
 
 @dataclass(frozen=True)
@@ -197,6 +218,8 @@ def read_space(file: Path) -> SearchSpace:
         if key not in parts:
             report.add((key,), f"must be {' or '.join(parts)}{suggestion(str(key), parts)}")
     hyperparameters, rewards = (_entries(part, data.get(part), report) for part in parts)
+    if not hyperparameters and not rewards and not report.problems:
+        report.add((), f"is empty: give {' or '.join(parts)} a range or choices")
     report.check()
     return SearchSpace(
         hyperparameters, {name: one for name, one in rewards.items() if isinstance(one, Range)}, str(file)
@@ -212,18 +235,59 @@ def _entries(part: str, data: object, report: Report) -> dict[str, Range | Choic
         return {}
     found: dict[str, Range | Choices] = {}
     for key, value in data.items():
-        place = (part, key)
-        if isinstance(value, list) and part == "hyperparameters":
-            if len(value) < 2:
-                report.add(place, f"needs at least two choices, got {show(value)}")
-            found[key] = Choices(tuple(value))
-            continue
-        made = build(Range, value, place, report)
-        if made is None:
-            continue
+        made: Range | Choices | None
         if part == "rewards":
-            if made.low < 0 or made.schedule is not None:
-                report.add(place, "is a factor >= 0 of the weight, without a schedule")
-            made = replace(made, low=float(made.low), high=float(made.high))
-        found[key] = made
+            made = _factors(value, (part, key), report)
+        elif isinstance(value, list):
+            made = _choices(value, (part, key), report)
+        else:
+            made = _range(value, (part, key), report)
+        if made is not None:
+            found[key] = made
     return found
+
+
+def _factors(value: object, place: Place, report: Report) -> Range | None:
+    """Return the range of factors on the weight of a reward; None after reporting problems."""
+    made = build(Range, value, place, report)
+    if made is None:
+        return None
+    if made.low < 0 or made.schedule is not None:
+        report.add(place, "is a factor >= 0 of the weight, without a schedule")
+    return replace(made, low=float(made.low), high=float(made.high))
+
+
+def _choices(values: list[Any], place: Place, report: Report) -> Choices:
+    """Return the choices of a hyper-parameter, after reporting problems."""
+    made = Choices(tuple(values))
+    if len(values) < 2:
+        report.add(place, f"needs at least two choices, got {show(values)}")
+    for i, earlier in made.repeats():
+        report.add((*place, i), f"must differ from the other choices, got {show(values[i])} beside {show(earlier)}")
+    return made
+
+
+def _range(value: object, place: Place, report: Report) -> Range | None:
+    """Return the range of a hyper-parameter, with limits of its type; None after reporting problems."""
+    made = build(Range, value, place, report)
+    wanted = _number_type(str(place[-1]))
+    if made is None or wanted is None:
+        return made
+    limits: dict[str, int | float] = {"low": made.low, "high": made.high}
+    broken = [key for key, limit in limits.items() if wanted is int and limit != int(limit)]
+    for key in broken:
+        report.add((*place, key), f"must be a whole number, got {show(limits[key])}")
+    return None if broken else replace(made, low=wanted(made.low), high=wanted(made.high))
+
+
+def _number_type(name: str) -> type[int] | type[float] | None:
+    """Return the type of the numbers that a hyper-parameter takes; None if none is declared."""
+    mapping, _, key = name.rpartition(".")
+    if mapping == "normalize":
+        return float
+    for table in DECLARED.get(mapping, ()):
+        if key in option_fields(table):
+            hint = option_fields(table)[key].annotation
+            hints = get_args(hint) or (hint,)
+            return int if int in hints else float if float in hints else None
+    return None

@@ -15,11 +15,15 @@ from irsim_gym.evaluation.tables import plain, write_text
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.task import merged_task
+from irsim_gym.training.models import resolve_device
+from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import Settings
 from irsim_gym.training.search_space import DIGITS, SearchSpace, Values, with_value
 from irsim_gym.training.training_request import TrainingRequest
 
 HYPERPARAMETERS, TASK = "hyperparameters.yaml", "task.yaml"
+NEEDS = ("device", "clone")
+"""Hyper-parameters that name something outside their file, which may be missing."""
 
 
 def write_settings(
@@ -67,7 +71,8 @@ def check_space(request: TrainingRequest, settings: Settings, space: SearchSpace
     """Check that a training accepts all choices and the limits of all ranges of a search space.
 
     Raises:
-        IrsimGymError: If it does not. The message lists every problem with its line in the file of the space.
+        IrsimGymError: If it does not, or the device or the imitated policy of the training is missing. The message
+            lists every problem of the space with its line in the file.
     """
     report = Report(read_file(space.file))
     for name in space.rewards:
@@ -77,10 +82,35 @@ def check_space(request: TrainingRequest, settings: Settings, space: SearchSpace
             report.add(("rewards", name), str(error))
     for key, one in space.hyperparameters.items():
         for value in one.ends():
-            with tempfile.TemporaryDirectory() as folder:
-                try:
-                    write_settings(Path(folder), request, settings, {key: value}, {}).settings()
-                except ScenarioError as error:
-                    for problem in error.problems:
-                        report.add(("hyperparameters", key), problem.message)
+            for message in _problems(request, settings, key, value):
+                report.add(("hyperparameters", key), message)
     report.check()
+    for key in NEEDS:
+        if key not in space.hyperparameters:
+            _check_need(settings, key)
+
+
+def _problems(request: TrainingRequest, settings: Settings, key: str, value: object) -> list[str]:
+    """Return what is wrong with a training in which one hyper-parameter has another value."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            found = write_settings(Path(folder), request, settings, {key: value}, {}).settings()
+        _check_need(found, key)
+    except ScenarioError as error:
+        return [problem.message for problem in error.problems]
+    except IrsimGymError as error:
+        return [str(error)]
+    return []
+
+
+def _check_need(settings: Settings, key: str) -> None:
+    """Check that what a hyper-parameter names is there. Only ``NEEDS`` name something.
+
+    Raises:
+        IrsimGymError: If the device or the policy is missing, or the policy cannot be loaded.
+    """
+    wanted = settings.hyperparameters
+    if key == "device":
+        resolve_device(wanted.device)
+    elif key == "clone" and wanted.clone is not None:
+        load_policy(wanted.clone)

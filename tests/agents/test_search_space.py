@@ -129,6 +129,103 @@ rewards:
     assert "the task gives no weight for arival; its rewards are progress, arrival, collision" in told[5]
 
 
+def test_the_type_of_a_hyperparameter_says_which_numbers_are_drawn(tmp_path: Path) -> None:
+    """Not the way in which the file writes its limits."""
+    text = """\
+hyperparameters:
+  gamma: {low: 0, high: 1}
+  clip_range_vf: {low: 1, high: 2}
+  normalize.clip_obs: {low: 5, high: 10}
+  policy_kwargs.log_std_init: {low: -2, high: 0}
+  n_epochs: {low: 2.0, high: 6.0}
+  n_timesteps: {low: 1.0e+3, high: 1e4, log: true}
+  policy_kwargs.n_critics: {low: 1.0, high: 3}
+  policy_kwargs.optimizer_kwargs.one: {low: 0, high: 1}
+  policy_kwargs.optimizer_kwargs.other: {low: 0, high: 1.0}
+"""
+    space = space_of(tmp_path, text)
+    drawn, _ = space.draw(Greatest())
+    kinds = {key.rpartition(".")[2]: type(value) for key, value in drawn.items()}
+    assert [key for key, kind in kinds.items() if kind is float] == [
+        *("gamma", "clip_range_vf", "clip_obs", "log_std_init", "other")
+    ]
+    assert [key for key, kind in kinds.items() if kind is int] == ["n_epochs", "n_timesteps", "n_critics", "one"]
+    assert drawn["n_timesteps"] == 10_000
+    present = {"gamma": 0.5, "policy_kwargs": {"optimizer_kwargs": {"one": 0.5, "other": 0.5}}, "n_epochs": 3}
+    found, outside = space.to_parameters(present)
+    assert found == {"gamma": 0.5, "policy_kwargs.optimizer_kwargs.other": 0.5, "n_epochs": 3}
+    assert "policy_kwargs.optimizer_kwargs.one" in outside  # it would be rounded
+
+
+def test_broken_limits_of_whole_numbers_are_told_with_their_line(tmp_path: Path) -> None:
+    text = """\
+hyperparameters:
+  n_epochs:
+    low: 2
+    high: 6.5
+  gamma: {low: 0.9, high: 0.99}
+  batch_size: {low: 0.5, high: 2.5}
+"""
+    with pytest.raises(ScenarioError) as refused:
+        space_of(tmp_path, text)
+    assert refused.value.file == str(tmp_path / "space.yaml")
+    assert [(one.line, one.path, one.message) for one in refused.value.problems] == [
+        (4, "hyperparameters.n_epochs.high", "must be a whole number, got 6.5"),
+        (6, "hyperparameters.batch_size.high", "must be a whole number, got 2.5"),
+        (6, "hyperparameters.batch_size.low", "must be a whole number, got 0.5"),
+    ]
+
+
+@pytest.mark.parametrize("text", ["hyperparameters: {}", "rewards:", "hyperparameters: {}\nrewards: {}"])
+def test_a_space_without_anything_to_draw_is_refused(text: str, tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="is empty: give hyperparameters or rewards a range or choices"):
+        space_of(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("choices", "got"),
+    [
+        ("[1, 2, 1.0]", "1 beside 1"),
+        ("[true, 1]", "1 beside true"),
+        ("[[64, 64], [32], [64, 64.0]]", "[64, 64] beside [64, 64]"),
+        ("['[64]', [64]]", "[64] beside '[64]'"),
+        ("[null, null]", "nothing beside nothing"),
+    ],
+)
+def test_equal_choices_are_refused(choices: str, got: str, tmp_path: Path) -> None:
+    """Optuna knows a choice by its value, so that the later of two would replace the earlier."""
+    with pytest.raises(ScenarioError) as refused:
+        space_of(tmp_path, f"hyperparameters:\n  gamma: [0.9, 0.99]\n  clone: {choices}")
+    (problem,) = refused.value.problems
+    assert (problem.line, problem.path[:21]) == (3, "hyperparameters.clone")
+    assert problem.message == f"must differ from the other choices, got {got}"
+
+
+def test_devices_and_policies_that_are_missing_are_told_with_their_line(tmp_path: Path) -> None:
+    text = """\
+hyperparameters:
+  clone: [null, dash, nobody]
+  gamma: [0.9, 0.99]
+  device: [cpu, "cuda:77"]
+"""
+    asked = TrainingRequest("empty_goal")
+    with pytest.raises(ScenarioError) as refused:
+        check_space(asked, asked.settings(), space_of(tmp_path, text))
+    told = {(one.line, one.path): one.message for one in refused.value.problems}
+    assert sorted(told) == [(2, "hyperparameters.clone"), (4, "hyperparameters.device")]
+    assert "nobody" in told[2, "hyperparameters.clone"]
+    assert "device cuda:77" in told[4, "hyperparameters.device"]
+
+
+@pytest.mark.parametrize(("key", "value"), [("clone", "nobody"), ("device", "cuda:77")])
+def test_what_every_trial_would_miss_is_told_before_the_first(key: str, value: str, tmp_path: Path) -> None:
+    file = tmp_path / "ppo.yaml"
+    file.write_text(f"default: {{n_timesteps: 64, n_envs: 2, {key}: '{value}'}}")
+    asked, space = TrainingRequest("empty_goal", hyperparameters=file), space_of(tmp_path, SPACE)
+    with pytest.raises(IrsimGymError, match=value):
+        check_space(asked, asked.settings(), space)
+
+
 def test_the_shipped_space_fits_the_shipped_settings() -> None:
     space = read_space(shipped_space("ppo"))
     for scenario in ("cluttered_room", "circle_swap"):
