@@ -139,7 +139,8 @@ def tune(
     request = TrainingRequest(
         scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device, None, curriculum
     )
-    run_tuning(request, trials, space=space, out=out, overwrite=overwrite, dev_levels=dev_levels)
+    how: dict[str, Any] = {"overwrite": overwrite, "dev_levels": dev_levels, "modules": modules or ()}
+    run_tuning(request, trials, space=space, out=out, **how)
 
 
 def sweep(

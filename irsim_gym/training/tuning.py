@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -40,10 +41,12 @@ from irsim_gym.training.tuning_results import (
 )
 
 JOURNAL, CONFIG, TRIALS = "study.log", "tune.json", "trials"
-REFUSED = "refused"
-"""Attribute of a trial with the reason why its settings cannot be trained."""
+REFUSED, FAILED = "refused", "failed"
+"""Attributes of a trial with the reason why its settings cannot be trained, or with the error of its training."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
 """Number of trials that finish before any is pruned, and the first checkpoint at which a trial can be pruned."""
+CONFIRMED = 5
+"""Number of seeds that confirm the best settings. The best seed of many trials may have been lucky."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,7 @@ class Tuning:
         dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
         folder: Folder of the study.
         optuna: The imported library.
+        modules: Modules that ``--import`` names.
         console: Console for the progress.
     """
 
@@ -66,6 +70,7 @@ class Tuning:
     dev_levels: int
     folder: Path
     optuna: Any
+    modules: tuple[str, ...] = ()
     console: Console = field(default_factory=lambda: Console(stderr=True))
 
     def to_plain(self) -> Values:
@@ -86,6 +91,7 @@ def run_tuning(
     out: Path | None = None,
     overwrite: bool = False,
     dev_levels: int = 300,
+    modules: Sequence[str] = (),
 ) -> Path:
     """Run trials until the study has the given number, and return the folder of the study.
 
@@ -99,6 +105,7 @@ def run_tuning(
         out: Folder of the study; None for the default folder.
         overwrite: Replace the study in the folder.
         dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
+        modules: Modules that ``--import`` names, for the command that confirms the best settings.
 
     Raises:
         IrsimGymError: If an argument is invalid, the folder holds another study, or Optuna is not installed.
@@ -110,7 +117,8 @@ def run_tuning(
     chosen = read_space(space or shipped_space(settings.algorithm))
     check_space(request, settings, chosen)
     run = request.folder(settings)
-    tuning = Tuning(request, settings, chosen, dev_levels, out or run.with_name(f"tune-{run.name}"), optuna)
+    folder = out or run.with_name(f"tune-{run.name}")
+    tuning = Tuning(request, settings, chosen, dev_levels, folder, optuna, tuple(modules))
     _begin(tuning, overwrite)
     try:
         with ctrl_c_as_error("stopped at once; finished trials and the newest checkpoint are kept"):
@@ -120,19 +128,23 @@ def run_tuning(
     show_trials(found, request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table and picture: {', '.join(RESULTS[:2])} in {tuning.folder}")
     if best_of(found) is not None:
-        print(f"to confirm the best by five seeds:\n{_confirm_command(tuning)}")
+        print(f"to confirm the best by {CONFIRMED} other seeds:\n{_confirm_command(tuning)}")
     return tuning.folder
 
 
 def _confirm_command(tuning: Tuning) -> str:
-    """Return the command that trains several seeds with the best settings."""
-    request = tuning.request
-    words = ["irsim-gym train", request.scenario, "--seeds 5", f"--hyperparameters {tuning.folder / BEST}"]
-    words += [f"--task {tuning.folder / BEST_TASK}"] if tuning.space.rewards else []
-    words += [f"--task {request.task}"] if request.task is not None and not tuning.space.rewards else []
-    words += [] if request.algorithm is None else [f"--algorithm {request.algorithm}"]
-    words += [f"--set {name}={value}" for name, value in (request.parameters or {}).items()]
-    return " ".join([*words, *([] if request.strict else ["--lenient"])])
+    """Return the command, for a shell, that trains other seeds than that of the trials with the best settings."""
+    request, is_weighted = tuning.request, bool(tuning.space.rewards)
+    task = str(tuning.folder / BEST_TASK) if is_weighted else request.task
+    words = ["irsim-gym", "train", request.scenario, "--seed", str(request.seed + 1), "--seeds", str(CONFIRMED)]
+    words += ["--hyperparameters", str(tuning.folder / BEST)]
+    words += [] if task is None else ["--task", task]
+    words += [] if request.algorithm is None else ["--algorithm", request.algorithm]
+    for name, value in (request.parameters or {}).items():
+        words += ["--set", f"{name}={value}"]
+    for module in tuning.modules:
+        words += ["--import", module]
+    return shlex.join([*words, *([] if request.strict else ["--lenient"])])
 
 
 def _optuna() -> Any:
@@ -218,23 +230,37 @@ def _run_trials(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
         drawn = tuning.space.draw(trial)
         values = ", ".join(f"{name}={value_text(value)}" for name, value in trial.params.items())
         tuning.console.print(f"trial {number}, {number + 1} of {trials}: {values}", **PLAIN)
-        folder = tuning.trial_folder(number)
-        try:
-            wanted = write_settings(folder, tuning.request, tuning.settings, *drawn).settings()
-        except IrsimGymError as error:
-            trial.set_user_attr(REFUSED, str(error))
-            study.tell(trial, state=tuning.optuna.trial.TrialState.FAIL)
-            tuning.console.print(f"refused: {error}", **PLAIN)
-        else:
-            value = _run_trial(tuning, trial, wanted, folder)
-            state = None if value is not None else tuning.optuna.trial.TrialState.PRUNED
-            study.tell(trial, value, state=state)
+        _conduct(tuning, study, trial, tuning.trial_folder(number), drawn)
         found = _trials(tuning, study)
         write_trials(tuning.folder, found, tuning.request.scenario)
         best = best_of(found)
         if best is not None:
             keep_best(tuning.folder, tuning.trial_folder(best.number))
     return found
+
+
+def _conduct(tuning: Tuning, study: Any, trial: Any, folder: Path, drawn: tuple[Values, Values]) -> None:
+    """Run a trial, and tell the study how it ended. Only an interrupted trial stays open.
+
+    A training whose hyper-parameters or rewards do not suit it ends with one of several errors, such as a ValueError
+    of PyTorch for weights that are NaN. The other trials go on.
+    """
+    states, reason = tuning.optuna.trial.TrialState, REFUSED
+    try:
+        wanted = write_settings(folder, tuning.request, tuning.settings, *drawn).settings()
+        reason = FAILED
+        value = _run_trial(tuning, trial, wanted, folder)
+    except TrainingInterruptedError:
+        raise
+    except (IrsimGymError, ValueError, RuntimeError) as error:
+        message = str(error) or type(error).__name__
+        trial.set_user_attr(reason, message)
+        study.tell(trial, state=states.FAIL)
+        tuning.console.print(f"{reason}: {message}", **PLAIN)
+    else:
+        study.tell(trial, value, state=states.PRUNED if value is None else None)
+    for checkpoint in list_checkpoints(Run(folder).checkpoints):
+        remove_state(checkpoint)
 
 
 def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> float | None:
@@ -261,8 +287,6 @@ def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> flo
     except tuning.optuna.TrialPruned:
         last = max(reported)
         tuning.console.print(f"pruned: worse than the median of the trials before, at checkpoint {last}", **PLAIN)
-    for checkpoint in list_checkpoints(run.checkpoints):
-        remove_state(checkpoint)
     return value
 
 
@@ -275,9 +299,9 @@ def _trials(tuning: Tuning, study: Any) -> list[TuningTrial]:
     states = tuning.optuna.trial.TrialState
     found: list[TuningTrial] = []
     for one in study.get_trials(deepcopy=False):
-        refused = one.user_attrs.get(REFUSED, "")
-        if one.state in (states.COMPLETE, states.PRUNED) or refused:
+        reasons = {name: one.user_attrs.get(name, "") for name in (REFUSED, FAILED)}
+        if one.state in (states.COMPLETE, states.PRUNED) or any(reasons.values()):
             value = one.value if one.state == states.COMPLETE else None
             scores = dict(one.intermediate_values)
-            found.append(TuningTrial(len(found), dict(one.params), value, scores, refused))
+            found.append(TuningTrial(len(found), dict(one.params), value, scores, **reasons))
     return found

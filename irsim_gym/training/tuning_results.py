@@ -31,9 +31,10 @@ class TuningTrial:
     Attributes:
         number: Number of the trial, from 0.
         drawn: Drawn values by name.
-        success: Success at the end of the training; None if the trial was pruned or refused.
+        success: Success at the end of the training; None if the trial was pruned or refused, or failed.
         scores: Success at each checkpoint, by its number from 1.
         refused: Reason why its settings could not be trained; empty if they could.
+        failed: Message of the error that ended its training; empty if there was none.
     """
 
     number: int
@@ -41,6 +42,7 @@ class TuningTrial:
     success: float | None
     scores: Mapping[int, float]
     refused: str = ""
+    failed: str = ""
 
     @property
     def latest(self) -> float:
@@ -51,9 +53,9 @@ class TuningTrial:
 
     @property
     def ending(self) -> str:
-        """How the trial ended: ``refused``, ``finished``, or ``pruned at`` a checkpoint."""
-        if self.refused:
-            return "refused"
+        """How the trial ended: ``refused``, ``failed``, ``finished``, or ``pruned at`` a checkpoint."""
+        if self.refused or self.failed:
+            return "refused" if self.refused else "failed"
         return "finished" if self.success is not None else f"pruned at {max(self.scores, default=0)}"
 
 
@@ -67,7 +69,7 @@ def write_trials(folder: Path, trials: Sequence[TuningTrial], title: str) -> Non
     """Write ``trials.csv`` and ``trials.png``."""
     names = list(dict.fromkeys(name for trial in trials for name in trial.drawn))
     rows = [
-        {"trial": trial.number, "success": trial.latest, "ending": trial.ending, "why": trial.refused}
+        {"trial": trial.number, "success": trial.latest, "ending": trial.ending, "why": trial.refused or trial.failed}
         | {name: trial.drawn.get(name, "") for name in names}
         for trial in trials
     ]
@@ -84,10 +86,10 @@ def keep_best(folder: Path, place: Path) -> None:
 
 def show_trials(trials: Sequence[TuningTrial], title: str) -> None:
     """Print the best trials and the first one, which has the original settings if the search space contains them."""
-    order = sorted(trials, key=lambda trial: (trial.success is None, -trial.latest if trial.scores else 1.0))
+    order = sorted(trials, key=_rank)
     shown = order[:SHOWN] + [trial for trial in order[SHOWN:] if trial.number == 0]
     names = list(dict.fromkeys(name for trial in shown for name in trial.drawn))
-    ended = sum(trial.success is None and not trial.refused for trial in trials)
+    ended = sum(trial.ending.startswith("pruned") for trial in trials)
     table = Table(title=f"{title}: {len(trials)} trials, {ended} of them pruned; the best", title_justify="left")
     for head in ("trial", "success [%]", "ending", *names):
         table.add_column(Text(head.replace("_", "_\n").replace(".", ".\n")), justify="right")
@@ -96,6 +98,11 @@ def show_trials(trials: Sequence[TuningTrial], title: str) -> None:
         values = (value_text(trial.drawn.get(name, "-")) for name in names)
         table.add_row(*map(Text, (str(trial.number), success, trial.ending, *values)))
     print_table(table)
+
+
+def _rank(trial: TuningTrial) -> tuple[bool, float]:
+    """Return the key that sorts trials: finished ones first, then by success; those without any score are last."""
+    return trial.success is None, math.inf if math.isnan(trial.latest) else -trial.latest
 
 
 def value_text(value: object) -> str:

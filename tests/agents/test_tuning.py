@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import re
+import shlex
 import signal
 import sys
 from pathlib import Path
@@ -13,14 +15,17 @@ import pytest
 import yaml
 from command_line import run as command
 
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.training import tuning
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import score_run
+from irsim_gym.training.search_space import read_space
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
-from irsim_gym.training.tuning import run_tuning
+from irsim_gym.training.tuning import Tuning, run_tuning
+from irsim_gym.training.tuning_results import TuningTrial, show_trials
 
 TINY = "n_timesteps: 256, n_envs: 4, n_steps: 16, batch_size: 32, n_epochs: 1, checkpoint_every: 64, gamma: 0.95"
 FILE = """\
@@ -89,11 +94,13 @@ def test_what_looks_at_checkpoints_changes_nothing(folder: Path) -> None:
 
 def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("optuna")
-    assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 2) == 0
+    Path("my_kinds.py").write_text("")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 2, "--import", "my_kinds.py") == 0
     said = capsys.readouterr()
     assert "yard.yaml: 2 trials, 0 of them pruned" in said.out
     best = "--hyperparameters study/best_hyperparameters.yaml --task study/best_task.yaml"
-    assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seeds 5 {best}"
+    assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seed 1 --seeds 5 {best} --import my_kinds.py"
     assert "space.yaml does not contain the current values of ent_coef: the first trial draws them" in said.err
     first, second = rows("study")
     assert (first["trial"], first["gamma"], first["reward.arrival"], first["ending"]) == (
@@ -185,3 +192,76 @@ def test_settings_that_cannot_be_trained_are_refused_and_count(capsys: pytest.Ca
     assert "one that continues can cost 3" in rows("study")[1]["why"]
     assert not Path("study/best_task.yaml").exists()
     assert "refused: " in capsys.readouterr().err
+
+
+def test_a_training_that_fails_is_kept_with_its_reason_and_the_study_goes_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("optuna")
+    real = tuning._score
+    errors = {
+        "0000": ValueError("found invalid values: nan"),
+        "0001": RuntimeError("out of memory"),
+        "0002": IrsimGymError("no place for the robot"),
+    }
+
+    def scored(one: Any, run: Run) -> Any:
+        if run.folder.name in errors:
+            raise errors[run.folder.name]
+        return real(one, run)
+
+    monkeypatch.setattr(tuning, "_score", scored)
+    study("study", 4)
+    first = rows("study")
+    assert [row["ending"] for row in first] == ["failed", "failed", "failed", "finished"]
+    assert [row["why"] for row in first] == [*map(str, errors.values()), ""]
+    assert Path("study/best_task.yaml").read_text() == Path("study/trials/0003/task.yaml").read_text()
+    assert not list(Path("study").rglob("state.pkl"))
+    said = capsys.readouterr()
+    assert "failed: found invalid values: nan" in said.err
+    assert "4 trials, 0 of them pruned" in said.out
+    study("study", 4)
+    assert rows("study") == first
+
+
+def test_what_only_a_new_model_can_tell_fails_one_trial(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("optuna")
+    Path("ppo.yaml").write_text(f"default: {{{TINY}, normalize: true}}")
+    Path("space.yaml").write_text("hyperparameters: {clone: [dash, random]}")
+    study("study", 2)
+    assert [row["ending"] for row in rows("study")] == ["failed", "failed"]
+    assert "statistics of normalize would change" in rows("study")[1]["why"]
+    assert "failed: clone: " in capsys.readouterr().err
+
+
+def test_the_best_trials_come_first_even_without_scores_at_checkpoints(capsys: pytest.CaptureFixture[str]) -> None:
+    trials = [
+        TuningTrial(0, {}, None, {}, failed="nan"),
+        TuningTrial(1, {}, 0.2, {}),
+        TuningTrial(2, {}, None, {1: 0.9}),
+        TuningTrial(3, {}, 0.6, {}),
+        TuningTrial(4, {}, 0.4, {1: 0.1}),
+    ]
+    show_trials(trials, "yard")
+    said = capsys.readouterr().out
+    assert "5 trials, 1 of them pruned" in said
+    assert re.findall(r"^\W*(\d) .*(?:finished|failed|pruned at)", said, re.MULTILINE) == ["3", "4", "1", "2", "0"]
+
+
+def test_the_command_that_confirms_the_best_can_be_pasted_and_leaves_the_tuned_seed_out() -> None:
+    Path("my yard.yaml").write_text(FILE)
+    Path("space.yaml").write_text("hyperparameters: {gamma: [0.9, 0.99]}")
+    parameters = {"name": "a $HOME; b"}
+    request = TrainingRequest("my yard.yaml", "ppo", 3, task="my task", parameters=parameters, strict=False)
+    space = read_space(Path("space.yaml"))
+    said = tuning._confirm_command(
+        Tuning(request, asked().settings(), space, 3, Path("my study"), None, ("kinds.py", "my rewards.py"))
+    )
+    assert shlex.split(said) == [
+        *("irsim-gym", "train", "my yard.yaml", "--seed", "4", "--seeds", "5"),
+        *("--hyperparameters", str(Path("my study", "best_hyperparameters.yaml")), "--task", "my task"),
+        *("--algorithm", "ppo", "--set", "name=a $HOME; b", "--import", "kinds.py", "--import", "my rewards.py"),
+        "--lenient",
+    ]
+    assert "'a $HOME" not in said
+    assert "'name=a $HOME; b'" in said
