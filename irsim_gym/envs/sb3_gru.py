@@ -1,12 +1,15 @@
-"""PPO with a memory (GRU) for many worlds: whole rollouts are cut into sequences, which learn without padding."""
+"""PPO with a GRU for many worlds. Rollouts are cut into sequences, which need no padding."""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 import torch
+from gymnasium import Space
 from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
@@ -18,24 +21,25 @@ from stable_baselines3.common.utils import obs_as_tensor
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.envs.observations import concatenated
-from irsim_gym.envs.sb3_buffers import COLUMNS, keep_experience_in, team_below
+from irsim_gym.envs.observations import concatenated, on_each
+from irsim_gym.envs.sb3_buffers import COLUMNS, keep_experience, keep_experience_in, team_below
 from irsim_gym.envs.sb3_memory import GruPolicy, Sequences
 
 SEQUENCE_LENGTH = 16
 
 
 class GruPPO(PPO):
-    """PPO whose policy remembers its episode, see ``GruPolicy``.
+    """PPO with a recurrent policy, see ``GruPolicy``.
 
-    It takes the arguments of ``PPO``; ``rollout_buffer_kwargs={"sequence_length": 16}`` is the number of steps through
-    which gradients reach back, and ``policy_kwargs={"memory_size": 64}`` the length of the memory. It learns from teams
-    too, and from the rows of robots that acted alone. ``batch_size`` counts rows; minibatches hold whole sequences, and
-    so a few rows more or less.
+    It takes the arguments of ``PPO``. ``rollout_buffer_kwargs={"sequence_length": 16}`` sets the number of steps that
+    gradients flow through, ``policy_kwargs={"memory_size": 64}`` the length of the memory, and ``rollout_buffer_class``
+    a class derived from ``SequenceBuffer`` or ``DictSequenceBuffer``; others are replaced. It also learns from teams,
+    and then only from the rows of robots that acted. ``batch_size`` counts rows. Minibatches consist of whole
+    sequences, so that they have a few rows more or less.
 
     Attributes:
         policy: The networks.
-        last_memory: What is remembered of each row's episode so far, shape ``(1, n_envs, memory_size)``.
+        last_memory: Memory of the current episode of each slot, shape ``(1, n_envs, memory_size)``.
     """
 
     policy_aliases: ClassVar[dict[str, type[BasePolicy]]] = dict.fromkeys(
@@ -46,7 +50,7 @@ class GruPPO(PPO):
     last_memory: torch.Tensor
 
     def _setup_model(self) -> None:
-        self.rollout_buffer_class = DictSequenceBuffer if isinstance(self.observation_space, Dict) else SequenceBuffer
+        self.rollout_buffer_class = _sequence_buffer(self.rollout_buffer_class, self.observation_space)
         super()._setup_model()
         self.last_memory = self.policy.first_memory(self.n_envs)
 
@@ -56,8 +60,8 @@ class GruPPO(PPO):
     def collect_rollouts(
         self, env: VecEnv, callback: BaseCallback, rollout_buffer: RolloutBuffer, n_rollout_steps: int
     ) -> bool:
-        """Collect steps of all worlds, see ``PPO``; False if the callback stops it."""
-        assert isinstance(rollout_buffer, SequenceBuffer | DictSequenceBuffer)
+        """Collect a rollout, see ``PPO``. Return False if the callback stops it."""
+        assert isinstance(rollout_buffer, SequenceBuffer)
         assert self._last_obs is not None
         assert self._last_episode_starts is not None
         team = team_below(env) if hasattr(env.unwrapped, "acted") else None
@@ -78,7 +82,7 @@ class GruPPO(PPO):
             if not callback.on_step():
                 return False
             self._update_info_buffer(infos, dones)
-            self._add_what_followed(rewards, dones, infos)
+            self._bootstrap_truncated(rewards, dones, infos)
             row: list[Any] = [self._last_obs, done_actions, rewards, self._last_episode_starts, values, log_probs]
             rollout_buffer.add(*row, memory=before, acted=None if team is None else team.acted)
             self._last_obs, self._last_episode_starts = new_obs, dones  # type: ignore[assignment]
@@ -94,13 +98,13 @@ class GruPPO(PPO):
         return torch.as_tensor(flags, dtype=torch.float32, device=self.device)
 
     def _within(self, actions: NDArray[Any]) -> NDArray[Any]:
-        """Return actions as the environment takes them."""
+        """Return the actions, clipped to the bounds of the action space."""
         if isinstance(self.action_space, Box):
             actions = np.clip(actions, self.action_space.low, self.action_space.high)
         return actions
 
-    def _add_what_followed(self, rewards: NDArray[Any], dones: Flags, infos: Sequence[dict[str, Any]]) -> None:
-        """Add the value of what would have followed to the last rewards of episodes that a time limit has cut."""
+    def _bootstrap_truncated(self, rewards: NDArray[Any], dones: Flags, infos: Sequence[dict[str, Any]]) -> None:
+        """Add the discounted value of the last observation to the last reward of each truncated episode."""
         cut = [slot for slot in dones.nonzero()[0].tolist() if infos[slot].get("TimeLimit.truncated", False)]
         if not cut:
             return
@@ -111,135 +115,142 @@ class GruPPO(PPO):
         rewards[cut] += self.gamma * values.cpu().numpy()[:, 0]
 
 
-class SequenceBuffer(RolloutBuffer):
-    """A rollout buffer whose minibatches are sequences, for ``GruPPO``.
-
-    Sequences end where an episode does, where a robot waits and after ``sequence_length`` steps; what was remembered
-    before each is kept. Rows of robots that waited are left out.
-
-    Args:
-        *args: Those of ``RolloutBuffer``.
-        sequence_length: Most steps of a sequence.
-        **kwargs: More of these.
+@dataclass(frozen=True)
+class SequenceTable:
+    """The sequences of a rollout. The rows of each are consecutive.
 
     Attributes:
-        acted: Rows that are experience, ``(buffer_size, n_envs)``.
-        memories: What was remembered before each row, ``(buffer_size, n_envs, memory_size)``.
+        starts: First row of each sequence, shape ``(n_sequences,)``.
+        lengths: Number of rows of each sequence, shape ``(n_sequences,)``.
+        memories: Memory before each sequence, shape ``(n_sequences, memory_size)``.
+    """
+
+    starts: Ints
+    lengths: Ints
+    memories: NDArray[Any]
+
+    def shuffled(self, batch_size: int | None) -> Iterator[tuple[Ints, Ints, NDArray[Any]]]:
+        """Yield minibatches of whole sequences, in random order.
+
+        Args:
+            batch_size: Approximate number of rows in a minibatch; None for a single minibatch.
+
+        Yields:
+            Rows ``(n_rows,)`` in the order of ``Sequences``, the number of sequences that run at each step
+            ``(longest,)``, and the memory before each sequence ``(n, memory_size)``.
+        """
+        order = torch.randperm(len(self.starts)).numpy()
+        ends = np.cumsum(self.lengths[order])
+        n_rows = int(self.lengths.sum())
+        n_parts = 1 if batch_size is None else max(1, -(-n_rows // batch_size))
+        limits = np.searchsorted(ends, np.arange(1, n_parts) * n_rows / n_parts)
+        for part in np.split(order, limits):
+            if not len(part):
+                continue
+            part = part[np.argsort(-self.lengths[part], kind="stable")]
+            lengths = self.lengths[part]
+            steps = np.arange(lengths[0])[:, None]
+            runs = steps < lengths
+            yield (self.starts[part] + steps)[runs], runs.sum(axis=1), self.memories[part]
+
+
+class SequenceBuffer(RolloutBuffer):
+    """A rollout buffer whose minibatches consist of sequences, for ``GruPPO``.
+
+    A sequence ends with its episode, where a robot waits, or after ``sequence_length`` steps. The memory before each
+    sequence is stored. Rows of robots that waited are left out.
+
+    Args:
+        *args: Arguments of ``RolloutBuffer``.
+        sequence_length: Greatest number of steps in a sequence.
+        **kwargs: Keyword arguments of ``RolloutBuffer``.
+
+    Attributes:
+        acted: Whether each row is experience, shape ``(buffer_size, n_envs)``.
+        memories: Memory before each row, shape ``(buffer_size, n_envs, memory_size)``.
+        sequences: The sequences; None before the first minibatch of a rollout.
+
+    Raises:
+        ValueError: If ``sequence_length`` is not an integer or less than 1.
     """
 
     acted: Flags
     memories: NDArray[Any]
+    sequences: SequenceTable | None
 
     def __init__(self, *args: Any, sequence_length: int = SEQUENCE_LENGTH, **kwargs: Any) -> None:
-        self.sequence_length = _checked(sequence_length)
+        if not isinstance(sequence_length, int | np.integer) or sequence_length < 1:
+            raise ValueError(f"sequence_length must be an integer >= 1, got {sequence_length!r}")
+        self.sequence_length = sequence_length
         super().__init__(*args, **kwargs)
 
     def reset(self) -> None:
-        """Forget everything."""
+        """Remove all rows."""
         self.acted = np.ones((self.buffer_size, self.n_envs), np.bool_)
+        self.sequences = None
         super().reset()
 
     def add(self, *args: Any, memory: torch.Tensor, acted: Flags | None) -> None:  # type: ignore[override]
-        """Add a row for each slot, see ``RolloutBuffer.add``; ``acted`` is None where all of them are experience."""
-        _note(self, memory, acted)
+        """Add a row for each slot.
+
+        Args:
+            *args: Arguments of ``RolloutBuffer.add``.
+            memory: Memory before the rows, shape ``(1, n_envs, memory_size)``.
+            acted: Whether each row is experience, shape ``(n_envs,)``; None if all are.
+        """
+        self._store_memory(memory)
+        if acted is not None:
+            self.acted[self.pos] = acted
         super().add(*args)
 
     def get(self, batch_size: int | None = None) -> Generator[RolloutBufferSamples, None, None]:
-        """Return shuffled minibatches of sequences; ``observations`` are ``Sequences``."""
-        if not self.generator_ready:
-            _cut(self)
-            self.observations = keep_experience_in(self, self.observations)
-        for rows, running, memory in _minibatches(self, batch_size):
-            yield _samples(self, rows, Sequences(self.to_torch(self.observations[rows]), running, memory))
+        """Return shuffled minibatches of sequences, whose ``observations`` are ``Sequences``; none without experience.
+
+        Args:
+            batch_size: Approximate number of rows in a minibatch; None for a single minibatch.
+        """
+        if self.sequences is None:
+            self.sequences = self._cut_into_sequences()
+            self.observations = on_each(self.observations, partial(keep_experience_in, self))
+            keep_experience(self, COLUMNS)
+            self.generator_ready = True
+        for rows, running, memory in self.sequences.shuffled(batch_size):
+            yield self._samples(rows, torch.as_tensor(running), self.to_torch(memory)[None])
+
+    def _store_memory(self, memory: torch.Tensor) -> None:
+        if self.pos == 0:
+            self.memories = np.zeros((self.buffer_size, *memory.shape[1:]), np.float32)
+        self.memories[self.pos] = memory[0].cpu().numpy()
+
+    def _cut_into_sequences(self) -> SequenceTable:
+        """Return the sequences among the rows that are experience, in the order of ``keep_experience_in``."""
+        indices: NDArray[Any] = np.indices(self.acted.shape)
+        step, slot = keep_experience_in(self, np.moveaxis(indices, 0, -1)).T
+        begins = keep_experience_in(self, self.episode_starts)[:, 0] > 0.0
+        is_first = begins | (step % self.sequence_length == 0)
+        is_first[1:] |= np.diff(slot) != 0
+        is_first[:1] = True
+        starts = np.flatnonzero(is_first)
+        memories = keep_experience_in(self, self.memories)[starts]
+        memories[begins[starts]] = 0.0
+        return SequenceTable(starts, np.diff(starts, append=len(is_first)), memories)
+
+    def _samples(self, rows: Ints, running: torch.Tensor, memory: torch.Tensor) -> RolloutBufferSamples:
+        """Return a minibatch of these rows, ``(n_rows,)``; the other arguments are those of ``Sequences``."""
+        seen = on_each(self.observations, lambda part: self.to_torch(part[rows]))
+        actions = self.actions[rows]
+        if not isinstance(self.action_space, Discrete):
+            actions = actions.astype(np.float32, copy=False)
+        parts = self.values, self.log_probs, self.advantages, self.returns
+        columns: Any = map(self.to_torch, (actions, *(part[rows].flatten() for part in parts)))
+        return RolloutBufferSamples(Sequences(seen, running, memory), *columns)  # type: ignore[arg-type]
 
 
-class DictSequenceBuffer(DictRolloutBuffer):
-    """``SequenceBuffer`` for dict observations."""
-
-    acted: Flags
-    memories: NDArray[Any]
-
-    def __init__(self, *args: Any, sequence_length: int = SEQUENCE_LENGTH, **kwargs: Any) -> None:
-        self.sequence_length = _checked(sequence_length)
-        super().__init__(*args, **kwargs)
-
-    def reset(self) -> None:
-        """Forget everything."""
-        self.acted = np.ones((self.buffer_size, self.n_envs), np.bool_)
-        super().reset()
-
-    def add(self, *args: Any, memory: torch.Tensor, acted: Flags | None) -> None:  # type: ignore[override]
-        """Add a row for each slot, see ``SequenceBuffer.add``."""
-        _note(self, memory, acted)
-        super().add(*args)
-
-    def get(self, batch_size: int | None = None) -> Generator[Any, None, None]:
-        """Return shuffled minibatches of sequences; ``observations`` are ``Sequences``."""
-        if not self.generator_ready:
-            _cut(self)
-            self.observations = {key: keep_experience_in(self, part) for key, part in self.observations.items()}
-        for rows, running, memory in _minibatches(self, batch_size):
-            seen = {key: self.to_torch(part[rows]) for key, part in self.observations.items()}
-            yield _samples(self, rows, Sequences(seen, running, memory))
+class DictSequenceBuffer(SequenceBuffer, DictRolloutBuffer):  # type: ignore[misc]
+    """``SequenceBuffer`` for dict observations, with the same arguments."""
 
 
-def _checked(sequence_length: int) -> int:
-    if sequence_length < 1:
-        raise ValueError(f"sequence_length must be >= 1, got {sequence_length!r}")
-    return sequence_length
-
-
-def _note(buffer: Any, memory: torch.Tensor, acted: Flags | None) -> None:
-    """Keep what was remembered before a row, and which slots acted."""
-    if buffer.pos == 0:
-        buffer.memories = np.zeros((buffer.buffer_size, *memory.shape[1:]), np.float32)
-    buffer.memories[buffer.pos] = memory[0].cpu().numpy()
-    if acted is not None:
-        buffer.acted[buffer.pos] = acted
-
-
-def _cut(buffer: Any) -> None:
-    """Flatten all but the observations to the rows that are experience, and find the sequences among them.
-
-    ``starts`` are the first rows of sequences, ``lengths`` their numbers of rows.
-    """
-    step, slot = np.indices(buffer.acted.shape)
-    by_row = {name: keep_experience_in(buffer, part)[:, 0] for name, part in (("step", step), ("slot", slot))}
-    begins = keep_experience_in(buffer, buffer.episode_starts)[:, 0] > 0.0
-    first = begins | (by_row["step"] % buffer.sequence_length == 0)
-    first[1:] |= np.diff(by_row["slot"]) != 0
-    first[:1] = True
-    buffer.starts = np.flatnonzero(first)
-    buffer.lengths = np.diff(buffer.starts, append=len(first))
-    buffer.memories = keep_experience_in(buffer, buffer.memories)[buffer.starts]
-    buffer.memories[begins[buffer.starts]] = 0.0
-    for name in COLUMNS:
-        setattr(buffer, name, keep_experience_in(buffer, getattr(buffer, name)))
-    buffer.generator_ready = True
-
-
-def _minibatches(buffer: Any, batch_size: int | None) -> Iterator[tuple[Ints, torch.Tensor, torch.Tensor]]:
-    """Yield shuffled sequences of about ``batch_size`` rows: their rows step by step, as ``Sequences`` has them."""
-    order = torch.randperm(len(buffer.starts)).numpy()
-    ends = np.cumsum(buffer.lengths[order])
-    n_rows = int(ends[-1])
-    n_parts = 1 if batch_size is None else -(-n_rows // batch_size)
-    limits = np.searchsorted(ends, np.arange(1, n_parts) * n_rows / n_parts)
-    for part in np.split(order, limits):
-        if not len(part):
-            continue
-        part = part[np.argsort(-buffer.lengths[part], kind="stable")]
-        lengths = buffer.lengths[part]
-        steps = np.arange(lengths[0])[:, None]
-        runs = steps < lengths
-        rows = (buffer.starts[part] + steps)[runs]
-        yield rows, torch.as_tensor(runs.sum(axis=1)), buffer.to_torch(buffer.memories[part])[None]
-
-
-def _samples(buffer: Any, rows: Ints, sequences: Sequences) -> RolloutBufferSamples:
-    actions = buffer.actions[rows]
-    if not isinstance(buffer.action_space, Discrete):
-        actions = actions.astype(np.float32, copy=False)
-    values, log_probs, advantages, returns = (getattr(buffer, name)[rows].flatten() for name in COLUMNS[1:])
-    columns: Any = map(buffer.to_torch, (actions, values, log_probs, advantages, returns))
-    return RolloutBufferSamples(sequences, *columns)  # type: ignore[arg-type]
+def _sequence_buffer(kind: type[RolloutBuffer] | None, space: Space[Any]) -> type[RolloutBuffer]:
+    """Return the class of the rollout buffer: ``kind`` if it stores sequences of such observations."""
+    stores: type[RolloutBuffer] = DictSequenceBuffer if isinstance(space, Dict) else SequenceBuffer
+    return kind if kind is not None and issubclass(kind, stores) else stores

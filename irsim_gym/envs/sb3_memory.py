@@ -1,4 +1,4 @@
-"""An actor-critic of Stable-Baselines3 with a memory: a GRU (Cho et al. 2014) beside what is observed now."""
+"""An actor-critic policy of Stable-Baselines3 with a memory, a GRU (Cho et al. 2014)."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ MEMORY_SIZE = 64
 
 
 class Sequences(NamedTuple):
-    """Observations of several sequences, as ``PackedSequence`` has them: step by step, the longest sequence first.
+    """Observations of several sequences in the order of ``PackedSequence``: by step, longer sequences first.
 
     Attributes:
-        observations: A row for each step of each sequence, ``(n_rows, ...)``.
-        running: How many sequences still run at each step, never growing, ``(longest,)``.
-        memory: What was remembered before each sequence, ``(1, n_sequences, memory_size)``.
+        observations: A row for each step of each sequence, shape ``(n_rows, ...)``.
+        running: Number of sequences that have not ended at each step, shape ``(longest,)``; it never increases.
+        memory: Memory before each sequence, shape ``(1, n_sequences, memory_size)``.
     """
 
     observations: PyTorchObs
@@ -43,21 +43,21 @@ class Sequences(NamedTuple):
 
 
 class GruPolicy(ActorCriticPolicy):
-    """Actor and critic see the features of an observation, and beside them what a GRU makes of all so far.
+    """The actor and the critic receive the features of the observation and the output of a GRU.
 
-    The GRU reads what the actor sees. A memory is ``(1, n, memory_size)``, zeros where an episode begins. With
-    observations of the critic alone, see ``AsymmetricPolicy``, the critic sees these too, and actions need none of
-    them.
+    The input of the GRU is the features of the actor. A memory has the shape ``(1, n, memory_size)`` and is 0 where an
+    episode begins. If some observations are for the critic only, see ``AsymmetricPolicy``, the critic receives these,
+    too, and actions do not depend on them.
 
     Args:
-        observation_space: What is observed.
-        action_space: What is done.
-        lr_schedule: Learning rate over the run.
-        memory_size: Length of the memory of an episode.
+        observation_space: Space of observations.
+        action_space: Space of actions.
+        lr_schedule: Learning rate, without unit, over the share of the run that is left.
+        memory_size: Length of the memory.
         **kwargs: More arguments of ``ActorCriticPolicy``.
 
     Raises:
-        ValueError: ``use_sde`` is True.
+        ValueError: If ``use_sde`` is True, or ``share_features_extractor`` with observations for the critic only.
     """
 
     def __init__(
@@ -73,13 +73,13 @@ class GruPolicy(ActorCriticPolicy):
             raise ValueError("use_sde does not go with a memory")
         self.memory_size = memory_size
         kwargs.setdefault("features_extractor_class", _extractor_for(observation_space))
-        if has_critic_parts(observation_space):
-            kwargs["share_features_extractor"] = False
+        if has_critic_parts(observation_space) and kwargs.setdefault("share_features_extractor", False):
+            raise ValueError("share_features_extractor must be false: the critic sees more than the actor")
         super().__init__(observation_space, action_space, lr_schedule, **kwargs)
 
     @property
     def memory_shape(self) -> tuple[int, int, int]:
-        """Arrays of a state, layers, and numbers of each."""
+        """Number of arrays in a state, number of layers, and size of each."""
         return 1, 1, self.memory_size
 
     def _get_constructor_parameters(self) -> dict[str, Any]:
@@ -102,7 +102,7 @@ class GruPolicy(ActorCriticPolicy):
         self.mlp_extractor.value_net, self.mlp_extractor.latent_dim_vf = critic.value_net, critic.latent_dim_vf
 
     def first_memory(self, n: int) -> torch.Tensor:
-        """Return the memory of ``n`` episodes that begin, shape ``(1, n, memory_size)``."""
+        """Return the memory at the beginning of ``n`` episodes, shape ``(1, n, memory_size)``."""
         return torch.zeros(1, n, self.memory_size, device=self.device)
 
     def forward(  # type: ignore[override]
@@ -114,7 +114,7 @@ class GruPolicy(ActorCriticPolicy):
             obs: Observations, ``(n, ...)``.
             memory: The memory before this step.
             starts: 1 where an episode begins, else 0, ``(n,)``.
-            deterministic: Take the most probable action.
+            deterministic: Whether to return the most probable action.
         """
         seen = self._seen(obs)
         known, memory = self._remember(seen, memory, starts)
@@ -127,7 +127,7 @@ class GruPolicy(ActorCriticPolicy):
     def evaluate_actions(  # type: ignore[override]
         self, obs: Sequences, actions: torch.Tensor
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor | None]:
-        """Return values, log-probabilities and entropies of what was done in sequences, in the order of their rows."""
+        """Return values, log-probabilities and entropies of the actions in sequences, in the order of the rows."""
         seen = self._seen(obs.observations)
         known = self.memory(PackedSequence(seen, obs.running), obs.memory)[0].data
         distribution = self._distribution(seen, known)
@@ -137,7 +137,7 @@ class GruPolicy(ActorCriticPolicy):
     def predict_values(  # type: ignore[override]
         self, obs: PyTorchObs, memory: torch.Tensor, starts: torch.Tensor
     ) -> torch.Tensor:
-        """Return values of observations that follow a memory, ``(n, 1)``, see ``forward``."""
+        """Return the values of observations, shape ``(n, 1)``; see ``forward`` for the arguments."""
         seen = self._seen(obs)
         return self._values(obs, seen, self._remember(seen, memory, starts)[0])
 
@@ -151,10 +151,10 @@ class GruPolicy(ActorCriticPolicy):
         """Return actions and the state after them, as policies of Stable-Baselines3 do.
 
         Args:
-            observation: One, or several with an axis in front.
-            state: What the last call returned; None at the beginning.
-            episode_start: Where an episode begins, so that nothing is remembered; None for nowhere.
-            deterministic: Take the most probable action.
+            observation: One observation, or several along the first axis.
+            state: State that the previous call returned; None at the beginning.
+            episode_start: Whether an episode begins, so that its memory is reset; None if none begins.
+            deterministic: Whether to return the most probable action.
         """
         self.set_training_mode(False)
         tensors, several = self.obs_to_tensor(observation)

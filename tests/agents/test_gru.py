@@ -15,10 +15,12 @@ import torch
 import yaml
 from gymnasium.spaces import Box, Discrete
 from rich.console import Console
+from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from irsim_gym import sb3
 from irsim_gym.envs.sb3_gru import SequenceBuffer
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.training.cards import read_card
 from irsim_gym.training.episode_setup import make_episodes
@@ -210,6 +212,16 @@ def test_minibatches_hold_each_row_once() -> None:
     assert later == [one + 1.0 for one in first[:2]]
 
 
+@pytest.mark.parametrize("batch_size", [None, 4])
+def test_a_rollout_in_which_nobody_acted_has_no_minibatches(batch_size: int | None) -> None:
+    buffer = SequenceBuffer(2, Box(-1, 1, (1,)), Box(-1, 1, (1,)), "cpu", n_envs=3)
+    for _ in range(2):
+        column, told = np.zeros((3, 1), np.float32), torch.zeros(3)
+        nobody = np.zeros(3, np.bool_)
+        buffer.add(column, column, column[:, 0], column[:, 0], told, told, memory=torch.zeros(1, 3, 4), acted=nobody)
+    assert list(buffer.get(batch_size)) == []
+
+
 @pytest.mark.parametrize(
     ("scenario", "own"),
     [
@@ -285,10 +297,35 @@ def test_shipped_hyperparameters_and_what_they_may_say(tmp_path: Path) -> None:
     for wrong, told in (("memory_sise: 3", "did you mean 'memory_size'"), ("memory_size: 0", ">= 1")):
         file = tmp_path / "gru.yaml"
         file.write_text(f"default: {{n_timesteps: 100, n_envs: 2, policy_kwargs: {{{wrong}}}}}")
-        with pytest.raises(Exception, match=told):
+        with pytest.raises(IrsimGymError, match=told):
             load_hyperparameters("gru_ppo", "irsim_gym/cluttered_room-v0", file=file)
-    with pytest.raises(Exception, match="sequence_length must be >= 1, got 0"):
-        new_model(settings(rollout_buffer_kwargs={"sequence_length": 0}))
+
+
+class OwnBuffer(SequenceBuffer):
+    """A buffer of somebody else."""
+
+
+@pytest.mark.parametrize(
+    ("asked", "used"), [(None, SequenceBuffer), (OwnBuffer, OwnBuffer), (RolloutBuffer, SequenceBuffer)]
+)
+def test_a_buffer_of_sequences_may_be_replaced_by_one_derived_from_it(asked: Any, used: Any) -> None:
+    model = sb3.GruPPO("MlpGruPolicy", worlds(Cue, 2), n_steps=4, batch_size=8, rollout_buffer_class=asked)
+    assert type(model.rollout_buffer) is used
+
+
+@pytest.mark.parametrize("length", [0, 2.5])
+def test_a_sequence_has_a_whole_number_of_steps(length: float) -> None:
+    with pytest.raises(IrsimGymError, match=f"sequence_length must be an integer >= 1, got {length}"):
+        new_model(settings(rollout_buffer_kwargs={"sequence_length": length}))
+
+
+def test_a_critic_that_sees_more_shares_no_extractor(task: str) -> None:
+    """It is refused if it is asked for, as by ``AsymmetricPolicy``; others may share it or not."""
+    kwargs = {**GRU["policy_kwargs"], "share_features_extractor": True}
+    with pytest.raises(IrsimGymError, match="share_features_extractor must be false"):
+        new_model(settings(task=task, policy_kwargs=kwargs))
+    assert new_model(settings(policy_kwargs=kwargs)).policy.share_features_extractor
+    assert not new_model(settings(task=task)).policy.share_features_extractor
 
 
 def test_a_run_becomes_a_file_of_the_shelf(task: str, tmp_path: Path) -> None:
