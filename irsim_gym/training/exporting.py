@@ -30,6 +30,7 @@ from irsim_gym.training.cards import (
     CardTraining,
     PolicyCard,
     card_file,
+    read_card,
 )
 from irsim_gym.training.checkpoint_files import POLICY, list_checkpoints, load_progress
 from irsim_gym.training.evaluate import evaluate_policies
@@ -64,10 +65,11 @@ def export(
             is evaluated, in each scenario of a mixture.
         levels: Number of ``test`` levels of this evaluation.
         weaknesses: Known weaknesses, in sentences.
-        overwrite: Replace existing files of this name.
+        overwrite: Replace an existing policy of this name, and its card.
 
     Raises:
-        IrsimGymError: If the policy cannot be exported, or the settings and the cost of its training are unknown.
+        IrsimGymError: If the policy cannot be exported, the settings and the cost of its training are unknown, or the
+            card would replace a file that is no card.
     """
     target = folder / f"{name}{SUFFIX}"
     _check(source, name, target, results, overwrite)
@@ -97,8 +99,8 @@ def export(
         size=len(content),
         exported_by=__version__,
     )
-    write_json(card_file(target), card.model_dump())
     write_bytes(target, content)
+    write_json(card_file(target), card.model_dump())
     return target
 
 
@@ -106,7 +108,8 @@ def _check(source: Path, name: str, target: Path, results: Sequence[Path], overw
     """Check the arguments of ``export``, and report all problems together."""
     report_together(
         lambda: check_trained(source),
-        lambda: _check_name(name, target, overwrite),
+        lambda: _check_name(name),
+        lambda: _check_target(target, overwrite),
         lambda: check_folder(target.parent),
         *(partial(_check_results, file) for file in results),
     )
@@ -117,13 +120,19 @@ def _check_results(file: Path) -> None:
         raise IrsimGymError(f"--results: no file {file}; irsim-gym evaluate writes summary.json")
 
 
-def _check_name(name: str, target: Path, overwrite: bool) -> None:
+def _check_name(name: str) -> None:
     if not name.isidentifier():
         raise IrsimGymError(f"the name of a policy must consist of letters, digits and _, got '{name}'")
     if name in policy_kinds():
         raise IrsimGymError(f"'{name}' is the name of a behavior: choose another one")
-    if target.exists() and not overwrite:
-        raise IrsimGymError(f"{target} exists: choose another name or folder, or replace it with --overwrite")
+
+
+def _check_target(target: Path, overwrite: bool) -> None:
+    """Check that a policy and its card may be written: the card must never replace another kind of file."""
+    existing = [file for file in (target, card_file(target)) if file.exists()]
+    if existing and not overwrite:
+        raise IrsimGymError(f"{existing[0]} exists: choose another name or folder, or replace it with --overwrite")
+    read_card(target)
 
 
 def _content(network: ExportedNetwork) -> bytes:

@@ -5,6 +5,7 @@ A policy is two files: ``NAME.npz`` with arrays and a description of the network
 
 from __future__ import annotations
 
+import hashlib
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -20,7 +21,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.byte_planes import from_planes, layout_of, to_planes
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.training.array_network import Options, apply_steps, check_steps, gru_cell
-from irsim_gym.training.cards import PolicyCard, read_card
+from irsim_gym.training.cards import PolicyCard, card_file, read_card
 
 PACKAGE = Path(__file__).parent.parent
 SUFFIX = ".npz"
@@ -91,13 +92,11 @@ class ShelfPolicy:
             deterministic: Only True: nothing is drawn.
 
         Raises:
-            ValueError: ``deterministic`` is False, or the observation is of another shape.
+            ValueError: ``deterministic`` is False, or the observation or the state is of another shape.
         """
         if not deterministic:
             raise ValueError("policies on the shelf do not draw their actions: pass deterministic=True")
-        if isinstance(observation, Mapping) != isinstance(self.observation_space, Dict):
-            raise ValueError(f"the policy was trained with observations {self.observation_space}")
-        given = observation if isinstance(observation, Mapping) else {LONE: observation}
+        given = _parts(observation, self.observation_space)
         batches = {name: _batch(given[name], space) for name, space in _spaces(self.observation_space).items()}
         rows = {name: rows for name, (rows, _) in batches.items()}
         parts = [apply_steps(steps, self._arrays[name], rows[name]) for name, steps in self._parts.items()]
@@ -116,9 +115,17 @@ class ShelfPolicy:
     def _before(
         self, n: int, state: tuple[NDArray[Any], ...] | None, episode_start: NDArray[Any] | None
     ) -> NDArray[Any]:
-        """Return what was remembered before a step, ``(n, size)``."""
+        """Return what was remembered before a step, ``(n, size)``.
+
+        Raises:
+            ValueError: The state is that of another number of observations, or of another policy.
+        """
         assert self.memory_shape is not None
-        memory = np.zeros((n, self.memory_shape[2])) if state is None else np.array(state[0][0], np.float64)
+        shape = (1, n, self.memory_shape[2])
+        shapes = [shape] if state is None else [np.shape(part) for part in state]
+        if shapes != [shape]:
+            raise ValueError(f"for {n} observations, state must hold one array of shape {shape}, got {_listed(shapes)}")
+        memory = np.zeros(shape[1:]) if state is None else np.array(state[0][0], np.float64)
         if episode_start is not None:
             memory[np.broadcast_to(episode_start, (n,)).astype(bool)] = 0.0
         return memory
@@ -126,6 +133,9 @@ class ShelfPolicy:
     def _actions(self, seen: NDArray[Any]) -> NDArray[Any]:
         found: NDArray[Any] = apply_steps(self._trunk, self._trunk_arrays, seen)
         space = self.action_space
+        wanted = int(space.n if isinstance(space, Discrete) else np.prod(space.shape))
+        if found.shape[1:] != (wanted,):
+            raise ValueError(f"the network returns {found.shape[1:]} numbers for an action of {wanted}")
         if isinstance(space, Discrete):
             return np.asarray(found.argmax(axis=1))
         low, high = space.low.astype(np.float64), space.high.astype(np.float64)
@@ -177,30 +187,78 @@ def load_policy(source: str | Path) -> ShelfPolicy:
 
     Raises:
         UnknownNameError: There is none of that name.
-        IrsimGymError: The file is no policy.
+        IrsimGymError: The file is no policy, or it is that of a run, which has to be exported.
     """
-    return read_policy(Path(source) if Path(source).suffix == SUFFIX else shelf_file(str(source)))
+    path = Path(source)
+    if path.suffix == SUFFIX:
+        return read_policy(path)
+    if str(source) not in shelf_files() and (path.suffix or len(path.parts) > 1 or path.exists()):
+        raise IrsimGymError(
+            f"{source}: irsim_gym.load_policy reads {SUFFIX} files and the names of shipped policies; make a file of a "
+            f"run or its policy.zip with irsim-gym policies export {source} NAME"
+        )
+    return read_policy(shelf_file(str(source)))
 
 
 def read_policy(file: Path) -> ShelfPolicy:
     """Return the policy in a file. No code of the file runs: it is numbers, and text that is read as JSON.
 
     Raises:
-        IrsimGymError: It is no policy of the shelf.
+        IrsimGymError: It is no policy of the shelf, or its card belongs to another file.
     """
+    if not file.is_file():
+        raise IrsimGymError(f"{file} is no policy of the shelf: no such file")
     if not zipfile.is_zipfile(file):
         raise IrsimGymError(f"{file} is no policy of the shelf: it is no .npz archive of irsim-gym policies export")
+    card = _checked_card(file)
     try:
-        with np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        form = json.loads(arrays.pop("form").item())
-        if form["format"] not in READ:
-            raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads 1 to {FORMAT}")
-        if "layout" in form:
-            arrays = from_planes(form["layout"], arrays["planes"])
-        return ShelfPolicy(form, arrays, read_card(file))
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, IrsimGymError) as error:
-        raise IrsimGymError(f"{file} is no policy of the shelf: {error}") from error
+        policy = _read(file, card)
+        _check_action(policy)
+    except Exception as error:  # damaged bytes make zipfile, zlib, NumPy and Gymnasium raise errors of nearly any class
+        raise IrsimGymError(f"{file} is no policy of the shelf: {_reason(error)}") from error
+    return policy
+
+
+def _checked_card(file: Path) -> PolicyCard | None:
+    """Return the card of a policy; None without one.
+
+    Raises:
+        IrsimGymError: It cannot be read, or it is the card of another file.
+    """
+    card = read_card(file)
+    if card is not None and card.sha256 and card.sha256 != hashlib.sha256(file.read_bytes()).hexdigest():
+        raise IrsimGymError(
+            f"{card_file(file)} is not the card of {file}: its sha256 is that of another file; export the policy "
+            "again, or remove the card"
+        )
+    return card
+
+
+def _read(file: Path, card: PolicyCard | None) -> ShelfPolicy:
+    with np.load(file, allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    form = json.loads(arrays.pop("form").item())
+    if form["format"] not in READ:
+        raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads 1 to {FORMAT}")
+    if "layout" in form:
+        arrays = from_planes(form["layout"], arrays["planes"])
+    return ShelfPolicy(form, arrays, card)
+
+
+def _check_action(policy: ShelfPolicy) -> None:
+    """Check that a policy acts upon zeros, which needs each array in its shape.
+
+    Raises:
+        Exception: An array is missing or of another shape; of any class, as NumPy raises it.
+    """
+    zeros = {name: np.zeros(part.shape or (), part.dtype) for name, part in _spaces(policy.observation_space).items()}
+    policy.predict(zeros if isinstance(policy.observation_space, Dict) else zeros[LONE])
+
+
+def _reason(error: Exception) -> str:
+    """Return the message of an error; for a missing key, that it is missing."""
+    missing = isinstance(error, KeyError) and not isinstance(error, IrsimGymError)
+    return f"{error} is missing" if missing else str(error) or type(error).__name__
 
 
 def policy_arrays(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
@@ -235,6 +293,31 @@ def _box(place: str, dtype: str, arrays: Mapping[str, NDArray[Any]]) -> Box:
 
 def _spaces(space: Space[Any]) -> Mapping[str, Space[Any]]:
     return space.spaces if isinstance(space, Dict) else {LONE: space}
+
+
+def _parts(observation: Observation, space: Space[Any]) -> Mapping[str, NDArray[Any]]:
+    """Return the parts of an observation by name.
+
+    Raises:
+        ValueError: It is a dict where the policy needs an array, or the other way round, or a part is missing.
+    """
+    if isinstance(observation, Mapping) != isinstance(space, Dict):
+        kind = "a dict" if isinstance(observation, Mapping) else "an array"
+        raise ValueError(f"the policy was trained with observations of {_shapes(space)}, got {kind}")
+    given = observation if isinstance(observation, Mapping) else {LONE: observation}
+    missing = [name for name in _spaces(space) if name not in given]
+    if missing:
+        raise ValueError(f"the observation has no {', '.join(missing)}; the policy was trained with {_shapes(space)}")
+    return given
+
+
+def _shapes(space: Space[Any]) -> str:
+    """Return the shape of an observation, or those of the parts of a dict, as text."""
+    return ", ".join(f"{name} shape {part.shape}".lstrip() for name, part in _spaces(space).items())
+
+
+def _listed(shapes: Sequence[tuple[int, ...]]) -> str:
+    return ", ".join(map(str, shapes)) or "none"
 
 
 def _batch(given: NDArray[Any], space: Space[Any]) -> tuple[NDArray[Any], bool]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
@@ -37,7 +38,7 @@ from irsim_gym.training.policies import SavedPolicy, UnfitPolicyError, load_poli
 from irsim_gym.training.remembered import changes_since, remembered_parameters
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.scenario_request import ScenarioRequest
-from irsim_gym.training.shelf import card_of, shelf_file, shelf_files
+from irsim_gym.training.shelf import ShelfPolicy, card_of, shelf_file, shelf_files
 from irsim_gym.training.snapshot import take_snapshot
 from irsim_gym.training.train import train
 
@@ -220,6 +221,133 @@ def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
         irsim_gym.load_policy(file)
 
 
+DAMAGED: dict[str, dict[str, Any]] = {
+    "planes that are no stream of zlib": {"planes": np.full(100, 255, np.uint8)},
+    "no planes": {"planes": None},
+    "text that is no JSON": {"form": np.array(b"{")},
+    "a list": {"form": np.array(b"[]")},
+    "numbers": {"form": np.array([1, 2])},
+}
+
+
+@pytest.mark.parametrize("arrays", DAMAGED.values(), ids=DAMAGED)
+def test_a_damaged_file_is_named(arrays: dict[str, Any], tmp_path: Path) -> None:
+    file = tmp_path / "bad.npz"
+    with np.load(shelf_file("cluttered_room")) as archive:
+        content = {name: array for name, array in {**archive, **arrays}.items() if array is not None}
+    np.savez(file, **content)
+    with pytest.raises(IrsimGymError, match=r"bad.npz is no policy of the shelf: ."):
+        irsim_gym.load_policy(file)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"parts": [1]},
+        {"trunk": 3},
+        {"observation": None},
+        {"action": {"n": -1}},
+        {"action": {"n": 1}, "output": "argmax"},
+        {"trunk": []},
+        {"parts": {"": [{"kind": "linear"}]}, "trunk": []},
+        {"format": None},
+        {"layout": [["weight", "O", [3]]]},
+    ],
+    ids=str,
+)
+def test_a_description_of_another_form_is_named(changed: dict[str, Any], tmp_path: Path) -> None:
+    """Also where only the arrays show that it is another network's."""
+    file = tmp_path / "bad.npz"
+    file.write_bytes(with_form("cluttered_room", **changed).getvalue())
+    with pytest.raises(IrsimGymError, match=r"bad.npz is no policy of the shelf: ."):
+        irsim_gym.load_policy(file)
+
+
+def test_damaged_bytes_never_raise_anything_else(tmp_path: Path) -> None:
+    """Each damage is refused, or it is in bytes that nothing reads."""
+    file, whole, random = tmp_path / "bad.npz", shelf_file("dense_room_memory").read_bytes(), np.random.default_rng(3)
+    for _ in range(60):
+        content = bytearray(whole)
+        for place in random.integers(0, len(whole), 3):
+            content[place] ^= int(random.integers(1, 256))
+        file.write_bytes(bytes(content[: random.integers(len(whole) // 2, 2 * len(whole))]))
+        with contextlib.suppress(IrsimGymError):
+            irsim_gym.load_policy(file)
+    with pytest.raises(IrsimGymError, match=r"gone.npz is no policy of the shelf: no such file"):
+        irsim_gym.load_policy(tmp_path / "gone.npz")
+
+
+def test_a_card_of_another_file_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "mine.npz"
+    shutil.copy(shelf_file("cluttered_room"), file)
+    shutil.copy(card_file(shelf_file("dense_room")), card_file(file))
+    with pytest.raises(
+        IrsimGymError, match=r"mine\.json is not the card of .*mine\.npz: its sha256 is that of another"
+    ):
+        irsim_gym.load_policy(file)
+    unrecorded = {**json.loads(card_file(file).read_text()), "sha256": ""}
+    card_file(file).write_text(json.dumps(unrecorded))
+    found = irsim_gym.load_policy(file).card
+    assert found is not None
+    assert found.name == "dense_room"
+
+
+def test_a_run_is_no_policy_of_the_shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("runs/a").mkdir(parents=True)
+    Path("mine").mkdir()
+    for source in ("runs/a/policy.zip", "runs/a", Path("runs/a"), "policy.zip", "mine"):
+        said = rf"^{source}: irsim_gym.load_policy reads .npz files .* irsim-gym policies export {source} NAME"
+        with pytest.raises(IrsimGymError, match=said):
+            irsim_gym.load_policy(source)
+
+
+def test_a_state_of_another_number_of_observations_is_refused() -> None:
+    policy = irsim_gym.load_policy("jaxnav_four")
+    shape, size = policy.observation_space.shape, policy.memory_shape
+    assert shape is not None
+    assert size is not None
+    seen = np.zeros((3, *shape), np.float32)
+    _, one = policy.predict(seen[0])
+    _, three = policy.predict(seen)
+    assert one is not None
+    assert three is not None
+    policy.predict(seen, three)
+    said = rf"for 3 observations, state must hold one array of shape \(1, 3, {size[2]}\), got "
+    for state, got in (
+        (one, rf"\(1, 1, {size[2]}\)"),
+        ((three[0][0],), rf"\(3, {size[2]}\)"),
+        ((*three, *three), r"\(1, 3"),
+        ((), "none"),
+    ):
+        with pytest.raises(ValueError, match=said + got):
+            policy.predict(seen, state)
+
+
+def test_an_observation_of_other_parts_is_refused() -> None:
+    """The message gives shapes, not the bounds of each number."""
+    lone = irsim_gym.load_policy("cluttered_room")
+    with pytest.raises(ValueError, match=r"^the policy was trained with observations of shape \(88,\), got a dict$"):
+        lone.predict({"scan": np.zeros(88)})
+    several = two_parts()
+    assert several.predict({"a": np.ones(3), "b": np.ones(2)})[0].tolist() == [5.0]
+    shapes = r"a shape \(3,\), b shape \(2,\)"
+    with pytest.raises(ValueError, match=rf"^the observation has no b; the policy was trained with {shapes}$"):
+        several.predict({"a": np.ones(3)})
+    with pytest.raises(ValueError, match=rf"^the policy was trained with observations of {shapes}, got an array$"):
+        several.predict(np.ones(5))
+
+
+def two_parts() -> ShelfPolicy:
+    """Return a policy of an observation with two parts, whose action is the sum of all numbers."""
+    sizes = {"observation/a": 3, "observation/b": 2, "action": 1}
+    bounds = {f"{name}/low": np.full(n, -9.0, np.float32) for name, n in sizes.items()}
+    bounds |= {f"{name}/high": np.full(n, 9.0, np.float32) for name, n in sizes.items()}
+    arrays = {**bounds, "trunk/0/weight": np.ones((1, 5)), "trunk/0/bias": np.zeros(1)}
+    kinds: dict[str, Any] = {"observation": {"a": "float32", "b": "float32"}, "action": {"dtype": "float32"}}
+    return ShelfPolicy({**kinds, "output": "clip", "parts": {"a": [], "b": []}, "trunk": [{"kind": "linear"}]}, arrays)
+
+
 def test_names_on_the_shelf_are_policies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert isinstance(load_policy("cluttered_room"), SavedPolicy)
@@ -291,6 +419,13 @@ def test_a_run_becomes_a_policy_of_the_shelf(
     assert "trio.npz exists" in capsys.readouterr().err
     assert run(monkeypatch, *words, "--overwrite", "--levels", 1) == 0
     assert file.read_bytes() == first
+    file.unlink()
+    kept = (tmp_path / "trio.json").read_bytes()
+    assert run(monkeypatch, *words, "--levels", 1) == 1
+    assert f"{tmp_path / 'trio.json'} exists: choose another name" in capsys.readouterr().err
+    assert ((tmp_path / "trio.json").read_bytes(), file.exists()) == (kept, False)
+    assert run(monkeypatch, *words, "--overwrite", "--levels", 1) == 0
+    capsys.readouterr()
     assert run(monkeypatch, "policies", "show", file) == 0
     assert "network, observation: standardize\nnetwork, action: 64, tanh, 64, tanh, 2\n" in capsys.readouterr().out
 
@@ -335,6 +470,33 @@ def test_the_general_policy_drives_every_single_robot_of_core(name: str) -> None
     for _ in range(10):
         episodes.step(policy.act(episodes, worlds).reshape(2, 1, 2), worlds)
     assert not np.array_equal(episodes.simulation.state.pose[:, bodies, :2], before)
+
+
+def test_the_settings_of_a_run_are_not_replaced_by_a_card(trained: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    shutil.copytree(trained.folder, folder)
+    for overwrite, said in ((False, "choose another name or folder"), (True, "is not a policy card")):
+        with pytest.raises(IrsimGymError, match=rf"config\.json.*{said}"):
+            export(folder, "config", folder, levels=1, overwrite=overwrite)
+    assert (folder / "config.json").read_bytes() == trained.config.read_bytes()
+
+
+def test_a_card_is_written_after_its_policy(trained: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the disk is full in between, the old card does not pass for that of the new policy."""
+    file = export(trained.folder, "trio", tmp_path, levels=1)
+    changed = {**json.loads(card_file(file).read_text()), "sha256": "0" * 64}
+    card_file(file).write_text(json.dumps(changed))
+
+    def full(*args: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr("irsim_gym.training.exporting.write_json", full)
+    file.write_bytes(b"old")
+    with pytest.raises(OSError, match="no space left"):
+        export(trained.folder, "trio", tmp_path, levels=1, overwrite=True)
+    assert file.read_bytes() != b"old"
+    with pytest.raises(IrsimGymError, match=r"trio\.json is not the card of .*trio\.npz"):
+        irsim_gym.load_policy(file)
 
 
 def test_an_exported_run_drives_as_the_run(trained: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
