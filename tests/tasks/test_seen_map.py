@@ -136,8 +136,12 @@ def check(cells: Any, reference: Reference) -> None:
     np.testing.assert_array_equal(states(cells), parts.max(axis=0))
 
 
-def test_cells_are_those_of_a_map_made_beam_by_beam() -> None:
-    episodes = watching(SEEN)
+NOISY = {"kinematics": {**ROBOT["kinematics"], "noise": True}, "sensors": [{**LIDAR, "noise": True, "std": 0.1}]}
+
+
+@pytest.mark.parametrize("more", [{}, NOISY])
+def test_cells_are_those_of_a_map_made_beam_by_beam(more: dict[str, Any]) -> None:
+    episodes = watching(SEEN, robots=[robot(**more)])
     seen = arrays(episodes).seen
     reference = Reference(episodes, seen.grid)
     for n in range(60):
@@ -383,7 +387,7 @@ def test_observations_of_a_task_share_a_map_and_show_what_they_show_alone(obstac
         np.testing.assert_array_equal(*pictures)
 
 
-def test_maps_of_other_cells_or_other_scans_are_not_shared() -> None:
+def test_maps_of_other_cells_or_of_fewer_scans_are_not_shared() -> None:
     for other in ({**SEEN, "cell": 2 * CELL}, {**SEEN, "every": 2}):
         first, second = (term.arrays.seen for term in watching(other, PICTURE).terms["observations"])
         assert first is not second

@@ -139,7 +139,7 @@ def write_own_ways(
 
 @kernel
 def write_points(points: Floats, here: Point, goal: Point, way: Labels, grid: Grid) -> int:
-    """Write the first points of a way [m], a cell apart, and return their number.
+    """Write the first points of a way [m], one for each cell, and return their number.
 
     Args:
         points: The points, as many as there is room for, shape ``(n_points, 2)``.

@@ -36,7 +36,8 @@ class YieldingWay:
 
     Agents that have arrived yield to all that are on their way. Of two on their way that meet, the one with the higher
     number yields, or the other if that one cannot stand aside. They meet if the other stands within ``width`` of the
-    next ``ahead`` metres of the agent's way, and the next 1.5 m of it come within ``width`` of the other's.
+    next ``ahead`` metres of the agent's way, and the next 1.5 m of it come within ``width`` of the other's. These two
+    lengths are counted in cells: along the diagonals of the grid they are up to 1.4 times as long.
     """
 
     only_kernels: ClassVar[bool] = True
