@@ -16,6 +16,7 @@ from irsim_gym.evaluation.motion import MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
+from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.world.model import KEEP_GOAL
 
@@ -74,13 +75,22 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
 
 
 def check_count(simulation: Simulation, split: str, count: int) -> None:
+    """Check the number of levels, see ``check_levels``."""
+    check_levels(simulation.scenario, split, count)
+
+
+def check_levels(scenario: Scenario, split: str, count: int) -> None:
     """Check that a file has at least ``count`` levels, since further ones would repeat them.
 
     Raises:
-        IrsimGymError: If the levels come from a file with fewer levels.
+        UnknownNameError: If the levels come from a file without this split.
+        IrsimGymError: If they come from a file with fewer levels.
     """
-    levels, (_, here) = simulation.scenario.levels, simulation.level_base(split)
-    if levels is not None and count > here:
+    levels = scenario.levels
+    if levels is None:
+        return
+    _, here = levels.rows(split)
+    if count > here:
         raise IrsimGymError(f"{levels.file} has {here:,} {split} levels, but {count:,} are asked for: ask for fewer")
 
 

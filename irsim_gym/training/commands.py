@@ -24,7 +24,7 @@ from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_
 from irsim_gym.training.learning_curve import successes
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import as_trained
-from irsim_gym.training.request_checks import check_request
+from irsim_gym.training.request_checks import check_level_files, check_request
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.score import MARKS, Point, reached, scenario_point, scenario_title, score_run
@@ -60,10 +60,12 @@ def run_training(
     settings = request.settings()
     folder, remark = (out, "") if out is not None else request.choose_folder(settings, resume, overwrite)
     run = Run(folder)
-    if resume and run.exists():
+    continued = resume and run.exists()
+    if continued:
         settings = request.resumed_settings(run, settings)
     elif resume:
         console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
+    check_level_files(run.own_settings() if continued else settings, {"dev": dev_levels})
     if remark:
         console.print(remark, **PLAIN)
     what = f"{settings.algorithm.upper()} on {scenario_title(settings)}, seed {settings.seed}"

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from irsim_gym.errors import report_together
+from irsim_gym.errors import IrsimGymError, report_together
+from irsim_gym.evaluation.protocol import check_levels
 from irsim_gym.scenario.source import read_file
 from irsim_gym.training.algorithms import ALGORITHMS, find_algorithm
 from irsim_gym.training.hyperparameter_files import check_device
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.inputs import Check, check_trained, world_checks
-from irsim_gym.training.run import environment_id
+from irsim_gym.training.run import Settings, environment_id
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.training_request import TrainingRequest
 
@@ -31,6 +32,26 @@ def check_request(request: TrainingRequest, *further: Check) -> None:
         IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
     """
     report_together(*_worlds(request), *_methods(request), *further)
+
+
+def check_level_files(settings: Settings, counts: Mapping[str, int]) -> None:
+    """Check that the scenarios of a training have as many levels as its policy is scored on, before it is trained.
+
+    Args:
+        settings: Settings of the training.
+        counts: Number of levels by split; 0 for none.
+
+    Raises:
+        IrsimGymError: If a scenario's file of levels has fewer, or no such split.
+    """
+    for loaded in (part.load() for part in settings.parts()):
+        for split, count in counts.items():
+            if not count:
+                continue
+            try:
+                check_levels(loaded, split, count)
+            except IrsimGymError as error:
+                raise IrsimGymError(f"--{split}-levels {count}: {error}") from error
 
 
 def _worlds(request: TrainingRequest) -> Iterator[Check]:

@@ -5,15 +5,20 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.tables import figure_table, print_table, write_text
+from irsim_gym.training.checkpoint_files import list_checkpoints
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import evaluate_policies
+from irsim_gym.training.folders import check_replaceable, run_differences
+from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import ctrl_c_as_error
 from irsim_gym.training.remembered import report_changes
+from irsim_gym.training.request_checks import check_level_files, check_request
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.seed_summary import (
@@ -25,6 +30,7 @@ from irsim_gym.training.seed_summary import (
     summarize_seeds,
     write_seeds,
 )
+from irsim_gym.training.snapshot import listed
 from irsim_gym.training.training_request import TrainingRequest
 
 RESULTS, TEST = "results", "test"
@@ -58,22 +64,54 @@ def run_seeds(
         address: Address of a Ray cluster, for runs with RLlib; None for this machine.
 
     Raises:
-        IrsimGymError: If ``dev_levels`` is 0, or a folder holds another run.
+        IrsimGymError: If ``dev_levels`` is 0, a folder holds another run, or a file has fewer levels. This is checked
+            before any seed is trained.
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops it. Finished parts are on disk.
     """
     if dev_levels < 1:
         raise IrsimGymError("--seeds summarizes scored checkpoints: --dev-levels must be at least 1")
+    check_request(request, lambda: check_folder(out))
     folder = out or group_folder(request)
+    seeds = range(request.seed, request.seed + count)
+    own = [(replace(request, seed=seed), Run(folder / f"seed_{seed}")) for seed in seeds]
+    settings = request.settings()
+    check_level_files(settings, {"dev": dev_levels, "test": test_levels})
+    report_together(*(partial(_check_place, one, settings, run, resume, overwrite) for one, run in own))
     runs = []
-    for seed in range(request.seed, request.seed + count):
-        own, place = replace(request, seed=seed), folder / f"seed_{seed}"
-        continued = resume and Run(place).exists()
-        how: dict[str, Any] = {"resume": continued, "overwrite": overwrite}
+    for one, run in own:
+        how: dict[str, Any] = {"resume": resume and run.exists(), "overwrite": overwrite}
         how |= {"dev_levels": dev_levels, "address": address}
-        runs.append(run_training(own, place, **how))
+        runs.append(run_training(one, run.folder, **how))
     with ctrl_c_as_error("the trainings are finished, but their evaluation is not: run the same command to continue."):
         summarize_runs(folder, runs, test_levels)
     return folder
+
+
+def _check_place(request: TrainingRequest, settings: Settings, run: Run, resume: bool, overwrite: bool) -> None:
+    """Check that a run can be trained in its folder, before the seeds that come first have taken their time.
+
+    Args:
+        request: Arguments of the training, with the seed of this run.
+        settings: Settings of the trainings, with any seed.
+    """
+    check_folder(run.folder)
+    own = replace(settings, seed=request.seed)
+    if overwrite:
+        check_replaceable(run)
+    elif resume and run.exists():
+        request.resumed_settings(run, own)
+    elif run.exists():
+        _check_repeated(run, own)
+
+
+def _check_repeated(run: Run, settings: Settings) -> None:
+    """Check that an existing run is finished, or has not begun to learn, and has the requested settings."""
+    ways = "choose another folder with --out, or replace the runs with --overwrite"
+    found = run_differences(run, settings, settings.snapshot())
+    if found:
+        raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
+    if not run.finished() and list_checkpoints(run.checkpoints):
+        raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
 
 
 def group_folder(request: TrainingRequest) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ import pytest
 from command_line import run as command
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.levels.draw import draw_levels
+from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.results_files import read_results
 from irsim_gym.training.seed_runs import group_folder
 from irsim_gym.training.seed_summary import named_as_runs, read_seed, seed_cells
@@ -116,6 +119,51 @@ def test_seeds_go_on_where_they_were_stopped(
     assert "all/seed_1 holds an unfinished run; continue it with --resume" in capsys.readouterr().err
     assert command(monkeypatch, *WORDS, "--out", "all", "--seeds", 3, "--resume") == 0
     assert [seed["run"] for seed in results("all")["seeds"]] == ["seed_0", "seed_1", "seed_2"]
+
+
+def test_no_seed_is_trained_if_another_cannot_be(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All problems are reported at once."""
+    assert command(monkeypatch, *WORDS, "--out", "all/seed_1", "--seed", 7, "--dev-levels", 0) == 0
+    Path("all/seed_2").write_text("a file")
+    config = Path("all/seed_1/config.json").read_bytes()
+    capsys.readouterr()
+    for how in ((), ("--resume",), ("--overwrite",)):
+        assert command(monkeypatch, *WORDS, "--out", "all", "--seeds", 3, *how) == 1
+        said = capsys.readouterr().err
+        assert "all/seed_2 is a file" in said
+        assert ("all/seed_1 holds a run with" in said) == (how != ("--overwrite",))
+        assert [path.name for path in sorted(Path("all").iterdir())] == ["seed_1", "seed_2"]
+    Path("all/seed_2").unlink()
+    Path("all/seed_1/config.json").rename("all/seed_1/other.json")
+    assert command(monkeypatch, *WORDS, "--out", "all", "--seeds", 3, "--overwrite") == 1
+    assert "all/seed_1 holds no training run; --overwrite replaces only runs" in capsys.readouterr().err
+    assert Path("all/seed_1/other.json").read_bytes() == config
+    assert not Path("all/seed_0").exists()
+
+
+def test_levels_that_a_file_lacks_are_missed_before_the_training(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawn = draw_levels(make_episodes("yard.yaml").simulation, ["train", "dev", "test"], 3)
+    Path("three.npz").write_bytes(drawn.content())
+    Path("yard.yaml").write_text(f"{FILE}levels: three.npz\n")
+    for levels, seeds, said in (
+        ((4, 3), (), "--dev-levels 4: .*three.npz has 3 dev levels, but 4 are asked for"),
+        ((4, 3), ("--seeds", 2), "--dev-levels 4: .*three.npz has 3 dev levels, but 4 are asked for"),
+        ((3, 6), ("--seeds", 2), "--test-levels 6: .*three.npz has 3 test levels, but 6 are asked for"),
+    ):
+        counts = ("--dev-levels", levels[0], "--test-levels", levels[1])
+        assert command(monkeypatch, *WORDS, *counts, "--out", "all", *seeds) == 1
+        assert re.search(said, capsys.readouterr().err)
+        assert not Path("all").exists()
+    assert command(monkeypatch, *WORDS, "--dev-levels", 3, "--test-levels", 9, "--out", "all") == 0
+    Path("all/policy.zip").unlink()
+    capsys.readouterr()
+    assert command(monkeypatch, *WORDS, "--dev-levels", 4, "--out", "all", "--resume") == 1
+    assert "three-" in capsys.readouterr().err  # the copy of the run
+    assert not Path("all/policy.zip").exists()
 
 
 def test_what_does_not_go_with_seeds(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
