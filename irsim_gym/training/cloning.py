@@ -74,7 +74,8 @@ def clone_behavior(model: BaseAlgorithm, settings: Settings, console: Console) -
 
     The policy plays levels of ``train``, beginning with the run's first one. The actor learns from the successful
     episodes. A continuous actor learns the mean of its actions and keeps ``log_std_init``; a discrete one learns the
-    probabilities. The critic does not change.
+    probabilities. Networks of the critic do not change, but a features extractor that it shares with the actor does, as
+    that of ``CnnPolicy``.
 
     Args:
         model: A model of an on-policy algorithm without memory.

@@ -156,9 +156,12 @@ def test_the_critic_learns_what_only_it_can_see() -> None:
 def test_an_actor_imitates_what_it_sees(task: str) -> None:
     wanted = settings(task, clone="dash", clone_levels=40, clone_epochs=4)
     model = new_model(wanted)
-    before = model.policy.value_net.weight.clone()
+    before = {name: part.clone() for name, part in model.policy.named_parameters()}
     clone_behavior(model, wanted, QUIET)
-    assert torch.equal(before, model.policy.value_net.weight)
+    changed = {name for name, part in model.policy.named_parameters() if not torch.equal(part, before[name])}
+    actor = {name for name in before if name.startswith(("mlp_extractor.policy_net", "action_net"))}
+    assert changed == actor
+    assert len(actor) == 4  # weights and biases of two layers
 
 
 def test_an_algorithm_without_such_a_critic_is_refused(task: str) -> None:

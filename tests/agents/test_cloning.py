@@ -14,6 +14,7 @@ from rich.console import Console
 import irsim_gym
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress
 from irsim_gym.training.cloning import clone_behavior, demonstrations, imitate
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.hyperparameters import Hyperparameters
@@ -71,8 +72,34 @@ def test_choices_are_imitated_by_their_probability() -> None:
     assert chances[1, 7] > 0.8
 
 
+def test_networks_of_the_critic_stay_and_a_shared_extractor_learns(tmp_path: Any) -> None:
+    """Actor and critic share the one that reads pictures."""
+    file = tmp_path / "looks.yaml"
+    file.write_text(
+        "{name: blank, observations: [{name: occupancy_image, pixels: 36}], rewards: [progress], endings: [arrived]}"
+    )
+    net = {"features_extractor_kwargs": {"features_dim": 8}, "net_arch": [8]}
+    model = new_model(settings("sparse_circles", task=str(file), policy_kwargs=net))
+    before = {name: part.clone() for name, part in model.policy.named_parameters()}
+    random = np.random.default_rng(0)
+    seen = random.integers(0, 256, (64, *(model.observation_space.shape or ())), np.uint8)
+    imitate(model, seen, random.uniform(-1.0, 1.0, (64, 2)).astype(np.float32), 3, QUIET)
+    same = {name for name, part in model.policy.named_parameters() if torch.equal(part, before[name])}
+    critic = ("mlp_extractor.value_net.0", "value_net")
+    assert same == {"log_std", *(f"{layer}.{part}" for layer in critic for part in ("weight", "bias"))}
+
+
+def test_the_time_of_a_run_counts_the_imitation(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The imitation is said to take 1,000 s, and 2,000 s of the processor."""
+    monkeypatch.setattr("irsim_gym.training.train.clone_behavior", lambda *_: (1000.0, 2000.0))
+    run = train(settings(), tmp_path, console=QUIET)
+    progress = load_progress(list_checkpoints(run.checkpoints)[-1])
+    assert 1000.0 < progress.training_seconds < 1500.0
+    assert 2000.0 < progress.cpu_seconds < 2500.0
+
+
 def test_the_same_seed_clones_the_same(tmp_path: Any) -> None:
-    """A whole run with a clone, twice: bit for bit; its time counts the imitation."""
+    """A whole run with a clone, twice: bit for bit."""
     wanted = settings(clone_levels=20, clone_epochs=2)
     first, second = (train(wanted, tmp_path / name, console=QUIET) for name in "ab")
     loaded = [torch.load(_weights(run), weights_only=True) for run in (first, second)]
