@@ -38,10 +38,6 @@ def arena(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the arena in the folder.")] = False,
     replays: Annotated[int, typer.Option(min=0, help="Maximum number of episodes that the page can play.")] = 200,
     team: Team = False,
-    mix: Annotated[
-        bool,
-        typer.Option("--mix", help="Cross-play: let every pair of policies drive the robots of one team, too."),
-    ] = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -51,5 +47,5 @@ def arena(
     from irsim_gym.training.scenario_request import ScenarioRequest
 
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    chosen: dict[str, Any] = {"levels": levels, "split": split, "mix": mix, "replays": replays}
+    chosen: dict[str, Any] = {"levels": levels, "split": split, "replays": replays}
     run_arena(asked, policies or [], out, resume=resume, overwrite=overwrite, **chosen)

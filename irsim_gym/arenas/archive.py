@@ -27,14 +27,12 @@ class Archive:
         folder: The folder.
         team: Whether rows are of agents of teams.
         limit: The time limit [s].
-        drivers: Names of the policies that drive each agent, by the keys of ``rows``; None without cross-play.
         rows: Rows of the finished policies, rounded as they are on disk.
     """
 
     folder: Path
     team: bool
     limit: float
-    drivers: Mapping[str, Sequence[str]] | None = None
     rows: dict[str, list[Any]] = field(default_factory=dict)
 
     def begin(self, told: Mapping[str, object]) -> None:
@@ -60,7 +58,7 @@ class Archive:
         for path in (*known, *self._parts()):
             self.rows |= self._read(path)
         lasting = {policy["name"] for policy in told["policies"] if policy["source"] is not None}
-        self.rows = {name: rows for name, rows in self.rows.items() if set(self._drivers(name)) <= lasting}
+        self.rows = {name: rows for name, rows in self.rows.items() if name in lasting}
         write_json(self.folder / SUMMARY, {"finished": False, "arena": told})
 
     def told(self) -> dict[str, Any]:
@@ -96,15 +94,12 @@ class Archive:
     def _parts(self) -> list[Path]:
         return sorted((self.folder / PARTS).glob("[0-9]*.csv"))
 
-    def _drivers(self, name: str) -> Sequence[str]:
-        return [name] if self.drivers is None else self.drivers.get(name, [name])
-
     def _read(self, path: Path) -> dict[str, list[Any]]:
         return dict(read_agents(path, self.limit)) if self.team else dict(read_episodes(path))
 
     def _write(self, path: Path, rows: Mapping[str, Sequence[Any]]) -> None:
         if self.team:
-            write_agents(path, rows, self.drivers)
+            write_agents(path, rows)
         else:
             write_episodes(path, rows)
 

@@ -36,7 +36,7 @@ def run_arena(
     """
     check_inputs(asked, partial(check_entrants, policies), policies=policies, split=split, folder=out)
     asked = as_trained(asked, policies)
-    named = str(asked.scenario), split, asked.parameters, asked.team or bool(chosen.get("mix"))
+    named = str(asked.scenario), split, asked.parameters, asked.team
     folder = out or evaluation_folder(*named, overwrite=overwrite, resume=resume, kind="arena")
     kept = f"stopped; policies that have finished are in {folder}. To continue, run the same command with --resume."
     with ctrl_c_as_error(kept):

@@ -12,7 +12,6 @@ from rich.console import Console
 from irsim_gym import __version__
 from irsim_gym.arenas.archive import PAGE, TABLE, Archive, holds_arena
 from irsim_gym.arenas.board import Board
-from irsim_gym.arenas.crossplay import arrangements, check_mix, meetings, mixed
 from irsim_gym.arenas.entrants import Entrant, load_entrants
 from irsim_gym.arenas.page_data import page_data
 from irsim_gym.arenas.page_file import write_page
@@ -47,8 +46,7 @@ class Arena:
 
     Attributes:
         title: The scenario and the levels.
-        rows: For each policy, and each arrangement of two (``dash + orca``), an ``EpisodeRow`` for each level; a
-            ``TeamRow`` for teams.
+        rows: For each policy an ``EpisodeRow`` for each level; a ``TeamRow`` for teams.
         standings: The comparison of the policies.
         page: Path of the page for a browser.
     """
@@ -71,7 +69,6 @@ def arena(
     split: str = "test",
     task: TaskSource = None,
     team: bool = False,
-    mix: bool = False,
     replays: int = REPLAYS,
     resume: bool = False,
     overwrite: bool = False,
@@ -92,7 +89,6 @@ def arena(
         split: ``"test"``, which no training meets, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
         team: Whether the policy drives all robots, each by its own observation.
-        mix: Whether pairs of policies also drive the robots of one team, each pair in both arrangements.
         replays: Maximum number of episodes that the page can replay.
         resume: Continue the arena in the folder: finished policies do not play again, and new ones may join.
         overwrite: Replace the arena in the folder.
@@ -106,9 +102,9 @@ def arena(
     """
     place = _place(Path(folder), levels, split, resume=resume, overwrite=overwrite)
     entrants = _entrants(policies, place if resume and holds_arena(place) else None)
-    made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team or mix, "strict": strict}
+    made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=min(WORLDS, levels), **made)
-    contest = Contest(entrants, episodes, place, levels, split, team=team or mix, mix=mix)
+    contest = Contest(entrants, episodes, place, levels, split, team=team)
     told = contest.told(scenario, task)
     return contest.run(told, max(replays, 0), console, resume=resume)
 
@@ -120,7 +116,6 @@ class Contest:
         folder: Folder of the results.
         levels: Number of levels of the split, from level 0.
         team: Whether the task's agents are a team.
-        mix: Whether pairs of policies also drive one team.
 
     Raises:
         IrsimGymError: If some policies do not fit the task.
@@ -135,22 +130,15 @@ class Contest:
         split: str,
         *,
         team: bool,
-        mix: bool,
     ) -> None:
         self.entrants, self.episodes, self.levels, self.split = entrants, episodes, levels, split
-        self.team, self.mix, self.worlds = team, mix, Perceived(episodes)
-        self.names = [entrant.name for entrant in entrants]
+        self.team, self.worlds = team, Perceived(episodes)
         self.players: dict[str, Policy] = {entrant.name: entrant.policy for entrant in entrants}
         check_policies(self.players, self.worlds)
         report_perceptions(self.players, self.worlds)
-        drivers = None
-        if mix:
-            check_mix(entrants, self.worlds)
-            self.players |= mixed(entrants, episodes.n_agents)
-            drivers = {pair.name: pair.drivers(episodes.n_agents) for pair in arrangements(self.names)}
         self.level_set = played_levels(episodes.simulation, split, levels)
         limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
-        self.archive = Archive(folder, team, limit, drivers)
+        self.archive = Archive(folder, team, limit)
 
     def told(self, source: ScenarioSource, task: TaskSource) -> dict[str, Any]:
         """Return the description of the arena, as plain data.
@@ -169,7 +157,6 @@ class Contest:
             "levels": self.levels,
             **self.level_set.conditions(),
             "team": self.team,
-            "mix": self.mix,
             "irsim_gym": __version__,
             "policies": [entrant.told(self.worlds) for entrant in self.entrants],
         }
@@ -182,8 +169,7 @@ class Contest:
             self.archive.begin(told)
         self._play(console)
         rows = {name: self.archive.rows[name] for name in self.players}
-        met = meetings(self.names, rows) if self.mix else []
-        standings = stand(rows, self.names, team=self.team, meetings=met, level_set=self.level_set)
+        standings = stand(rows, team=self.team, level_set=self.level_set)
         whose = f" {self.episodes.n_agents} robots," if self.team else ""
         title = f"{told['scenario']}:{whose} {self.levels:,} {self.split} levels, {self.level_set}"
         found = Arena(title, rows, standings, self.archive.folder / PAGE)
@@ -217,7 +203,7 @@ class Contest:
         board = Board.of(found.rows)
         chosen = choose_episodes(board, replays)
         recorded = record_episodes(board, list(self.players.values()), self.worlds, self.split, chosen)
-        data = page_data(found.title, board, len(self.names), found.standings, summary)
+        data = page_data(found.title, board, found.standings, summary)
         with progress_bar(console) as bar:
             track = bar.track(recorded, total=len(chosen), description="recording")
             write_page(found.page, data, board, track, chosen)

@@ -69,16 +69,16 @@ TEAM_COLUMNS = (
 )
 
 
-def page_data(title: str, board: Board, alone: int, standings: Standings, summary: Mapping[str, Any]) -> dict[str, Any]:
+def page_data(title: str, board: Board, standings: Standings, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return the page's data without its replays.
 
     Args:
-        board: Results of the policies, followed by those of arrangements of two.
+        board: Results of the policies.
         summary: The content of ``summary.json``.
 
     Returns:
-        ``policies`` (names), ``alone``, ``agents``; ``table``: columns with ``head``, ``about``, ``digits`` and a cell
-        for each policy, a number or a share with its interval; ``pairs``, ``strata`` and ``meetings`` as in
+        ``policies`` (names), ``agents``; ``table``: columns with ``head``, ``about``, ``digits`` and a cell
+        for each policy, a number or a share with its interval; ``pairs`` and ``strata`` as in
         `Standings`; ``levels`` (their numbers), and for each policy the ``outcomes`` (a digit for each level),
         ``arrived``, ``steps`` and ``times`` [s]; ``facts``: the conditions to name with published figures.
     """
@@ -87,14 +87,12 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
         "version": VERSION,
         "title": title,
         "policies": list(board.policies),
-        "alone": alone,
         "agents": board.agents,
         "team": bool(summary["arena"]["team"]),
         "outcome_names": list(OUTCOMES),
         "table": [_column(column, standings.summaries) for column in _columns(standings.summaries)],
         "pairs": plain(standings.pairs),
         "strata": {"by": standings.strata_by, "rows": plain(standings.strata)},
-        "meetings": plain(standings.meetings),
         "levels": board.levels.tolist(),
         "outcomes": ["".join(map(str, row)) for row in board.outcome.tolist()],
         "arrived": board.arrived.tolist(),

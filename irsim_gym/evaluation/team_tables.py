@@ -32,24 +32,19 @@ LEVEL_COLUMNS = (
 )
 
 
-def write_agents(
-    path: Path, results: Mapping[str, Sequence[TeamRow]], drivers: Mapping[str, Sequence[str]] | None = None
-) -> None:
+def write_agents(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
     """Write one CSV row per policy, level and agent.
 
     Args:
         results: Levels by policy.
-        drivers: Names of the policies that drive each agent, by the keys of ``results``, for a column ``driver``; None
-            without cross-play.
     """
     rows = (
-        {"policy": policy, **_agent_cells(agent), **({} if drivers is None else {"driver": drivers[policy][a]})}
+        {"policy": policy, **_agent_cells(agent)}
         for policy, levels in results.items()
         for level in levels
-        for a, agent in enumerate(level.agents)
+        for agent in level.agents
     )
-    columns = ("policy", "level", "agent", *(() if drivers is None else ("driver",)))
-    write_csv(path, (*columns, *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
+    write_csv(path, ("policy", "level", "agent", *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
 
 
 def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:

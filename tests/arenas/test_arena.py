@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from dataclasses import replace
@@ -16,18 +15,13 @@ from command_line import run
 import irsim_gym
 from irsim_gym.arenas import contest
 from irsim_gym.arenas.board import Board
-from irsim_gym.arenas.crossplay import MixedPolicy, meetings
 from irsim_gym.arenas.page_file import read_page
 from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
 from irsim_gym.arenas.standings import stand, strata_of_peers, strata_of_quarters
-from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.paired import compare_pairs
-from irsim_gym.evaluation.policy import ObservationPolicy
-from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate
 from irsim_gym.levels.played import PlayedLevels
 
@@ -115,10 +109,10 @@ def test_certified_levels_are_easy_or_hard_by_their_certificate() -> None:
     )
     rows = {"a": [row(i, x) for i, x in enumerate("tsts")], "b": [row(i, x) for i, x in enumerate("stts")]}
     levels = PlayedLevels(4, "", "", certificate)
-    found = stand(rows, ["a", "b"], team=False, meetings=[], level_set=levels)
+    found = stand(rows, team=False, level_set=levels)
     assert found.strata_by == "by how many of dash fail, in quarters"
     assert [[share.count for share in each.success] for each in found.strata] == [[1, 0], [1, 1], [0, 0], [0, 1]]
-    bare = stand(rows, ["a", "b"], team=False, meetings=[], level_set=replace(levels, certificate=None))
+    bare = stand(rows, team=False, level_set=replace(levels, certificate=None))
     assert bare.strata_by == "by how many of the other policies fail"
 
 
@@ -146,32 +140,6 @@ def test_the_worst_agent_names_the_outcome_of_a_team() -> None:
 def team(level: int, letters: str) -> TeamRow:
     agents = tuple(AgentRow(f"robot_{a}", row(level, letter), 1.0, 1.0, False) for a, letter in enumerate(letters))
     return TeamRow(level, 3.0, agents)
-
-
-def test_who_meets_whom() -> None:
-    """Three agents: of the first arrangement the first and the third are the row's, of the second the middle one."""
-    rows = {"a": [team(0, "sst")], "b": [team(0, "ttt")], "a + b": [team(0, "sts")], "b + a": [team(0, "csc")]}
-    found = {(each.policy, each.partner): each for each in meetings(["a", "b"], rows)}
-    assert found["a", "a"].individual_success.value == pytest.approx(2 / 3)
-    assert found["a", "b"].individual_success.value == 1.0
-    assert found["b", "a"].individual_success.value == 0.0
-    assert found["b", "a"].collision.value == pytest.approx(2 / 3)
-    assert found["a", "b"].cooperative_success == found["b", "a"].cooperative_success
-    assert found["a", "b"].cooperative_success.value == 0.0
-
-
-def test_a_mixed_team_does_what_each_of_its_policies_does() -> None:
-    def alone(turn: float) -> ObservationPolicy:
-        return ObservationPolicy(lambda seen: np.tile(np.array([1.0, turn]), (len(seen), 1)))
-
-    robots = [{**ROOM["robot"][0], "state": [1, y, 0], "goal": [5, y, 0]} for y in (0.5, 1.5, 2.5)]
-    episodes = Worlds({**ROOM, "robot": robots, "obstacle": []}, 2, team=True).episodes
-    here = np.array([1])
-    episodes.begin(here, here)
-    acted = MixedPolicy(alone(0.5), alone(-0.5), 3).act(episodes, here)
-    assert acted.tolist() == [[[1.0, 0.5], [1.0, -0.5], [1.0, 0.5]]]
-    dash = reference_policy("dash")
-    assert evaluate_team(MixedPolicy(dash, dash, 3), episodes, 2) == evaluate_team(dash, episodes, 2)
 
 
 class Interrupted:
@@ -214,40 +182,6 @@ def test_an_interrupted_arena_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
         assert episode["count"] == board.steps[told["policy"], told["level"]] + 1
 
 
-def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Two robots, driven by each pairing of two policies: rows say who drove whom, and the page who met whom."""
-    monkeypatch.chdir(tmp_path)
-    robots = [{**ROOM["robot"][0], "state": [1, y, 0], "goal": [5, y, 0]} for y in (1, 3)]
-    Path("pair.yaml").write_text(json.dumps({**ROOM, "robot": robots}), encoding="utf-8")
-    assert run(monkeypatch, "arena", "pair.yaml", "dash", "random", "--mix", "--levels", "3", "--replays", "2") == 0
-    said = capsys.readouterr()
-    assert said.out.splitlines()[-1] == "page: runs/arena-pair-team-test/arena.html"
-    assert said.err == ""
-    folder = Path("runs/arena-pair-team-test")
-    with (folder / "episodes.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert {(each["policy"], each["agent"], each["driver"]) for each in rows} == {
-        *((name, f"robot_{a}", name) for name in ("dash", "random") for a in (0, 1)),
-        *(("dash + random", "robot_0", "dash"), ("dash + random", "robot_1", "random")),
-        *(("random + dash", "robot_0", "random"), ("random + dash", "robot_1", "dash")),
-    }
-    assert len(rows) == 4 * 3 * 2
-    summary = json.loads((folder / "summary.json").read_text())
-    mine = [each for each in rows if each["driver"] == "dash" and each["policy"] != "dash"]
-    met = next(each for each in summary["meetings"] if (each["policy"], each["partner"]) == ("dash", "random"))
-    assert met["individual_success"]["count"] == sum(each["outcome"] == "success" for each in mine)
-    assert summary["arena"]["scenario"] == "pair"
-    assert len(summary["arena"]["scenario_sha256"]) == 64
-    assert (summary["arena"]["source"], summary["arena"]["task"]) == ("pair.yaml", None)
-    page = read_page(folder / "arena.html")
-    shares = [f"{100 * met[key]['value']:.1f}" for key in ("individual_success", "cooperative_success")]
-    table = (folder / "table.txt").read_text(encoding="utf-8").partition("who meets whom")[2]
-    assert re.search(rf"^ dash .* {shares[0]} \(all {shares[1]}\)$", table, re.MULTILINE)
-    assert table.strip() in said.out
-    assert page["policies"] == ["dash", "random", "dash + random", "random + dash"]
-    assert page["meetings"] == summary["meetings"]
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -257,7 +191,6 @@ def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pyt
         ),
         ([], "an arena needs policies\n"),
         (["dash", "dash"], "an arena plays each policy once, but dash is given more than once"),
-        (["dash", "random", "--mix"], "needs two policies and two agents, got 2 and 1"),
         (["dash", "--resume", "--overwrite"], "pass only one of them"),
         (["dash", "--split", "tset"], "no split named 'tset'"),
         (["dash", "--out", "full"], "full holds results: choose another folder with --out"),
@@ -289,5 +222,5 @@ def test_the_page_in_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert run(monkeypatch, "arena", "--help") == 0
     shown = capsys.readouterr().out
     asked = {word for line in text.splitlines() if line.startswith("irsim-gym arena") for word in line.split()}
-    assert {"--levels", "--mix", "--resume"} <= asked
+    assert {"--levels", "--resume"} <= asked
     assert all(word in shown for word in asked if word.startswith("--"))

@@ -7,7 +7,6 @@ class Arena {
     this.player.isOpen = false;
     byId("title").textContent = data.title;
     showFigures(data);
-    showMeetings(data);
     showPairs(data);
     showStrata(data);
     showFacts(data);

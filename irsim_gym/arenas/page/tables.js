@@ -1,4 +1,4 @@
-// The tables of an arena: figures, meetings, paired differences, easy and hard levels.
+// The tables of an arena: figures, paired differences, easy and hard levels.
 
 const percent = (share, digits = 1) => (share === null ? "\u2013" : (100 * share).toFixed(digits));
 const signed = (share) => `${share > 0 ? "+" : share < 0 ? "\u2212" : ""}${Math.abs(100 * share).toFixed(1)}`;
@@ -38,11 +38,11 @@ function tint(cell, share) {
   return cell;
 }
 
-function showFigures({ policies, alone, table: columns }) {
+function showFigures({ policies, table: columns }) {
   const place = document.querySelector("#figures .wide");
   let [by, falls] = [null, true];
   const order = () => {
-    const rows = Array.from({ length: alone }, (_, i) => i);
+    const rows = policies.map((_, i) => i);
     const value = (i) => columns[by].cells[i].value ?? -Infinity;
     return by === null ? rows : rows.sort((i, j) => (falls ? value(j) - value(i) : value(i) - value(j)));
   };
@@ -67,32 +67,10 @@ function showFigures({ policies, alone, table: columns }) {
   draw();
 }
 
-function showMeetings({ meetings, policies, alone }) {
-  const section = document.getElementById("meetings");
-  section.hidden = !meetings?.length;
-  if (section.hidden) return;
-  const names = policies.slice(0, alone);
-  const rows = names.map((policy) => [rowHead(policy), ...names.map((partner) => {
-    const found = meetings.find((each) => each.policy === policy && each.partner === partner);
-    const { individual_success: own, cooperative_success: all, collision } = found;
-    const cell = make("td", {
-      title: `${policy} among ${partner}: ${percent(own.value)} % of its robots arrive `
-        + `(${percent(own.low)} \u2013 ${percent(own.high)}), ${percent(collision.value)} % collide; `
-        + `all robots arrive in ${percent(all.value)} % of the levels (${percent(all.low)} \u2013 ${percent(all.high)})`,
-    }, percent(own.value), make("small", {}, `all ${percent(all.value)}`));
-    return tint(cell, own.value);
-  })]);
-  section.querySelector(".wide").replaceChildren(table([head("robots of \u2193 among \u2192"), ...names.map((name) => head(name))], rows));
-  section.querySelector(".note").textContent = "Share of the row's robots that arrive [%] when every second robot is driven by "
-    + "the column's policy, over both arrangements; below, the share of levels in which all robots arrive. On the "
-    + "diagonal one policy drives all.";
-}
-
-function showPairs({ pairs, policies, alone }) {
+function showPairs({ pairs, policies: names }) {
   const section = document.getElementById("pairs");
   section.hidden = !pairs.length;
   if (section.hidden) return;
-  const names = policies.slice(0, alone);
   const cell = (one, other) => {
     if (one === other) return make("td", {}, "\u00b7");
     const found = pairs.find((each) => each.one === one && each.other === other);
@@ -117,11 +95,11 @@ function showPairs({ pairs, policies, alone }) {
     + `for ${pairs.length} comparison${pairs.length === 1 ? "" : "s"} (Benjamini and Hochberg), gives p < 0.05.`;
 }
 
-function showStrata({ strata, policies, alone }) {
+function showStrata({ strata, policies }) {
   const section = document.getElementById("strata");
   section.hidden = !strata.rows.length;
   if (section.hidden) return;
-  const rows = policies.slice(0, alone).map((policy, i) => [rowHead(policy), ...strata.rows.map(({ success, levels }) => {
+  const rows = policies.map((policy, i) => [rowHead(policy), ...strata.rows.map(({ success, levels }) => {
     if (!levels[i]) return make("td", { title: "no such level" }, "\u2013");
     const { value, low, high } = success[i];
     const cell = make("td", { title: `${percent(low)} \u2013 ${percent(high)} %` }, percent(value, 0), make("small", {}, `of ${levels[i]}`));
