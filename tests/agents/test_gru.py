@@ -217,6 +217,20 @@ def test_minibatches_hold_each_row_once() -> None:
     assert later == [one + 1.0 for one in first[:2]]
 
 
+def test_a_sequence_ends_with_its_slot() -> None:
+    """Two slots; the second waits in the first step and begins no episode: its rows do not go on those of the first."""
+    buffer = SequenceBuffer(3, Box(-1, 1, (1,)), Box(-1, 1, (1,)), "cpu", n_envs=2, sequence_length=8)
+    for step in range(3):
+        told = np.array([[step], [10 + step]], np.float32)
+        begins = np.array([step == 0, False], np.float32)
+        row = told, told, told[:, 0], begins, torch.as_tensor(told[:, 0]), torch.as_tensor(told[:, 0])
+        buffer.add(*row, memory=torch.as_tensor(told[None] + 0.5), acted=np.array([True, step > 0]))
+    (part,) = [part.observations for part in buffer.get(None)]
+    assert part.running.tolist() == [2, 2, 1]  # 0 1 2 and 11 12
+    first = part.observations[:2, 0].tolist()
+    assert dict(zip(first, part.memory[0, :, 0].tolist(), strict=True)) == {0.0: 0.0, 11.0: 11.5}
+
+
 @pytest.mark.parametrize("batch_size", [None, 4])
 def test_a_rollout_in_which_nobody_acted_has_no_minibatches(batch_size: int | None) -> None:
     buffer = SequenceBuffer(2, Box(-1, 1, (1,)), Box(-1, 1, (1,)), "cpu", n_envs=3)

@@ -7,6 +7,7 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym.behaviors.dwa_search import stop_time
+from irsim_gym.behaviors.mppi_sampling import Motion, draw_samples
 from irsim_gym.behaviors.rollouts import place_at, spread_over
 
 DIFF = {"kinematics": {"name": "diff"}, "vel_min": [0, -1.5], "vel_max": [1, 1.5]}
@@ -174,3 +175,77 @@ def test_the_real_polygon_fits_where_its_disc_does_not() -> None:
     assert command(data).tolist() == [1.0, 0.0]
     data["robot"]["shape"] = {"name": "circle", "radius": 0.24}
     assert command(data).tolist() == [1.0, 0.0]
+
+
+@pytest.mark.parametrize(("slowest", "expected"), [(100.0, [0.5, 1.5]), (1.0, [0.0, 0.0])])
+def test_a_turn_that_cannot_be_stopped_in_time_is_not_admissible(slowest: float, expected: list[float]) -> None:
+    """With 1 rad/s2, 1.5 rad/s take the angle to stop that they turn in 0.75 s: after 0.1 s more, a post is touched.
+
+    With 100 rad/s2, the speed of 0.5 m/s takes longer to stop than the turn: the way of 0.25 s, which is free.
+    """
+    options = {"samples": [1, 2], "sim_time": 0.01, "sim_granularity": 0.01, "footprint_padding": 0.0}
+    limits = {"vel_min": [0.5, -1.5], "vel_max": [0.5, 1.5], "acce": [1.0, slowest], "velocity": [0.5, 1.5]}
+    radius, angle = 0.5 / 1.5, 1.5 * 0.85
+    post = radius * np.sin(angle), radius * (1.0 - np.cos(angle)) + 0.25, 0.2
+    drive = {"kinematics": {"name": "diff"}, **limits, "to": (0, 3)}
+    data = scene([post], **drive, options={**options, "path": "straight", "obstacle_weight": 0.0})
+    assert command(data).tolist() == expected
+
+
+def samples_of(noise: float = 0.5, **options: Any) -> tuple[Any, Any, Any]:
+    """Return a simulation of one omnidirectional robot with `mppi`, its group and its samples."""
+    options = {"samples": 6, "horizon": 0.4, "noise": noise, "path": "straight", **options}
+    simulation = ig.compile(ig.load_scenario(scene([], "mppi", **OMNI, options=options)))
+    simulation.reset(seed=0)
+    (group,) = simulation.parts.behaviors
+    return simulation, group, group.tables[0][1]
+
+
+def test_samples_are_the_plan_a_stop_and_noise_about_the_plan() -> None:
+    simulation, group, samples = samples_of(gamma=2.0)
+    plan = np.array([[0.5, -0.25], [0.75, 0.0], [0.25, 0.5], [1.0, -1.0]])
+    motion = Motion(np.zeros(3), np.full(3, -1.0), np.ones(3), np.full(3, np.inf), 0.0, 0.1)
+    draw_samples(0, simulation.state, group.params[0], motion, plan, samples)
+    np.testing.assert_array_equal(samples.asked[0], plan)
+    np.testing.assert_array_equal(samples.asked[1], np.zeros((4, 2)))
+    assert (np.abs(samples.asked[2:]) <= 1.0).all()
+    assert (samples.asked[2:] != plan).any(axis=(1, 2)).all()
+    # Standard deviation 0.5 x half of the range from -1 to 1; gamma times the sum of u e / s^2.
+    noise = samples.asked - plan
+    np.testing.assert_allclose(samples.cost, 2.0 * (plan * noise).sum(axis=(1, 2)) / 0.25, atol=1e-12)
+    assert samples.cost[0] == 0.0
+
+
+def test_the_rest_of_the_plan_is_the_plan_of_the_next_step() -> None:
+    """With next to no noise and one cheapest sample, the command is the plan's first, and the plan moves on."""
+    simulation, _, samples = samples_of(noise=1e-9, temperature=1e-9, gamma=0.0)
+    plan = np.array([[1.0, 0.1], [1.0, 0.2], [1.0, 0.3], [1.0, 0.4]])
+    samples.nominal[0, 0] = plan
+    simulation.step()
+    assert simulation.state.command[0, 0, :2] == pytest.approx(plan[0], abs=1e-6)
+    np.testing.assert_allclose(samples.nominal[0, 0], plan[[1, 2, 3, 3]], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("dwa", {"path": "seen", "samples": [5, 7]}),
+        ("dwa", {"path": "map", "samples": [5, 7]}),
+        ("mppi", {"path": "seen", "samples": 8, "horizon": 0.5}),
+    ],
+)
+def test_nothing_is_remembered_in_another_level(name: str, options: dict[str, Any]) -> None:
+    """A world that has played another level does what a fresh one does: paths, seen cells, plans and turns are new."""
+    box = {"number": 8, "shape": {"name": "rectangle", "length": 1.5, "width": 0.3}}
+    boxes = {**box, "distribution": {"name": "random", "range_low": [-3, -6, -3], "range_high": [3, 6, 3]}}
+    data = {**scene([], name, **DIFF, options=options), "obstacle": boxes}
+    data["robot"]["state"], data["robot"]["goal"] = [-6, 0, 0], [6, 0, 0]
+    used, fresh = (ig.compile(ig.load_scenario(data)) for _ in range(2))
+    used.reset(seed=0)
+    for _ in range(60):
+        used.step()
+    for simulation in (used, fresh):
+        simulation.reset(seed=1)
+        for _ in range(40):
+            simulation.step()
+    np.testing.assert_array_equal(used.state.pose, fresh.state.pose)

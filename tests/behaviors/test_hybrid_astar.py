@@ -23,7 +23,7 @@ from irsim_gym.levels.certify import certify
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.training import level_commands
 from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD
 from irsim_gym.world.outline import outline_rows, placed
 
 Floats = NDArray[np.float64]
@@ -101,10 +101,10 @@ def bodies_at(simulation: Simulation, poses: Floats) -> Any:
     return np.array([shapely.Polygon(placed(*local, tuple(pose))[0][:, :2]) for pose in poses])
 
 
-def moves_of(drive: int, low: list[float], high: list[float]) -> Any:
-    still, moves = np.zeros(3), np.zeros(MOST_MOVES, MOVE)
+def moves_of(drive: int, low: list[float], high: list[float], heading: float = 0.0) -> Any:
+    still, moves, pose = np.zeros(3), np.zeros(MOST_MOVES, MOVE), np.array([0.0, 0.0, heading])
     limits = np.array([*low, 0.0]), np.array([*high, 0.0]), np.full(3, np.inf)
-    return moves[: lay_moves(Moving(drive, False, 0.5, 0.1, still, 0.0, still, *limits), 0.1, moves)]
+    return moves[: lay_moves(Moving(drive, False, 0.5, 0.1, pose, 0.0, still, *limits), 0.1, moves)]
 
 
 def test_moves_stay_within_the_limits_of_a_car() -> None:
@@ -123,6 +123,24 @@ def test_moves_stay_within_the_limits_of_a_differential_drive() -> None:
     assert (np.abs(moves["ahead"]) <= 0.5 * moves["seconds"] + 1e-12).all()
     assert (moves["turn"] <= 1.5 * moves["seconds"] + 1e-12).all()
     assert (moves["turn"] >= -1.0 * moves["seconds"] - 1e-12).all()
+
+
+def test_backward_arcs_turn_as_fast_as_the_body_does_to_that_side() -> None:
+    """Driving back, an arc that bends to the right turns the body to the left."""
+    moves = moves_of(DIFFERENTIAL, [-0.5, -1.0], [0.5, 1.5])
+    for gear in (FORWARD, BACKWARD):
+        arcs = moves[moves["gear"] == gear]
+        rates = arcs["turn"] / arcs["seconds"]
+        assert (rates.min(), rates.max()) == pytest.approx((-SPARE * 1.0, SPARE * 1.5))
+
+
+def test_slides_are_along_the_axes_that_have_limits() -> None:
+    """A body that faces up, and may move at 1 m/s along the world's x axis, to its sides, and at half of it along y."""
+    moves = moves_of(OMNI_WORLD, [-1.0, -0.5], [1.0, 0.5], np.pi / 2)
+    asides, aheads = (np.abs(moves[name]) > 0.2 - 1e-9 for name in ("left", "ahead"))
+    assert (asides.sum(), aheads.sum()) == (2, 2)
+    assert moves["seconds"][asides] == pytest.approx(0.2)
+    assert moves["seconds"][aheads] == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("goal", [[20, 22], [18, 20]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import yaml
 from test_every_feature import EVERYTHING, STEPS, assert_same, everything
 
 import irsim_gym as ig
+from irsim_gym.engine.level_table import copy_outline
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import LevelSet
 
@@ -120,3 +122,23 @@ def test_discs_from_a_file_replace_the_shape_of_an_obstacle(tmp_path: Path) -> N
     sim.reset(0)
     assert sim.sensors[0].arrays["ranges"][:, 0, 1] == pytest.approx([2.5, 4.9])
     assert sim.model.reach[:, 1] == pytest.approx([np.hypot(2, 9) + 0.3, np.hypot(5, 5) + 0.1])
+
+
+@pytest.mark.parametrize(
+    ("segment", "disc", "reach"),
+    [
+        ((0.5, 0.0, 3.0, 4.0), (0.0, 0.0, 1.0), 5.0),  # the second end is the farthest point
+        ((3.0, 4.0, 0.5, 0.0), (0.0, 0.0, 1.0), 5.0),
+        ((0.0, 0.0, 1.0, 0.0), (6.0, 8.0, 0.5), 10.5),
+    ],
+)
+def test_the_reach_of_an_outline_is_its_farthest_point(
+    segment: tuple[float, ...], disc: tuple[float, ...], reach: float, file: Path
+) -> None:
+    simulation = compiled(file, 1)
+    levels, model = simulation.parts.levels, simulation.model
+    assert levels is not None
+    b = int(levels.bodies[np.flatnonzero(levels.shaped)[0]])
+    given = replace(levels, segments=np.array([segment]), discs=np.array([disc]))
+    copy_outline(0, b, np.array([0, 1]), np.array([0, 1]), given, model)
+    assert model.reach[0, b] == pytest.approx(reach, abs=1e-12)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import irsim_gym
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.engine import respawn as engine_respawn
 from irsim_gym.scenario import load_scenario
@@ -131,3 +132,20 @@ def test_the_others_move_on_as_they_did(drive: str) -> None:
     respawn(simulation, [[True, False]])
     assert simulation.state.twist[0, 1].tolist() == before.tolist()
     assert simulation.state.twist[0, 0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_function_forgets_who_begins_anew_and_nobody_else() -> None:
+    def counting(ego: Any, others: Any) -> Any:
+        ego.memory["count"] = ego.memory.get("count", 0) + 1
+        return [0.1 * ego.memory["count"], 0.0]
+
+    irsim_gym.behavior("counting")(counting)
+    robots = [{**DISC, "state": [x, 2, 0], "behavior": {"name": "counting"}} for x in (2, 7)]
+    simulation = compile(load_scenario({"robot": robots}), 1)
+    simulation.reset()
+    for _ in range(3):
+        simulation.step()
+    chosen = np.array([[True, False]])
+    simulation.run(lambda shard: simulation.respawn(shard, np.array([0, 1]), chosen), np.array([0]))
+    simulation.step()
+    assert simulation.state.command[0, :, 0] == pytest.approx([0.1, 0.4])

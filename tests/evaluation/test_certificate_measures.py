@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,18 @@ def test_no_way() -> None:
 def test_least_steps(robot: dict[str, Any], legs: list[float], steps: float) -> None:
     simulation = begun(robot)
     assert least_steps(simulation.model, simulation.state, 0, 0, legs) == steps
+
+
+def test_least_steps_of_a_world_are_by_its_own_limits() -> None:
+    simulation = begun({"goal_threshold": 0.1})
+    model = replace(
+        simulation.model,
+        velocity_max=np.concatenate([simulation.model.velocity_max, 2.0 * simulation.model.velocity_max]),
+        velocity_min=np.concatenate([simulation.model.velocity_min, 2.0 * simulation.model.velocity_min]),
+    )
+    state = simulation.state
+    two = replace(state, velocity=np.concatenate([state.velocity, state.velocity]))
+    assert [least_steps(model, two, world, 0, [8.1]) for world in (0, 1)] == [16, 8]
 
 
 def test_all_goals_in_turn_count() -> None:

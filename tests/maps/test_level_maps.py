@@ -14,7 +14,9 @@ import irsim_gym as ig
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.maps import perlin
 from irsim_gym.maps.noise_levels import noise_at, nth_smallest
+from irsim_gym.maps.rooms import choose_room
 from irsim_gym.paths.queries import free_path_length
+from irsim_gym.world.group import Shard
 from irsim_gym.world.state import State
 from tests.geometry.cell_maps import area, cell_map
 
@@ -317,3 +319,25 @@ def test_ways_that_cannot_be_are_refused(placement: str) -> None:
     crossed = {**robot, "distribution": {"name": placement, "min_way_length": 5, "max_way_length": 4}}
     with pytest.raises(ScenarioError, match=r"max_way_length.*must not be less than min_way_length, got 4 and 5"):
         ig.load_scenario({"world": world, "robot": crossed})
+
+
+def test_rooms_are_chosen_by_their_areas() -> None:
+    """Of two rooms of one cell, an undividable one of 98, and one of two, each gets its share of the draws."""
+    rooms = np.array([[0, 1, 0, 1, 0], [1, 2, 0, 1, 0], [2, 9, 0, 14, 1], [9, 11, 0, 1, 0]])
+    state = simulation("rooms").state
+    counts = np.bincount([choose_room(rooms, 4, 0, state) for _ in range(4000)], minlength=4)
+    assert counts[2] == 0
+    assert np.abs(counts / 4000 - [0.25, 0.25, 0.0, 0.5]).max() < 0.04  # five standard deviations
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_thread_draws_maps_in_its_own_scratch_memory(kind: str) -> None:
+    sim = simulation(kind, 2, num_threads=2)
+    (group,) = sim.parts.maps
+    tables = [table for table in vars(group.tables).values() if isinstance(table, np.ndarray) and len(table) == 2]
+    assert len(tables) >= 4
+    for own, other in ((0, 1), (1, 0)):
+        for table in tables:
+            table[other] = 1
+        group.kind.draw(group, sim.model, sim.state, Shard(np.array([0]), own))
+        assert all((table[other] == 1).all() for table in tables)

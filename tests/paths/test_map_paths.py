@@ -46,6 +46,16 @@ def test_cells_that_discs_touch_against_shapely() -> None:
                 assert touched[i, j] == (apart == 0.0)
 
 
+def test_cells_that_are_no_squares_and_touch_a_disc_against_shapely() -> None:
+    scene, touched = Scene().disc(2.3, 3.1, 0.8), np.zeros((40, 12), np.bool_)
+    mark_touched(scene.obstacles, 0.0, 0.0, 6.0 / 40, 6.0 / 12, touched)
+    disc = shapely.Point(2.3, 3.1)
+    for i in range(40):
+        for j in range(12):
+            gap = shapely.box(i * 0.15, j * 0.5, (i + 1) * 0.15, (j + 1) * 0.5).distance(disc) - 0.8
+            assert touched[i, j] == (gap <= 0.0)
+
+
 def test_a_map_wider_than_the_grid_blocks_what_lies_in_it() -> None:
     scene = Scene(2.0).map(np.ones((2, 2), np.bool_))
     scene.cells = scene.cells._replace(x=-5.0, y=-5.0, width=6.0, height=6.0)

@@ -164,6 +164,8 @@ def test_figures_worked_by_hand() -> None:
     assert (mine.worst["5 %"], other.worst["5 %"]) == (0.0, 0.0)
     # Both policies of ours solved levels 0 and 1, the others 0, 2 and 3.
     assert (mine.common_levels, mine.common_time, other.common_time) == (1, 5.0, 8.0)
+    apart = score_member({"ours": [solo("success", "timeout")], "others": [solo("timeout", "success")]})["ours"]
+    assert (apart.common_levels, math.isnan(apart.common_time), math.isnan(apart.common_path)) == (0, True, True)
     assert (mine.acceleration, mine.jerk, mine.clearance) == (0.5, 2.0, 0.25)
     team = score_member({"team": [[level(0, "success", "success"), level(1, "success", "collision")]]})["team"]
     assert (team.success.value, team.individual, team.makespan) == (0.5, 0.75, pytest.approx((5.0 + 30.0) / 2))

@@ -9,7 +9,9 @@ import pytest
 from task_tools import play
 
 from irsim_gym.errors import ScenarioError
+from irsim_gym.paths.cell_lines import free_cell
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.observations.seen_ways import find_way
 
 WALL: list[dict[str, Any]] = [
     {"shape": {"name": "linestring", "vertices": [[4, 2], [4, 4.75]]}},
@@ -62,3 +64,40 @@ def test_without_a_way_that_leaves_the_clearance_the_goal_itself_is_shown() -> N
 def test_a_clearance_is_not_negative() -> None:
     with pytest.raises(ScenarioError, match=r"clearance: must be >= 0"):
         before_the_wall(-0.1)
+
+
+@pytest.mark.parametrize("task", ["level", "goal", "moved away"])
+def test_costs_of_ways_are_those_that_are_computed_anew(task: str) -> None:
+    """Costs are kept while neither the goal, nor the level, nor an obstacle that is gone makes other ways shorter."""
+    walls = {"number": 5, "shape": {"name": "rectangle", "length": 2.5, "width": 0.3}}
+    walls["distribution"] = {"name": "random", "range_low": [3, 1, -3], "range_high": [7, 9, 3]}
+    people = {"number": 5, "kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.4}}
+    people |= {"behavior": {"name": "dash", "wander": True}, "distribution": {"name": "random"}, "vel_max": [1, 3]}
+    way = {"name": "way_on_seen_map", "cell": 0.2, "every": 1}
+    obstacles = [people] if task == "moved away" else [walls]
+    episodes = play({"shape": {"name": "circle", "radius": 0.2}}, obstacles, {"name": "blank", "observations": [way]})
+    differ, rng = 0, np.random.default_rng(0)
+    for step in range(60):
+        if task == "level" and step % 6 == 5:
+            episodes.begin(np.array([0]), np.array([step]))
+        elif task == "goal":
+            episodes.simulation.state.goal[0, 0, 1] = 2.0 + step % 7
+            episodes.step(rng.uniform(-1, 1, (1, 1, 2)))
+        else:
+            episodes.step(rng.uniform(-1, 1, (1, 1, 2)))
+        kept, fresh = costs_here(episodes)
+        assert kept == fresh
+        differ += kept > 0
+    assert differ > 20
+
+
+def costs_here(episodes: Episodes) -> tuple[int, int]:
+    """Return the costs of the robot's way, as they are kept and computed anew; 0 without a way."""
+    ways, state = episodes.terms["observations"][0].arrays, episodes.simulation.state
+    here, goal = (tuple(place[0, 0, :2]) for place in (state.pose, state.goal))
+    start, costs = free_cell(ways.seen.grid, ways.levels[0, 0], here), []
+    for _ in range(2):
+        found = find_way(ways, 0, 0, 0, here, goal)
+        costs.append(int(ways.least[0, 0].reshape(-1)[start]) if found else 0)
+        ways.target[0, 0] = np.nan
+    return costs[0], costs[1]

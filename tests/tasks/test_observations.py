@@ -422,6 +422,23 @@ def test_time_to_collision_goes_on_with_the_velocities_of_others() -> None:
     assert found[[0, 1, 3]] == pytest.approx([4, 4, 4])  # whoever drives off at 1 m/s is not caught up with
 
 
+def test_time_to_collision_is_in_the_frame_of_the_robot() -> None:
+    """As above, for a robot that faces up and somebody who comes down."""
+    task = only({"name": "time_to_collision", "directions": 4, "horizon": 4.0})
+    episodes = play({"sensors": [], "state": [5, 2, np.pi / 2], "goal": [5, 8]}, walker(5, 5, 5, 1, 0.5), task)
+    drive(episodes, -1, 0)
+    found = 4.0 * (1.0 - part(episodes, "time_to_collision"))
+    assert found[2] == pytest.approx(2.45 / 1.5, abs=1e-5)
+    assert found[[0, 1, 3]] == pytest.approx([4, 4, 4])
+
+
+@pytest.mark.parametrize("ends", [[[4, 5.1], [4, 9]], [[4, 9], [4, 5.1]]])
+def test_time_to_collision_with_either_end_of_a_wall(ends: Any) -> None:
+    """A wall ends 0.1 m beside the way: the disc of 0.2 m touches its end, not its side."""
+    wall = {"shape": {"name": "linestring", "vertices": ends}}
+    assert times({"state": [2, 5, 0]}, wall)[4] == pytest.approx(2 - (0.2**2 - 0.1**2) ** 0.5, abs=1e-5)
+
+
 def test_time_to_collision_agrees_with_shapely_on_boxes_that_pass() -> None:
     """A box drives by; the robot's disc, moved in small steps of time, first touches it at the same time."""
     box = {

@@ -178,3 +178,15 @@ def test_threads_and_batches_change_nothing() -> None:
         one.step(action)
         many.step(np.repeat(action, 7, axis=0))
         np.testing.assert_array_equal(many.view.observation, np.repeat(one.view.observation, 7, axis=0))
+
+
+@pytest.mark.parametrize("gone", [False, True])
+def test_hits_are_those_of_robots_that_are_there(gone: bool) -> None:
+    """A wall 0.25 m behind a robot: its hits beside the robot are left out of the map only while the robot is there."""
+    episodes = team([robot(2, 5, (8, 5)), robot(4, 5, (4, 8))], line((4.25, 3), (4.25, 7)), every=1)
+    simulation, arrays = episodes.simulation, episodes.terms["observations"][0].arrays
+    if gone:
+        flags = np.array([[False, True]])
+        simulation.run(lambda shard: simulation.vanish(shard, simulation.agents, flags), np.array([0]))
+    stand(episodes)
+    assert arrays.ways.seen.skipped[0, 0].any() == (not gone)
