@@ -229,23 +229,24 @@ def test_the_rest_of_the_plan_is_the_plan_of_the_next_step() -> None:
 @pytest.mark.parametrize(
     ("name", "options"),
     [
-        ("dwa", {"path": "seen", "samples": [5, 7]}),
-        ("dwa", {"path": "map", "samples": [5, 7]}),
-        ("mppi", {"path": "seen", "samples": 8, "horizon": 0.5}),
+        ("dwa", {"path": "seen", "samples": [3, 5]}),
+        ("dwa", {"path": "map", "samples": [3, 5]}),
+        ("mppi", {"path": "seen", "samples": 6, "horizon": 0.5}),
     ],
 )
 def test_nothing_is_remembered_in_another_level(name: str, options: dict[str, Any]) -> None:
     """A world that has played another level does what a fresh one does: paths, seen cells, plans and turns are new."""
-    box = {"number": 8, "shape": {"name": "rectangle", "length": 1.5, "width": 0.3}}
-    boxes = {**box, "distribution": {"name": "random", "range_low": [-3, -6, -3], "range_high": [3, 6, 3]}}
+    box = {"number": 4, "shape": {"name": "rectangle", "length": 1.2, "width": 0.3}}
+    boxes = {**box, "distribution": {"name": "random", "range_low": [-1, -2, -3], "range_high": [1, 2, 3]}}
     data = {**scene([], name, **DIFF, options=options), "obstacle": boxes}
-    data["robot"]["state"], data["robot"]["goal"] = [-6, 0, 0], [6, 0, 0]
+    data["world"] |= {"height": 6, "width": 6, "offset": [-3, -3]}
+    data["robot"]["state"], data["robot"]["goal"] = [-2.5, 0, 0], [2.5, 0, 0]
     used, fresh = (ig.compile(ig.load_scenario(data)) for _ in range(2))
     used.reset(seed=0)
-    for _ in range(60):
+    for _ in range(12):
         used.step()
     for simulation in (used, fresh):
         simulation.reset(seed=1)
-        for _ in range(40):
+        for _ in range(8):
             simulation.step()
     np.testing.assert_array_equal(used.state.pose, fresh.state.pose)

@@ -96,8 +96,10 @@ def costs_here(episodes: Episodes) -> tuple[int, int]:
     ways, state = episodes.terms["observations"][0].arrays, episodes.simulation.state
     here, goal = (tuple(place[0, 0, :2]) for place in (state.pose, state.goal))
     start, costs = free_cell(ways.seen.grid, ways.levels[0, 0], here), []
-    for _ in range(2):
+    least, target = ways.least.copy(), ways.target.copy()
+    for first in (target[0, 0].copy(), np.nan):
+        ways.target[0, 0] = first
         found = find_way(ways, 0, 0, 0, here, goal)
         costs.append(int(ways.least[0, 0].reshape(-1)[start]) if found else 0)
-        ways.target[0, 0] = np.nan
+    ways.least[:], ways.target[:] = least, target
     return costs[0], costs[1]
