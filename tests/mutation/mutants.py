@@ -14,8 +14,23 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.operators.operator import Example, Operator
 from cosmic_ray.work_item import MutationSpec, WorkItem
 
-FOLDERS = ("engine", "kinematics", "sensors", "behaviors", "tasks", "envs")
-"""Folders of the package from which mutants are drawn."""
+PARTS: dict[str, tuple[str, ...]] = {
+    "core": tuple(f"{folder}/**/*.py" for folder in ("engine", "kinematics", "sensors", "behaviors", "tasks", "envs")),
+    "recent": (
+        *(f"behaviors/{name}.py" for name in ("dwa*", "mppi*", "local_*", "rollouts", "seen_way", "hybrid_astar")),
+        *(f"behaviors/{name}.py" for name in ("pose_*", "pursuit*")),
+        *(f"maps/{name}.py" for name in ("cells", "cellular", "level", "maze", "noise_levels", "rooms", "shelves")),
+        *(f"paths/{name}.py" for name in ("cell_lines", "occupancy", "outline_room", "scan_marks", "wavefront")),
+        *(f"engine/{name}.py" for name in ("level_table", "respawn", "traits", "path_checks")),
+        *(f"tasks/observations/{name}.py" for name in ("seen_*", "team_ways", "standing_aside", "time_to_collision")),
+        *(f"tasks/observations/{name}.py" for name in ("way_*", "yielding_way")),
+        *(f"envs/{name}.py" for name in ("sb3_gru", "sb3_memory", "learnability", "mirror")),
+        "placements/cells.py",
+        "evaluation/certificate_measures.py",
+        "suite/scores.py",
+    ),
+}
+"""Files of the package from which the mutants of a campaign are drawn, as patterns."""
 
 OPERATORS = (
     r"irsim_gym/DeleteStatement",
@@ -85,10 +100,10 @@ def operators() -> dict[str, Operator]:
     return {name: plugins.get_operator(name)() for name in sorted(chosen)}
 
 
-def modules(root: Path) -> list[str]:
-    """Return the files of the folders, as paths from the root of the repository."""
-    found = [file for folder in FOLDERS for file in sorted((root / "irsim_gym" / folder).rglob("*.py"))]
-    return [file.relative_to(root).as_posix() for file in found]
+def modules(root: Path, part: str) -> list[str]:
+    """Return the files of a part, as paths from the root of the repository."""
+    files = [file for pattern in PARTS[part] for file in sorted((root / "irsim_gym").glob(pattern))]
+    return [file.relative_to(root).as_posix() for file in dict.fromkeys(files)]
 
 
 def mutants_of(source: str, module: str) -> list[MutationSpec]:
@@ -122,8 +137,8 @@ def _is_excluded(leaf: Any, operator: str) -> bool:
     return "Bit" in operator and not inside_function
 
 
-def sample(root: Path, count: int, seed: int) -> tuple[list[WorkItem], dict[str, int]]:
-    """Draw mutants, from each module as many as its share of all places where something can be mutated.
+def sample(root: Path, part: str, count: int, seed: int) -> tuple[list[WorkItem], dict[str, int]]:
+    """Draw mutants of a part, from each module as many as its share of all places where something can be mutated.
 
     A place is drawn first, then one of its mutations, so that numbers, each of which has two, do not prevail.
 
@@ -131,7 +146,7 @@ def sample(root: Path, count: int, seed: int) -> tuple[list[WorkItem], dict[str,
         The mutants, and the number of mutations that each module has.
     """
     places: dict[str, dict[Place, list[MutationSpec]]] = {}
-    for module in modules(root):
+    for module in modules(root, part):
         for spec in mutants_of((root / module).read_text(encoding="utf-8"), module):
             places.setdefault(module, {}).setdefault((spec.start_pos, spec.end_pos), []).append(spec)
     total = sum(len(one) for one in places.values())

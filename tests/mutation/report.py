@@ -1,4 +1,4 @@
-"""What came of a session, as a result to keep: ``results.json`` and, to be read, ``RESULTS.md``."""
+"""What came of a session, as a result to keep: ``PART.json`` and, to be read, ``PART.md``."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def write(db: WorkDB, about: dict[str, Any], folder: Path = HERE) -> None:
         **about,
         "mutants": rows,
     }
-    (folder / "results.json").write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
-    (folder / "RESULTS.md").write_text(page(facts), encoding="utf-8")
+    (folder / f"{about['part']}.json").write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+    (folder / f"{about['part']}.md").write_text(page(facts), encoding="utf-8")
 
 
 def equivalents() -> set[str]:
@@ -67,7 +67,7 @@ def page(facts: dict[str, Any]) -> str:
     lines = [
         "# Mutation testing",
         "",
-        f"Written by `make mutate`. {len(rows)} mutants of {sum(facts['population'].values())}, drawn with seed "
+        f'Written by `make mutate ARGS="--part {facts["part"]}"`. {len(rows)} mutants of {sum(facts["population"].values())}, drawn with seed '
         f"{facts['seed']} from commit {facts['commit'][:10]}",
         f"by {facts['tool']} under Python {facts['python']}, played by today's tests.",
         "",

@@ -23,14 +23,14 @@ ROOT = Path(__file__).parents[2]
 def main() -> None:
     """Measure, draw, play and report; what is done already in the folder is not done again."""
     options = _options()
-    folder: Path = options.folder.resolve()
+    folder: Path = (options.folder or ROOT / "build" / f"mutation-{options.part}").resolve()
     if not options.compiled and (options.tests or not (folder / "tests.json").exists()):
-        selection.measure(ROOT, folder, options.tests or selection.TESTS, options.slowest)
+        selection.measure(ROOT, folder, options.tests or selection.TESTS[options.part], options.slowest)
     known = selection.read(folder)
     session, about = folder / "session.sqlite", folder / "session.json"
     with use_db(str(session)) as db:
         if not about.exists():
-            _draw(db, about, options.count, options.seed)
+            _draw(db, about, options.part, options.count, options.seed)
         names = {item.job_id for item in db.pending_work_items}
         if options.survivors:
             alive = {job for job, result in db.results if result.test_outcome is TestOutcome.SURVIVED}
@@ -48,7 +48,8 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "mutation", help="where the session lies")
+    parser.add_argument("--part", choices=sorted(mutants.PARTS), default="core", help="which files are mutated")
+    parser.add_argument("--folder", type=Path, help="where the session lies (build/mutation-PART)")
     parser.add_argument("--count", type=int, default=640, help="mutants of a new session")
     parser.add_argument("--seed", type=int, default=14, help="of their choice")
     parser.add_argument("--workers", type=int, default=2, help="mutants that are played at a time")
@@ -62,12 +63,12 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _draw(db: WorkDB, about: Path, count: int, seed: int) -> None:
-    items, population = mutants.sample(ROOT, count, seed)
+def _draw(db: WorkDB, about: Path, part: str, count: int, seed: int) -> None:
+    items, population = mutants.sample(ROOT, part, count, seed)
     db.clear()
     db.add_work_items(items)
     commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False)
-    facts = {"commit": commit.stdout.strip(), "seed": seed, "count": count, "population": population}
+    facts = {"part": part, "commit": commit.stdout.strip(), "seed": seed, "count": count, "population": population}
     about.write_text(json.dumps(facts, indent=1), encoding="utf-8")
 
 

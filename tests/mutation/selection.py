@@ -12,7 +12,7 @@ from typing import Any
 
 from coverage import CoverageData
 
-TESTS = (
+CORE = (
     "tests/kinematics",
     "tests/sensors",
     "tests/behaviors",
@@ -26,7 +26,16 @@ TESTS = (
     "tests/evaluation",
     "tests/scenario/test_reference_page.py",
 )
-"""Folders of tests that are tried."""
+TESTS = {
+    "core": CORE,
+    "recent": (
+        *("tests/behaviors", "tests/maps", "tests/paths", "tests/placements", "tests/tasks", "tests/engine"),
+        *("tests/evaluation", "tests/levels", "tests/suite", "tests/envs/test_mirror.py", "tests/agents/test_gru.py"),
+        *("tests/contracts/test_kinds.py", "tests/contracts/test_levels_from_files.py"),
+        *("tests/contracts/test_learnability_callback.py", "tests/contracts/test_mirror_callback.py"),
+    ),
+}
+"""Folders of tests that are tried, by the part that is mutated."""
 
 DECLARED = (
     "tests/scenario/test_reference_page.py::test_the_page_is_up_to_date",
