@@ -67,9 +67,9 @@ def page(facts: dict[str, Any]) -> str:
     lines = [
         "# Mutation testing",
         "",
-        f'Written by `make mutate ARGS="--part {facts["part"]}"`. {len(rows)} mutants of {sum(facts["population"].values())}, drawn with seed '
-        f"{facts['seed']} from commit {facts['commit'][:10]}",
-        f"by {facts['tool']} under Python {facts['python']}, played by today's tests.",
+        f"Written by `make mutate ARGS='--part {facts['part']}'`. {len(rows)} mutants of "
+        f"{sum(facts['population'].values())}, drawn with seed {facts['seed']} from commit",
+        f"{facts['commit'][:10]} by {facts['tool']} under Python {facts['python']}, played by today's tests.",
         "",
         "Not mutated:",
         "",
