@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -51,6 +52,12 @@ def intro(file: Path) -> str:
     return "\n\n".join(part for part in told if not part.startswith(("gymnasium.make", "irsim-gym ")))
 
 
+def caption(file: Path) -> str:
+    """Return the first sentence of a scenario file's head, without what is in brackets."""
+    text = re.sub(r"\s*\([^)]*\)|\s*\n\s*", lambda gap: "" if "(" in gap[0] else " ", intro(file))
+    return text.split(". ")[0].rstrip(".")
+
+
 def _index(files: dict[str, Path], have: dict[str, drawn.Pictures]) -> str:
     parts = ["# Scenarios\n\nEvery shipped world, with what a robot observes, does and is paid for in it.\n"]
     suite = set(benchmark_names())
@@ -58,17 +65,19 @@ def _index(files: dict[str, Path], have: dict[str, drawn.Pictures]) -> str:
         ("Worlds", [name for name in files if name not in suite]),
         ("Benchmarks", [name for name in files if name in suite]),
     ):
-        parts.append(f"## {title}\n\n" + "\n".join(["````{container} gallery", *_tiles(chosen, have), "````"]) + "\n")
+        shown = "\n".join(["````{container} gallery", *_tiles(chosen, files, have), "````"])
+        parts.append(f"## {title}\n\n{shown}\n")
     listed = "\n".join(files)
     return "\n".join(parts) + f"\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n"
 
 
-def _tiles(names: list[str], have: dict[str, drawn.Pictures]) -> Iterator[str]:
+def _tiles(names: list[str], files: dict[str, Path], have: dict[str, drawn.Pictures]) -> Iterator[str]:
     for name in names:
+        told = f"[{name}]({name}.md): {caption(files[name])}"
         if have[name].level:
-            yield f"```{{figure}} {name}.png\n:alt: A level of {name}\n:target: {name}.html\n\n[{name}]({name}.md)\n```"
+            yield f"```{{figure}} {name}.png\n:alt: A level of {name}\n:target: {name}.html\n\n{told}\n```"
         else:
-            yield f"[{name}]({name}.md)\n"
+            yield f"{told}\n"
 
 
 def _page(name: str, file: Path, have: drawn.Pictures) -> str:

@@ -23,6 +23,10 @@ ONLY_LINKED = ("README.md", "configs/README.md")
 """The site has pages of its own in their place."""
 DRAWN = ("scenarios", "extra")
 """Folders of the site's sources where pictures and films are drawn, and stay."""
+NOT_SEARCHED = "---\nnosearch: true\n---\n\n"
+"""Head of a page that the search leaves out."""
+UNSEARCHED = ("project/changelog.md", "training_trials.md", "design.md")
+"""Pages about how the package came to be, as the decisions: who searches for how to use it does not get them."""
 SKIPPED = ("builder", "decisions", "__pycache__")
 """Folders of docs/ that are not copied as they are."""
 
@@ -60,7 +64,8 @@ def stage(root: Path, out: Path, generated: Mapping[str, str]) -> None:
         _write(out / place, text)
     for source, place in pages.items():
         if source not in ONLY_LINKED and "#" not in place:
-            _write(out / place, expanded(_page(root, source, place, pages), pages.values()))
+            head = NOT_SEARCHED if place in UNSEARCHED else ""
+            _write(out / place, head + expanded(_page(root, source, place, pages), pages.values()))
             written.add(out / place)
     _write(out / "decisions.md", _decisions(root, pages))
     written.add(out / "decisions.md")
@@ -100,7 +105,8 @@ def _page(root: Path, source: str, place: str, pages: Mapping[str, str]) -> str:
 
 def _decisions(root: Path, pages: Mapping[str, str]) -> str:
     """Return one page with all decisions."""
-    parts = ["# Decisions\n\nWhat was decided, why, and at what cost. [The design](design.md) lists them by subject.\n"]
+    told = "What was decided, why, and at what cost. [The design](design.md) lists them by subject."
+    parts = [f"{NOT_SEARCHED}# Decisions\n\n{told}\n"]
     for file in decisions(root):
         text = rewrite(
             file.read_text(encoding="utf-8"), f"docs/decisions/{file.name}", "decisions.md", dict(pages), root

@@ -70,7 +70,18 @@ def test_every_page_of_the_repository_is_staged_and_every_link_leads_somewhere(t
     assert {"options/made.md", "lessons/teams.ipynb", "cluttered_room.png", "files/benchmarks/twin/s1.c"} <= placed
     assert not {"old.md", "README.md", "builder/stage.py"} & placed
     text = (tmp_path / "decisions.md").read_text(encoding="utf-8")
+    assert text.startswith("---\nnosearch: true\n---\n")
+    assert (tmp_path / "project" / "changelog.md").read_text(encoding="utf-8").startswith("---\nnosearch: true\n---\n")
+    assert (tmp_path / "start.md").read_text(encoding="utf-8").startswith("# Start")
     assert text.count("\n(decision-") == len(stage.decisions(ROOT)) > 150
+
+
+def test_captions_of_scenarios_are_their_first_sentence(tmp_path: Path) -> None:
+    file = tmp_path / "hall.yaml"
+    file.write_text("# A hall, after Somebody (et al. 2020;\n# page 2): people walk. They\n# stop.\nworld: {}\n")
+    assert gallery.caption(file) == "A hall, after Somebody: people walk"
+    captions = [gallery.caption(file) for file in every_scenario().values()]
+    assert all(10 < len(caption) < 200 for caption in captions)
 
 
 def test_every_option_is_on_a_page() -> None:

@@ -148,6 +148,20 @@ def test_light_dark_wide_and_narrow(driver: Any, arena: Arena, size: tuple[int, 
     assert page.problems() == []
 
 
+def test_long_names_on_a_phone(driver: Any, tmp_path: Path) -> None:
+    """Nothing is wider than the screen, and the ends of names, in which they differ, can be read."""
+    names = {f"warehouse-ppo-steps=1500000-{seed}": kind for seed, kind in enumerate(("dash", "random"))}
+    page = opened(driver, irsim_gym.arena(ROOM, names, tmp_path / "arena", levels=20), 390, 844, mobile=True)
+    assert page.run("return [innerWidth, document.documentElement.scrollWidth]") == [390, 390]
+    heads = page.run(
+        "return [...document.querySelectorAll('.wide tbody th')].map((e) => [e.clientWidth, e.scrollWidth])"
+    )
+    assert len(heads) >= 4
+    assert all(inside >= whole for inside, whole in heads)
+    keep(page, "arena-long-names")
+    assert page.problems() == []
+
+
 def keep(page: Page, name: str) -> None:
     if folder := os.environ.get("IRSIM_GYM_PICTURES"):
         page.driver.save_screenshot(str(Path(folder) / f"{name}.png"))
