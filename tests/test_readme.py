@@ -30,6 +30,8 @@ READ = (
 )
 """Pages of docs/ in the order of reading; other tests run the blocks of the rest."""
 PAGES = (README, *(DOCS / f"{name}.md" for name in READ), CONTRIBUTING)
+TRANSLATIONS = ((README, ROOT / "README.zh.md"), (DOCS / "start.md", DOCS / "start.zh.md"))
+"""Pages, and the same in another language."""
 NOT_FOLLOWED = (CONTRIBUTING, DOCS / "submitting.md")
 """Pages about runs of one's own."""
 GROUPS = {"suite"}
@@ -201,6 +203,27 @@ def test_the_first_page_is_short_and_its_figures_stand_where_it_says() -> None:
     for figure, page in shown:
         assert figure in text
         assert figure in page
+
+
+@pytest.mark.parametrize(("english", "other"), TRANSLATIONS, ids=lambda page: page.name)
+def test_translations_show_the_same_code_links_and_figures(english: Path, other: Path) -> None:
+    """Only comments are translated; a page that is translated too may take the place of another in a link."""
+    same = {"start.md": "start.zh.md", "docs/start.md": "docs/start.zh.md", "README.md": "README.zh.md"}
+    for page in (english, other):
+        assert len(all_blocks(page)) >= 3
+    assert [lines_of(block) for block in all_blocks(english)] == [lines_of(block) for block in all_blocks(other)]
+    linked = [re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")) for page in (english, other)]
+    mine, theirs = ({same.get(target, target) for target in targets} for targets in linked)
+    assert theirs - mine <= {"start.zh.md", "README.zh.md"}
+    assert mine - theirs <= {"README.zh.md", "start.zh.md", "docs/start.zh.md"}
+    figures = [re.findall(r"\d[\d,.]*\d", _without_blocks(page)) for page in (english, other)]
+    assert sorted(set(figures[0])) == sorted(set(figures[1]))
+
+
+def _without_blocks(page: Path) -> str:
+    """Return the text of a page without code blocks, inline code and targets of links."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"`[^`]*`|\]\([^)]*\)", "", text)
 
 
 def test_design_lists_all_decisions() -> None:
