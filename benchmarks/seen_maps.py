@@ -17,9 +17,7 @@ SCENARIO, N_WORLDS, STEPS = "dense_room", 256, 100
 ADDED = {
     "plain": (),
     "way_on_seen_map": ("way_on_seen_map",),
-    "seen_map": ("seen_map",),
     "seen_map_image": ("seen_map_image",),
-    "way_and_map": ("way_on_seen_map", "seen_map"),
 }
 
 

@@ -15,7 +15,7 @@ SIDE, GAP, HEAD = 320, 12, 26
 OBSERVATIONS: dict[str, dict[str, Any]] = {
     "occupancy_image": {"name": "occupancy_image", "pixels": 64, "metres": 8},
     "occupancy_image, from_scan: true": {"name": "occupancy_image", "pixels": 64, "metres": 8, "from_scan": True},
-    "top_view": {"name": "top_view", "pixels": 64, "metres": 8},
+    "seen_map_image": {"name": "seen_map_image", "pixels": 64, "metres": 8},
 }
 GREEN = np.array([47, 179, 68])
 
@@ -33,9 +33,7 @@ def seen(observation: dict[str, Any]) -> tuple[Any, Any]:
 
 
 def in_colours(picture: Any) -> Any:
-    """Return a picture of uint8 ``(height, width, 3)``; of two channels the second, the goal, becomes green."""
-    if picture.shape[2] == 3:
-        return picture
+    """Return a picture of uint8 ``(height, width, 3)`` in which the second channel, the goal, is green."""
     share = picture[..., 1:].astype(float) / 255
     return np.uint8(picture[..., :1] * (1 - share) + GREEN * share)
 

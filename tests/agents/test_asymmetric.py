@@ -38,7 +38,7 @@ PPO: dict[str, Any] = {
     "n_timesteps": 512, "n_envs": 8, "n_steps": 16, "batch_size": 64, "n_epochs": 2, "checkpoint_every": 256,
     "policy_kwargs": {"net_arch": [16]},
 }  # fmt: skip
-CRITIC: list[Any] = ["route", {"name": "nearest_bodies", "count": 2}, {"name": "local_map", "cells": 8}]
+CRITIC: list[Any] = ["route", {"name": "nearest_bodies", "count": 2}, "own_body"]
 
 
 class OneStep(gymnasium.Env[Any, Any]):

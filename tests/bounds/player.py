@@ -25,10 +25,11 @@ SMALL_WORLD = 12.0
 
 DISC = {"shape": {"name": "circle", "radius": 0.1}, "distribution": {"name": "random"}}
 SMALL = {"pixels": 16, "metres": 6.0}
-PICTURES = {"name": "blank", "observations": [{"name": name, **SMALL} for name in ("occupancy_image", "top_view")]}
+IMAGES = ("occupancy_image", "seen_map_image")
+PICTURES = {"name": "blank", "observations": [{"name": name, **SMALL} for name in IMAGES]}
 NUMBERS = {
     "name": "blank",
-    "observations": [name for name in OBSERVATIONS.names() if name not in ("occupancy_image", "top_view", "neighbors")],
+    "observations": [name for name in OBSERVATIONS.names() if name not in (*IMAGES, "neighbors")],
     "rewards": [{"name": "progress", "potential": "geodesic", "cell": 0.5}, "clearance", "smoothness"],
     "endings": [{"name": "arrived", "wait": True}, "collided", "deadlocked", "left_world"],
     "audit": False,

@@ -40,7 +40,7 @@ from irsim_gym.tasks import Episodes, load_task
 
 NAME = "sparse_circles"
 IMAGE = {"name": "occupancy_image", "pixels": 36}
-VIEW = {"name": "top_view", "pixels": 36}
+VIEW = {"name": "seen_map_image", "pixels": 36}
 SCAN = {"name": "occupancy_image", "pixels": 16, "from_scan": True, "robot_channel": True, "rotated": False}
 BASE = {
     "name": "blank",
@@ -62,9 +62,7 @@ def test_spaces():
     beside = WorldEnv(NAME, BESIDE).observation_space
     flat = WorldEnv(NAME, {**BASE, "observations": ["goal", "velocity"]}).observation_space
     assert beside == Dict({"occupancy_image": PICTURE, "vector": flat})
-    assert WorldEnv(NAME, TWO).observation_space == Dict(
-        {"occupancy_image": PICTURE, "top_view": Box(0, 255, (36, 36, 3), np.uint8)}
-    )
+    assert WorldEnv(NAME, TWO).observation_space == Dict({"occupancy_image": PICTURE, "seen_map_image": PICTURE})
     named = WorldEnv(NAME, NAMED).observation_space
     assert list(named) == ["goal", "occupancy_image", "velocity"]
     assert WorldEnv(NAME, {**ALONE, "observation_form": "dict"}).observation_space == Dict({"occupancy_image": PICTURE})
@@ -135,7 +133,7 @@ def test_wrappers_of_gymnasium():
     seen, _ = env.reset(seed=1)
     assert seen.shape == (3, 36, 36, 2)
     env.step(np.array([1.0, 0.0], np.float32))
-    gray = GrayscaleObservation(WorldEnv(NAME, {**BASE, "observations": [VIEW]}))
+    gray = GrayscaleObservation(WorldEnv(NAME, {**BASE, "observations": [{**IMAGE, "robot_channel": True}]}))
     assert gray.reset(seed=1)[0].shape == (36, 36)
     normal = NormalizeObservation(WorldEnv(NAME, ALONE))
     assert normal.reset(seed=1)[0].dtype == np.float32
@@ -157,7 +155,7 @@ def in_each_world(task: Any, steps: int = 15, **more: Any) -> list[np.ndarray]:
     return found
 
 
-PAINTED = {**BASE, "observations": [SCAN, {**VIEW, "follow": "world"}]}
+PAINTED = {**BASE, "observations": [SCAN, {**VIEW, "rotated": False}]}
 
 
 def test_recorded_steps_threads_and_plain_steps_give_the_same_bits():
@@ -284,11 +282,11 @@ def test_parallel_environments(observations):
 
 
 def test_drives_of_different_size_see_the_same_pictures():
-    env = irsim_gym.parallel_env(mixed(observations=["velocity", VIEW]))
+    env = irsim_gym.parallel_env(mixed(observations=["velocity", IMAGE]))
     seen, _ = env.reset(seed=1)
     sizes = {values["vector"].size for values in seen.values()}
     assert len(sizes) > 1
-    assert {values["top_view"].shape for values in seen.values()} == {(36, 36, 3)}
+    assert {values["occupancy_image"].shape for values in seen.values()} == {(36, 36, 2)}
     assert all(seen[agent] in env.observation_space(agent) for agent in env.agents)
 
 

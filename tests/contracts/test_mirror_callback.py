@@ -138,7 +138,7 @@ def test_choices_and_dicts() -> None:
 
 
 def test_a_critic_that_sees_more() -> None:
-    task = {"name": "navigation", "critic_observations": ["route", {"name": "local_map", "cells": 8}]}
+    task = {"name": "navigation", "critic_observations": ["route", {"name": "nearest_bodies", "count": 2}]}
     env = sb3.make_vec_env(ROOM, 8, seed=0, task=task, critic=True)
     model = Kept(sb3.AsymmetricPolicy, env, **HOW)
     model.learn(128, callback=Before())
@@ -146,12 +146,12 @@ def test_a_critic_that_sees_more() -> None:
 
 
 def test_images_are_mirrored_as_stable_baselines3_stores_them() -> None:
-    task = {"observations": [{"name": "top_view", "pixels": 36}, {"name": "goal"}]}
+    task = {"observations": [{"name": "occupancy_image", "pixels": 36}, {"name": "goal"}]}
     env = VecTransposeImage(sb3.make_vec_env(ROOM, 2, seed=0, task={"name": "blank", **task}))
     model = Kept("MultiInputPolicy", env, **HOW)
     model.learn(32, callback=Before(share=1.0))
-    before, after = model.before["top_view"], model.after["top_view"]
-    assert before.shape == (16, 2, 3, 36, 36)
+    before, after = model.before["occupancy_image"], model.after["occupancy_image"]
+    assert before.shape == (16, 2, 2, 36, 36)
     np.testing.assert_array_equal(after, before[..., ::-1])
     np.testing.assert_array_equal(model.after["vector"], model.before["vector"] * [1, 1, -1, 1])
 

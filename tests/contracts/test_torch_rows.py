@@ -91,14 +91,14 @@ def test_copies_on_a_device_outlive_the_next_step():
 
 @pytest.mark.parametrize("form", ["dict", "flat"])
 def test_other_forms_are_views_too(form):
-    task = {"observations": ["goal", {"name": "top_view", "pixels": 16, "metres": 4}], "observation_form": form}
+    task = {"observations": ["goal", {"name": "occupancy_image", "pixels": 16, "metres": 4}], "observation_form": form}
     rows = lone_rows(task=task)
     env = irsim_gym.make_vec(LONE, 3, max_steps=30, task=task)
     rows.reset(seed=1)
     wanted, _ = env.reset(seed=1)
     assert list(rows.observation) == list(wanted)
     for name, tensor in rows.observation.items():
-        assert tensor.dtype == (torch.uint8 if name == "top_view" else torch.float32)
+        assert tensor.dtype == (torch.uint8 if name == "occupancy_image" else torch.float32)
         np.testing.assert_array_equal(tensor, wanted[name])
 
 

@@ -49,7 +49,7 @@ SCENE: dict[str, Any] = {
     ],
 }
 IN_WORLD = {"position", "heading", "goal_position"}
-ROUGH = {"seen_map", "seen_map_image", "occupancy_image", "top_view", "local_map", "trail", "route"}
+ROUGH = {"seen_map_image", "occupancy_image", "trail", "route"}
 ROUGH |= {"way_on_seen_map", "yielding_way"}
 """Observations with cells or pixels, at whose edges a rounding may decide."""
 WAYS = {"route", "way_on_seen_map", "yielding_way"}
@@ -62,8 +62,6 @@ OPTIONS: list[Any] = [
     {"exact_free_travel": {"directions": 3}},
     {"time_to_collision": {"directions": 9, "speeds": 3}},
     {"trail": {"sectors": 5}},
-    {"seen_map": {"sectors": 5, "rings": [0.5, 3.0]}},
-    {"local_map": {"cells": 9}},
     {"occupancy_image": {"from_scan": True, "robot_channel": True}},
     {"nearest_bodies": {"count": 2}},
     {"neighbors": {"count": 3}},
@@ -182,21 +180,23 @@ def test_twice_mirrored_is_unchanged() -> None:
     names = [name for name in OBSERVATIONS.names() if name not in IN_WORLD]
     mirror, here, _ = both(scene_of(), *names, steps=5)
     again = mirror.observation(mirror.observation(here))
-    assert set(again) == set(here) == {"vector", "occupancy_image", "seen_map_image", "top_view"}
+    assert set(again) == set(here) == {"vector", "occupancy_image", "seen_map_image"}
     for key, part in here.items():
         np.testing.assert_array_equal(again[key], part)
-    turned = mirror.observation({"top_view": here["top_view"].transpose(0, 3, 1, 2)}, channels_first=True)["top_view"]
-    np.testing.assert_array_equal(turned.transpose(0, 2, 3, 1), mirror.observation(here)["top_view"])
+    turned = mirror.observation(
+        {"occupancy_image": here["occupancy_image"].transpose(0, 3, 1, 2)}, channels_first=True
+    )["occupancy_image"]
+    np.testing.assert_array_equal(turned.transpose(0, 2, 3, 1), mirror.observation(here)["occupancy_image"])
 
 
 def test_observations_as_a_dict() -> None:
-    mirror, here, there = both(scene_of(), "scan", "goal", "velocity", "top_view", observation_form="dict")
+    mirror, here, there = both(scene_of(), "scan", "goal", "velocity", "occupancy_image", observation_form="dict")
     changed = mirror.observation(here)
-    assert set(changed) == {"scan", "goal", "velocity", "top_view"}
+    assert set(changed) == {"scan", "goal", "velocity", "occupancy_image"}
     for key in ("scan", "goal", "velocity"):
         np.testing.assert_allclose(changed[key], there[key], atol=2e-3)
-    apart = np.abs(changed["top_view"].astype(float) - there["top_view"])
-    assert apart.mean() < 0.02 * np.abs(here["top_view"].astype(float) - there["top_view"]).mean()
+    apart = np.abs(changed["occupancy_image"].astype(float) - there["occupancy_image"])
+    assert apart.mean() < 0.02 * np.abs(here["occupancy_image"].astype(float) - there["occupancy_image"]).mean()
 
 
 def test_what_the_critic_alone_observes() -> None:
@@ -291,7 +291,6 @@ REFUSED: dict[str, Any] = {
         {"kinematics": {"name": "omni"}, "vel_min": [-0.5, -0.5], "vel_max": [0.9, 0.9], "speed_range": [0.3, 0.9]},
         ["goal"],
     ),
-    "'top_view' is in the frame of the world": ({}, [{"top_view": {"follow": "world"}}]),
     "the shape of 'robot_0' is not symmetrical": (
         {"shape": {"name": "polygon", "vertices": [[0, 0], [0.5, 0], [0, 0.3]]}},
         ["goal"],

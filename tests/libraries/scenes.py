@@ -23,7 +23,7 @@ TASK = {
 FORMS: dict[str, dict[str, Any]] = {
     "choices": {"action": {"name": "discrete"}},
     "dicts": {"observation_form": "dict"},
-    "pictures": {"observations": [{"name": "goal"}, {"name": "top_view", "pixels": 16, "metres": 4}]},
+    "pictures": {"observations": [{"name": "goal"}, {"name": "occupancy_image", "pixels": 16, "metres": 4}]},
 }
 """Other actions and observations than vectors."""
 

@@ -79,7 +79,7 @@ def test_the_first_rollout_is_that_of_the_vec_env():
 def test_the_team_is_rows_without_those_that_wait(form):
     from irsim_gym.rllib import ArrayEnvRunner
 
-    large = {"observations": [{"name": "goal"}, {"name": "top_view", "pixels": 40, "metres": 4}]}
+    large = {"observations": [{"name": "goal"}, {"name": "occupancy_image", "pixels": 40, "metres": 4}]}
     task = large if form == "pictures" else FORMS.get(form, {})
     config = configured(team(**task), team="episode", worlds_per_worker=2, steps=3 * LIMIT)
     if form in ("dicts", "pictures"):

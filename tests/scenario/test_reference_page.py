@@ -78,7 +78,7 @@ def test_the_example_of_memory_is_a_task() -> None:
     *_, example = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     world = {"robot": {"kinematics": {"name": "diff"}, "goal": [5, 5], "sensors": [{"name": "lidar2d"}]}}
     task = load_task(load_scenario({**world, **yaml.safe_load(example)}))
-    assert [type(term).__name__ for term in task.observations][-2:] == ["WayOnSeenMap", "SeenMap"]
+    assert [type(term).__name__ for term in task.observations][-2:] == ["WayOnSeenMap", "SeenMapImage"]
 
 
 def test_the_keys_of_a_task_are_shown() -> None:

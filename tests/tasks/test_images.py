@@ -19,9 +19,6 @@ from irsim_gym.tasks.observations.painting import LINE
 # 32 pixels for 8 m: 4 pixels for each metre, the agent at 16, 16.
 SMALL = {"name": "occupancy_image", "pixels": 32, "metres": 8.0}
 BARE = {**SMALL, "edge": False, "goal_channel": False}
-TOP = {"name": "top_view", "pixels": 32, "metres": 8.0}
-BACKGROUND, OUTSIDE, OBSTACLE = (0xF4, 0xF5, 0xF7), (0xAA, 0xB2, 0xBD), (0x3D, 0x44, 0x51)
-GOAL, OTHER, OWN = (0x2F, 0xB3, 0x44), (0xF5, 0x9F, 0x00), (0x1C, 0x6D, 0xD0)
 
 
 def seeing(*observations: Mapping[str, Any], pose: Any = (5, 5, 0), **more: Any) -> Episodes:
@@ -257,66 +254,11 @@ def test_against_many_samples_for_each_pixel(rotated: bool, heading: float) -> N
     assert (difference > 11).sum() <= 4  # where the disc of the compound leaves its rectangle: shares of a pixel add up
 
 
-def test_top_view_in_colours() -> None:
-    robots = [{**ROBOT, "shape": {"name": "circle", "radius": 0.5}, "state": [5, 5, 0], "goal": [5, 7, 0]}]
-    robots.append({**robots[0], "state": [3, 5, 0], "name": "other"})
-    scene: dict[str, Any] = {"robot": robots, "obstacle": {**BALL, "state": [7, 5, 0]}, "team": True}
-    seen = picture(TOP, **scene)
-    assert (seen.dtype, seen.shape) == (np.uint8, (32, 32, 3))
-    assert tuple(seen[8, 16]) == OBSTACLE
-    assert tuple(seen[16, 8]) == GOAL
-    assert tuple(seen[16, 15]) == OWN  # behind its middle: the triangle is ahead
-    assert tuple(seen[24, 16]) == OTHER
-    assert tuple(seen[2, 2]) == BACKGROUND
-    assert seen[15, 15].astype(int).sum() > sum(OWN) + 100  # the triangle is white
-    other = picture(TOP, agent=1, **scene)
-    assert tuple(other[16, 15]) == OWN
-    assert tuple(other[8, 15]) == OTHER or other[8, 15].astype(int).sum() > sum(OTHER)
-
-
-@pytest.mark.parametrize("heading", [0.0, np.pi / 2, 0.7])
-def test_the_triangle_that_points_ahead(heading: float) -> None:
-    # 16 pixels for each metre: the disc has a radius of 8 pixels around (16, 16), ahead is up. The triangle's tip lies
-    # 0.9 radii ahead, its base of one radius across the middle.
-    robot = {**ROBOT, "shape": {"name": "circle", "radius": 0.5}, "state": [5, 5, heading], "goal": [9, 5, 0]}
-    seen = picture({**TOP, "metres": 2.0}, robot=robot)
-    white = seen.astype(int).sum(axis=2) > sum(OWN) + 300
-    for row in range(8, 24):
-        half = 4.0 * (1 - (16 - (row + 0.5)) / 7.2) if 8.8 < row + 0.5 < 16 else 0.0
-        for column in range(8, 24):
-            aside = abs(column + 0.5 - 16)
-            if aside < half - 0.8:
-                assert white[row, column], (row, column)
-            elif aside > half + 0.8 and np.hypot(row + 0.5 - 16, aside) < 7:
-                assert tuple(seen[row, column]) == OWN, (row, column)
-
-
-def test_top_view_of_the_whole_world() -> None:
-    # 10 x 10 m over 40 pixels: 4 pixels for each metre, y up.
-    view = {**TOP, "pixels": 40, "follow": "world"}
-    robot = {**ROBOT, "shape": {"name": "circle", "radius": 0.5}, "state": [2, 7, 0], "goal": [8, 1, 0]}
-    seen = picture(view, robot=robot, obstacle={**BALL, "state": [5, 5, 0]})
-    assert tuple(seen[12, 7]) == OWN
-    assert tuple(seen[20, 20]) == OBSTACLE
-    assert tuple(seen[36, 32]) == GOAL
-    assert tuple(seen[0, 0]) == BACKGROUND
-    narrow = picture(view, robot={**robot, "state": [2, 3, 0], "goal": [8, 1, 0]}, height=5)  # 10 x 5 m
-    assert (narrow[:10] == OUTSIDE).all()
-    assert (narrow[30:] == OUTSIDE).all()
-    assert tuple(narrow[18, 7]) == OWN
-
-
-def test_colours_can_be_chosen() -> None:
-    assert tuple(picture({**TOP, "background": "#102030"})[2, 2]) == (16, 32, 48)
-
-
 @pytest.mark.parametrize(
     ("observation", "told"),
     [
         ({**SMALL, "pixels": 4}, "pixels"),
         ({**SMALL, "metres": 0}, "metres"),
-        ({**TOP, "robots": "orange"}, "must be a colour such as '#1c6dd0', got 'orange'"),
-        ({**TOP, "follow": "me"}, "follow"),
     ],
 )
 def test_bad_options_are_told(observation: Mapping[str, Any], told: str) -> None:
@@ -331,7 +273,6 @@ def test_a_goal_and_a_sensor_are_asked_for_only_where_they_are_shown() -> None:
         picture(SMALL, robot=[plain])
     with pytest.raises(ScenarioError, match="has no range sensor"):
         picture({**BARE, "from_scan": True}, robot=[plain])
-    assert (picture(TOP, robot=[plain]) != GOAL).any(axis=2).all()
 
 
 def test_it_follows_the_robot() -> None:
@@ -346,11 +287,11 @@ def test_it_follows_the_robot() -> None:
 
 def test_nothing_is_painted_that_cannot_be_seen_in_another_world() -> None:
     """Pictures of a batch are those of single worlds, whose obstacles all stand elsewhere."""
-    task = {"name": "blank", "observations": [SMALL, TOP]}
+    task = {"name": "blank", "observations": [SMALL]}
     batch = Worlds("cluttered_room", 5, task=task)
     batch.begin(range(5), range(5), [{}] * 5, lambda _: 0)
     for w in range(5):
         single = Worlds("cluttered_room", 1, task=task)
         single.begin([0], [w], [{}], lambda _: 0)
-        for name in ("occupancy_image", "top_view"):
-            np.testing.assert_array_equal(batch.episodes.view.images[name][w], single.episodes.view.images[name][0])
+        pictures = (worlds.episodes.view.images["occupancy_image"] for worlds in (batch, single))
+        np.testing.assert_array_equal(*(picture[k] for picture, k in zip(pictures, (w, 0), strict=True)))

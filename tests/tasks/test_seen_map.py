@@ -1,4 +1,4 @@
-"""seen_map, its picture and way_on_seen_map, against maps that NumPy makes from the scans in another way."""
+"""seen_map_image and way_on_seen_map, against maps that NumPy makes from the scans in another way."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from irsim_gym.paths.wavefront import TIGHT
 from irsim_gym.tasks import Episodes
 
 CELL = 0.2
-SEEN = {"name": "seen_map", "cell": CELL, "every": 1}
 PICTURE = {"name": "seen_map_image", "cell": CELL, "every": 1, "pixels": 40, "metres": 9.0, "goal_channel": False}
 WAY = {"name": "way_on_seen_map", "cell": CELL, "every": 2}
 LIDAR = {"name": "lidar2d", "number": 60, "angle_range": 5.5, "range_max": 4, "offset": [0.05, -0.02, 0.3]}
@@ -141,7 +140,7 @@ NOISY = {"kinematics": {**ROBOT["kinematics"], "noise": True}, "sensors": [{**LI
 
 @pytest.mark.parametrize("more", [{}, NOISY])
 def test_cells_are_those_of_a_map_made_beam_by_beam(more: dict[str, Any]) -> None:
-    episodes = watching(SEEN, robots=[robot(**more)])
+    episodes = watching(PICTURE, robots=[robot(**more)])
     seen = arrays(episodes).seen
     reference = Reference(episodes, seen.grid)
     for n in range(60):
@@ -154,7 +153,7 @@ def test_cells_are_those_of_a_map_made_beam_by_beam(more: dict[str, Any]) -> Non
 def test_what_moves_away_is_cleared_and_what_stands_stays() -> None:
     mover = {"kinematics": {"name": "omni"}, "shape": {"name": "circle", "radius": 0.3}, "state": [4.03, 5.5]}
     mover |= {"goal": [4.03, 9], "behavior": {"name": "dash"}, "vel_max": [1, 1], "vel_min": [-1, -1]}
-    episodes = watching(SEEN, WAY, obstacle=[mover, *TRAP[1:]])
+    episodes = watching(PICTURE, WAY, obstacle=[mover, *TRAP[1:]])
     seen, ways = arrays(episodes).seen, arrays(episodes, 1)
     reference = Reference(episodes, seen.grid, moving=True)
     row, column = place(reference.grid, 3.74, 5.5)  # its side that faces the robot
@@ -176,7 +175,7 @@ def test_beams_along_a_wall_do_not_clear_it() -> None:
     mover = {**BALL, "state": [1, 1], "goal": [2, 1], "kinematics": {"name": "omni"}, "behavior": {"name": "dash"}}
     round_scan = {"name": "lidar2d", "number": 200, "angle_range": 6.2832, "range_max": 6}
     viewer = {"state": [5, 5.4, 0], "kinematics": {"name": "omni"}, "sensors": [round_scan]}
-    episodes = watching({**SEEN, "cell": 0.17}, robots=[robot(**viewer)], obstacle=[mover, wall])
+    episodes = watching({**PICTURE, "cell": 0.17}, robots=[robot(**viewer)], obstacle=[mover, wall])
     seen = arrays(episodes).seen
     rows, columns = zip(*(place(seen.grid, 7.0, y) for y in np.arange(6.1, 7.9, 0.05)), strict=True)
     face = list(rows), list(columns)
@@ -186,27 +185,6 @@ def test_beams_along_a_wall_do_not_clear_it() -> None:
         drive(episodes, 1, 0.0)  # below the wall, until its left side is straight ahead
     assert episodes.simulation.state.pose[0, 0, 0] > 7.0
     assert min(occupied[10:]) >= max(occupied) - 6
-
-
-def test_shares_are_those_of_points_all_over_the_bins() -> None:
-    episodes = watching({**SEEN, "sectors": 6, "rings": [1.5, 4.0]})
-    wander(episodes, 40)
-    seen, (x, y, heading) = arrays(episodes).seen, episodes.simulation.state.pose[0, 0]
-    known = states(seen.cells[0, 0])
-    shares = episodes.view.observation[0, 0].reshape(2, 2, 6)
-    rng = np.random.default_rng(1)
-    for ring, (low, high) in enumerate([(0.0, 1.5), (1.5, 4.0)]):
-        for sector in range(6):
-            found = []
-            # The samples lie as densely at all distances, as those of the observation do.
-            for part, away in zip(rng.uniform(0, 1, 4000), rng.uniform(low, high, 4000), strict=True):
-                angle = heading - np.pi + (sector + part) * np.pi / 3
-                row, column = place(seen.grid, x + away * np.cos(angle), y + away * np.sin(angle))
-                is_inside = 0 <= row < seen.grid.rows and 0 <= column < seen.grid.columns
-                found.append(known[row, column] if is_inside else 0)
-            expected = [np.mean(np.array(found) == value) for value in (2, 0)]
-            assert shares[ring, :, sector] == pytest.approx(expected, abs=0.12)
-    assert shares.max() > 0.5
 
 
 @pytest.mark.parametrize("rotated", [True, False])
@@ -322,7 +300,7 @@ def hidden_pair(*, moving: bool) -> list[Episodes]:
     ball = {**BALL, "state": [3.4, 3.2], "kinematics": {"name": "omni"}, "behavior": {"name": "dash"}, "goal": [3.4, 6]}
     seen = [wall, ball] if moving else [wall]
     both = [*seen, discs[0], discs[1]], [*seen, {**discs[2], "state": [7.4, 4.4]}]
-    return [watching(SEEN, WAY, PICTURE, obstacle=obstacle) for obstacle in both]
+    return [watching(PICTURE, WAY, obstacle=obstacle) for obstacle in both]
 
 
 @pytest.mark.parametrize("moving", [False, True])
@@ -345,8 +323,8 @@ def test_nothing_shows_before_a_scan_has_shown_it(moving: bool) -> None:
 def test_single_batch_and_shards_agree_and_other_worlds_are_left_alone() -> None:
     there = {"name": "random", "range_low": [1, 1, -3], "range_high": [9, 9, 3]}
     drawn = {key: value for key, value in robot(distribution=there).items() if key not in ("state", "goal")}
-    batch, sharded = (watching(SEEN, WAY, robots=[drawn], n_worlds=4, num_threads=n) for n in (1, 3))
-    single = watching(SEEN, WAY, robots=[drawn])
+    batch, sharded = (watching(PICTURE, WAY, robots=[drawn], n_worlds=4, num_threads=n) for n in (1, 3))
+    single = watching(PICTURE, WAY, robots=[drawn])
     single.begin(np.array([0]), np.array([2]))
     for n in range(24):
         for episodes in (batch, sharded, single):
@@ -358,7 +336,7 @@ def test_single_batch_and_shards_agree_and_other_worlds_are_left_alone() -> None
     after = [arrays(batch).seen.cells, arrays(batch, 1).least, arrays(batch, 1).levels]
     for old, new in zip(before, after, strict=True):
         np.testing.assert_array_equal(old[[0, 2, 3]], new[[0, 2, 3]])
-    fresh = watching(SEEN, WAY, robots=[drawn])
+    fresh = watching(PICTURE, WAY, robots=[drawn])
     fresh.begin(np.array([0]), batch.state.level[1])
     np.testing.assert_array_equal(fresh.view.observation[0], batch.view.observation[1])
     np.testing.assert_array_equal(arrays(fresh).seen.cells[0], arrays(batch).seen.cells[1])
@@ -369,12 +347,12 @@ def test_single_batch_and_shards_agree_and_other_worlds_are_left_alone() -> None
 )
 def test_observations_of_a_task_share_a_map_and_show_what_they_show_alone(obstacle: Any) -> None:
     found = [*TRAP, *(obstacle or [])]
-    kinds = {"way_on_seen_map": {**WAY, "every": 1}, "seen_map": SEEN, "seen_map_image": PICTURE}
+    kinds = {"way_on_seen_map": {**WAY, "every": 1}, "seen_map_image": PICTURE}
     alone = {name: watching(kind, obstacle=found) for name, kind in kinds.items()}
     for names in itertools.permutations(kinds):
         together = watching(*(kinds[name] for name in names), obstacle=found)
         maps = [term.arrays.seen for term in together.terms["observations"]]
-        assert maps[0] is maps[1] is maps[2]
+        assert maps[0] is maps[1]
         for n in range(24):
             for episodes in alone.values():
                 if n == 0:
@@ -388,14 +366,14 @@ def test_observations_of_a_task_share_a_map_and_show_what_they_show_alone(obstac
 
 
 def test_maps_of_other_cells_or_of_fewer_scans_are_not_shared() -> None:
-    for other in ({**SEEN, "cell": 2 * CELL}, {**SEEN, "every": 2}):
+    for other in ({**WAY, "every": 1, "cell": 2 * CELL}, {**WAY, "every": 2}):
         first, second = (term.arrays.seen for term in watching(other, PICTURE).terms["observations"])
         assert first is not second
 
 
 def test_each_agent_of_a_team_has_a_map_of_its_own() -> None:
     robots = [robot(), robot(state=[8.03, 8.1, 2.0], goal=[2, 2])]
-    episodes = watching(SEEN, robots=robots, team=True)
+    episodes = watching(PICTURE, robots=robots, team=True)
     references = [Reference(episodes, arrays(episodes).seen.grid, moving=True, agent=a) for a in (0, 1)]
     for _ in range(20):
         for a, reference in enumerate(references):
@@ -415,21 +393,15 @@ def test_a_goal_that_is_walled_in_has_no_way() -> None:
     assert np.arctan2(sine, cosine) == pytest.approx(np.arctan2(0.2, -7.0) - 0.1, abs=1e-5)
 
 
-@pytest.mark.parametrize("name", ["seen_map", "seen_map_image", "way_on_seen_map"])
+@pytest.mark.parametrize("name", ["seen_map_image", "way_on_seen_map"])
 def test_a_robot_without_a_scanner_is_told(name: str) -> None:
     with pytest.raises(ScenarioError, match=r"observations\[0\].*'robot_0' has no range sensor: add one"):
         watching({"name": name}, robots=[robot(sensors=[])])
 
 
-@pytest.mark.parametrize("rings", [[], [0.0, 1.0], [2.0, 1.0]])
-def test_rings_grow(rings: list[float]) -> None:
-    with pytest.raises(ScenarioError, match=r"rings: must be growing numbers > 0, got \["):
-        watching({**SEEN, "rings": rings})
-
-
 def short_run() -> Any:
     """Return the observations of a few steps."""
-    episodes = watching({**SEEN, "cell": 0.5, "sectors": 4}, {**WAY, "cell": 0.5}, {**PICTURE, "cell": 0.5})
+    episodes = watching({**WAY, "cell": 0.5}, {**PICTURE, "cell": 0.5})
     rows = []
     for _ in range(12):
         drive(episodes, 1.0, 0.1)

@@ -11,7 +11,6 @@ from irsim_gym.tasks.observations.goal_record import GoalRecord
 from irsim_gym.tasks.observations.has_arrived import HasArrived
 from irsim_gym.tasks.observations.heading import Heading
 from irsim_gym.tasks.observations.last_action import LastAction
-from irsim_gym.tasks.observations.local_map import LocalMap
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.neighbors import Neighbors
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
@@ -20,10 +19,8 @@ from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.position import Position
 from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
-from irsim_gym.tasks.observations.seen_map import SeenMap
 from irsim_gym.tasks.observations.seen_map_image import SeenMapImage
 from irsim_gym.tasks.observations.time_to_collision import TimeToCollision
-from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
 from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
@@ -31,7 +28,6 @@ from irsim_gym.tasks.observations.yielding_way import YieldingWay
 
 OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)
-OBSERVATIONS.register("seen_map", SeenMap)
 OBSERVATIONS.register("way_on_seen_map", WayOnSeenMap)
 OBSERVATIONS.register("yielding_way", YieldingWay)
 OBSERVATIONS.register("free_travel", FreeTravel)
@@ -53,6 +49,4 @@ OBSERVATIONS.register("position", Position)
 OBSERVATIONS.register("heading", Heading)
 OBSERVATIONS.register("goal_position", GoalPosition)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
-OBSERVATIONS.register("local_map", LocalMap)
 OBSERVATIONS.register("seen_map_image", SeenMapImage)
-OBSERVATIONS.register("top_view", TopView)

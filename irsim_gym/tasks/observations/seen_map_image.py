@@ -50,8 +50,10 @@ class SeenMapImage:
     """A square image of what the agent's own scans have shown so far: 0 free, 255 hit, 127 not seen.
 
     It is uint8 ``(pixels, pixels, n_channels)`` with the agent in the middle; each pixel shows the cell at its centre.
-    The map is that of ``seen_map``. ``goal_channel`` adds a channel with a disc at the goal, or at the border if the
-    goal is farther away.
+    Cells are unknown until a beam passes them or hits something in them; space outside the world is unknown. Hits
+    remain in the map. If other bodies can move, a beam clears them as far as the beams beside it reach, too. A cell is
+    occupied as long as a quarter of it is. Observations with the same ``cell`` and ``every`` share one map.
+    ``goal_channel`` adds a channel with a disc at the goal, or at the border if the goal is farther away.
     """
 
     only_kernels: ClassVar[bool] = True
