@@ -17,7 +17,7 @@ from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_aro
 from irsim_gym.behaviors.velocity_obstacles import CONE, PITCH, disc_cones, lay_samples, side_cones, write_samples
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.group import Group, Shard, records
 from irsim_gym.world.model import DIFFERENTIAL, Model
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
@@ -88,6 +88,29 @@ def _most_samples(params: Any) -> int:
     # Samples lie between -min(acce, vmax) and min(acce, vmax) about the velocity at most; 3 for both ends and rounding.
     widest = np.minimum(params["acce"], np.maximum(params["vxmax"], params["vymax"])).max()
     return int(2.0 * widest / PITCH) + 3
+
+
+def free_velocity(options: Rvo, ego: Ego, wanted: Vector, rounds: Records, sides: Floats) -> Vector:
+    """Return the velocity that a single body chooses [m/s], outside of any world.
+
+    Args:
+        options: Options of the behaviour.
+        ego: The body.
+        wanted: Velocity towards its goal [m/s].
+        rounds: Discs that it sees, records of type ``surroundings.DISC``.
+        sides: Walls that it sees: x0, y0, x1, y1 [m], shape ``(n, 4)``.
+    """
+    none, params = np.zeros(0, np.int64), records([options])
+    n_cones, n_samples = len(rounds) + len(sides), _most_samples(params)
+    tables = RvoTables(
+        seen=Surroundings(none, none, rounds, sides, np.zeros((0, 3))),
+        cones=np.zeros(n_cones, CONE),
+        spans=np.zeros(n_cones, SPAN),
+        rows=np.zeros(1, ROWS),
+        samples=np.zeros((2, n_samples)),
+        order=np.zeros((2, n_samples), np.int64),
+    )
+    return choose_velocity(ego, wanted, np.inf, params[0], rounds, sides, tables)
 
 
 @kernel

@@ -8,7 +8,8 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.errors import UnknownNameError
+from irsim_gym.world import irsim_names
 from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.irsim_readings import IrSimReadings
@@ -19,31 +20,18 @@ from irsim_gym.world.state import State
 _ANSWER = "a behaviour only looks at bodies: it returns the command of its own"
 _SCRIPT = "a behaviour sees the moment alone; ask the world, in the script"
 INSTEAD: dict[str, str] = {
-    "set_state": _ANSWER,
-    "set_velocity": _ANSWER,
-    "set_goal": _ANSWER,
-    "append_goal": _ANSWER,
+    **irsim_names.BODY,
+    **dict.fromkeys(("set_state", "set_velocity", "set_goal", "append_goal", "step", "remove", "reset"), _ANSWER),
+    **dict.fromkeys(("env_param", "_env_param", "_env", "plot", "set_text", "set_goal_text", "refresh"), _SCRIPT),
+    **dict.fromkeys(("sensor_step", "check_status", "check_arrive_status", "check_collision_status"), _SCRIPT),
+    **dict.fromkeys(("info", "get_info"), "its names are here themselves: shape, kinematics, vel_min, vel_max, goal"),
+    **dict.fromkeys(("obstacle_info", "get_obstacle_info"), "use center, vertices, velocity_xy, radius"),
+    **dict.fromkeys(("get_Gh", "get_init_Gh", "G", "h", "cone_type", "convex_flag"), "use segments, discs, geometry"),
+    **dict.fromkeys(("init_state", "original_state", "trajectory"), "keep what it needs in ego.memory"),
+    **dict.fromkeys(("world_param", "_world_param"), "use time and step_time"),
     "set_random_goal": f"{_ANSWER}; behavior: {{wander: true}} draws goals",
     "set_laser_color": "a behaviour draws nothing; a script colours beams with world.robot.set_laser_color()",
-    "trajectory": "keep what it needs in ego.memory",
-    "info": "its names are here themselves: shape, kinematics, vel_min, vel_max, goal",
-    "get_info": "its names are here themselves: shape, kinematics, vel_min, vel_max, goal",
-    "obstacle_info": "use center, vertices, velocity_xy, radius",
-    "get_obstacle_info": "use center, vertices, velocity_xy, radius",
-    "get_Gh": "use segments and discs",
-    "get_init_Gh": "use segments and discs",
-    "init_state": "keep what it needs in ego.memory",
-    "geometry": "use vertices, segments, discs, radius",
-    "original_geometry": "use spec.shape",
-    "lidar": "scan() is its scan, scan_points() its points, lidar_offset its mount",
-    "gf": "use shape, vertices, spec.shape",
-    "kf": "use kinematics, spec.kinematics",
-    "beh_config": "options are the function's keyword parameters; spec.behavior has all of them",
     "logger": "use Python's own logging",
-    "world_param": "use time and step_time",
-    "env_param": _SCRIPT,
-    "plot": _SCRIPT,
-    "step": _ANSWER,
 }
 """Replacements for names of ``world.robot`` and of IR-SIM's objects that views do not have."""
 
@@ -65,19 +53,19 @@ class BodyView(IrSimReadings):
         name: Name of the body.
     """
 
-    __slots__ = ("_b", "_columns", "_group", "_model", "_state", "_w", "name")
+    __slots__ = ("_b", "_columns", "_group", "_model", "_now", "_w", "name")
 
     _b: int
     _columns: bool
     _model: Model
-    _state: State
+    _now: State
     _w: int
     name: str
 
     def __init__(self, group: Group, model: Model, state: State, world: int, body: int) -> None:
         self._group = group
         self._columns = getattr(group.kind, "columns", False)
-        self._model, self._state, self._w, self._b = model, state, world, body
+        self._model, self._now, self._w, self._b = model, state, world, body
         self.name = group.names[body] if group.names else f"body {body}"
 
     def __repr__(self) -> str:
@@ -87,10 +75,10 @@ class BodyView(IrSimReadings):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, BodyView):
             return False
-        return other._state is self._state and (other._w, other._b) == (self._w, self._b)
+        return other._now is self._now and (other._w, other._b) == (self._w, self._b)
 
     def __hash__(self) -> int:
-        return hash((id(self._state), self._w, self._b))
+        return hash((id(self._now), self._w, self._b))
 
     @property
     def _context(self) -> WorldContext:
@@ -112,7 +100,7 @@ class BodyView(IrSimReadings):
         return values
 
     def _body(self, index: int) -> BodyView:
-        return BodyView(self._group, self._model, self._state, self._w, index)
+        return BodyView(self._group, self._model, self._now, self._w, index)
 
     @property
     def spec(self) -> Any:
@@ -125,12 +113,16 @@ class BodyView(IrSimReadings):
         return self._b
 
     @property
+    def _state(self) -> Floats:
+        return self.state
+
+    @property
     def velocity(self) -> Floats:
         """Executed velocity in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0.
 
         A column has only the numbers that the drive uses.
         """
-        executed = self._state.velocity[self._w, self._b]
+        executed = self._now.velocity[self._w, self._b]
         return self._vector(executed[: self._command_size] if self._columns else executed)
 
 
@@ -175,7 +167,7 @@ class EgoView(BodyView):
             low: Lower end, in the [unit] of the number.
             high: Upper end, likewise; it is never drawn.
         """
-        return float(rng.uniform(self._state.random, self._w, low, high))
+        return float(rng.uniform(self._now.random, self._w, low, high))
 
     def normal(self, mean: float, deviation: float) -> float:
         """Draw a normally distributed number, in the unit of the arguments, from the world's own stream.
@@ -184,7 +176,7 @@ class EgoView(BodyView):
             mean: Mean, in the [unit] of the number.
             deviation: Standard deviation, likewise.
         """
-        return float(rng.normal(self._state.random, self._w, mean, deviation))
+        return float(rng.normal(self._now.random, self._w, mean, deviation))
 
 
 def reserve_memory(group: Group, model: Model) -> None:
@@ -240,5 +232,4 @@ def tell_missing(error: AttributeError) -> None:
     view, name = error.obj, error.name
     if not isinstance(view, BodyView) or name is None or name in dir(type(view)):
         return
-    hint = f": {INSTEAD[name]}" if name in INSTEAD else suggestion(name, [one for one in dir(view) if one[0] != "_"])
-    error.args = (f"a body in a behaviour has no '{name}'{hint}",)
+    error.args = (irsim_names.missing("a body in a behaviour", name, INSTEAD, dir(view)),)

@@ -75,6 +75,33 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
     tick(shard.worlds, model, state)
 
 
+def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: int, *, decides: bool) -> None:
+    """Move one body by step_time, as ``advance`` moves it; time, other bodies, flags and readings stay.
+
+    Args:
+        parts: Groups and index lists.
+        model: Constants of the worlds.
+        state: State of the worlds.
+        shard: The worlds.
+        body: The body.
+        decides: Ask its behaviour for its command, which else stands in ``state.command``.
+    """
+    here = np.array([body], np.int64)
+    goals, loops = np.intersect1d(parts.goal_bodies, here), np.intersect1d(parts.loop_returns, here)
+    arrival.renew_goals(shard.worlds, goals, loops, model, state)
+    for group in _of(parts.behaviors, body) if decides else ():
+        decide(group, model, state, shard)
+    command_limits.limit_velocity(shard.worlds, here, model, state)
+    for group in _of(parts.kinematics, body):
+        group.kind.move(group, model, state, shard)
+    outlines.place(here, model, state, shard)
+    body_buckets.refresh(here, model, state, shard)
+
+
+def _of(groups: Sequence[Group], body: int) -> list[Group]:
+    return [group.select(np.flatnonzero(group.members == body)) for group in groups if body in group.members]
+
+
 def let_appear(parts: Parts, model: Model, state: State, shard: Shard, ahead: int) -> None:
     """Let bodies whose behaviour does so appear and disappear, as at the step ``state.step + ahead``."""
     for group in parts.visitors:
@@ -87,10 +114,15 @@ def refresh(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Update the worlds without moving anything, after poses were written from outside."""
     outlines.place(parts.everyone, model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
+    find_flags(parts, model, state, shard)
+    sense(parts, model, state, shard)
+
+
+def find_flags(parts: Parts, model: Model, state: State, shard: Shard) -> None:
+    """Update contacts and arrivals from the present poses."""
     contact.find_static(parts.fixed, model, state, shard)
     contact.find(parts.movers, model, state, shard)
     arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
-    sense(parts, model, state, shard)
 
 
 def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:

@@ -59,7 +59,7 @@ class BodyMoment(BodyReadings):
         return self._simulation.model
 
     @property
-    def _state(self) -> State:
+    def _now(self) -> State:
         return self._simulation.state
 
     @property
@@ -104,7 +104,7 @@ class BodyMoment(BodyReadings):
     @property
     def velocity(self) -> Floats:
         """Velocity in the drive's coordinates [m/s or rad/s], shape ``(2,)`` or ``(3,)``."""
-        return frozen(self._state.velocity[self._w, self._b, : self._command_size])
+        return frozen(self._now.velocity[self._w, self._b, : self._command_size])
 
 
 class Bodies(Sequence[BodyMoment]):

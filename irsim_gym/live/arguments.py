@@ -68,7 +68,8 @@ def _render_mode(render_mode: str | None, others: Mapping[str, object]) -> str |
         TypeError: A window is both wanted and not wanted.
     """
     hidden = next((name for name, no in (("display", False), ("headless", True)) if others.get(name) is no), None)
-    wanted = render_mode == "human" or others.get("display") is True
+    shown = others.get("display") is True and not others.get("disable_all_plot")  # the latter wins, as in IR-SIM
+    wanted = render_mode == "human" or shown
     if wanted and hidden is not None:
         raise TypeError(f"load() takes no {hidden}={others[hidden]!r} where a window is asked for as well")
     return "human" if wanted else render_mode

@@ -12,11 +12,11 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.body_measures import measured
 from irsim_gym.errors import NoEffectWarning, warn_caller
-from irsim_gym.live import body_info, free_goals, hints
+from irsim_gym.live import alone, body_info, free_goals, hints
 from irsim_gym.live.goal_writer import read_goals
 from irsim_gym.live.painted import HIGHLIGHT
 from irsim_gym.live.session import Session
-from irsim_gym.live.vectors import vector
+from irsim_gym.live.vectors import Vector, vector
 from irsim_gym.scenario.spec import BodySpec
 from irsim_gym.world.arrays import A, frozen
 from irsim_gym.world.body_readings import BodyReadings
@@ -26,6 +26,8 @@ from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 STATE = ("x", "y", "heading", "steering")
+FLAGS = {"collision_flag": "collided", "arrive_flag": "arrived", "stop_flag": "stopped"}
+"""IR-SIM's flags that scripts assign, and the fields of the state that hold them."""
 LOW, HIGH = (0.0, 0.0, -np.pi), (10.0, 10.0, np.pi)
 
 
@@ -58,11 +60,14 @@ class Body(IrSimReadings):
     if not TYPE_CHECKING:  # a type checker would otherwise accept any name
 
         def __getattr__(self, name: str) -> NoReturn:
-            if name in dir(type(self)) or name.startswith("_"):
+            if name in dir(type(self)) or (name.startswith("_") and name not in hints.BODY):
                 object.__getattribute__(self, name)  # raises the error of the property itself
             raise AttributeError(hints.missing("a body", name, hints.BODY, dir(self)), name=name, obj=self)
 
         def __setattr__(self, name: str, value: object) -> None:
+            if name in FLAGS:
+                getattr(self._now, FLAGS[name])[0, self._b] = bool(value)
+                return
             if not name.startswith("_"):
                 raise AttributeError(hints.unsettable(name, dir(self)), name=name, obj=self)
             object.__setattr__(self, name, value)
@@ -76,7 +81,7 @@ class Body(IrSimReadings):
         return self._session.simulation.model
 
     @property
-    def _state(self) -> State:
+    def _now(self) -> State:
         return self._session.simulation.state
 
     @property
@@ -127,9 +132,17 @@ class Body(IrSimReadings):
         return self._session.roster.number(self._name)
 
     @property
+    def _state(self) -> Floats:
+        return self.state.view(Vector)
+
+    @_state.setter
+    def _state(self, state: Floats) -> None:
+        self.set_state(state)
+
+    @property
     def velocity(self) -> Floats:
         """Velocity in the drive's coordinates [m/s or rad/s], shape ``(2,)`` or ``(3,)``."""
-        return self._vector(self._state.velocity[0, self._b, : self._command_size])
+        return self._vector(self._now.velocity[0, self._b, : self._command_size])
 
     @property
     def trajectory(self) -> Floats | list[Floats]:
@@ -150,7 +163,8 @@ class Body(IrSimReadings):
         model = self._model
         fields = (model.velocity_min, model.velocity_max, model.acceleration_limit)
         least, greatest, changes = map(self._limit, fields)
-        return body_info.robot_info(self, (least, greatest, changes), self.get_init_Gh(), columns=self._columns)
+        limits, kept = (least, greatest, changes), self._session.properties.setdefault(self._name, {})
+        return body_info.robot_info(self, limits, self.get_init_Gh(), kept, columns=self._columns)
 
     @property
     def obstacle_info(self) -> body_info.ObstacleInfo:
@@ -185,13 +199,47 @@ class Body(IrSimReadings):
         offsets = None if offsets is None else self._vector(offsets)
         return body_info.HalfPlanes(normals, offsets, cone, cone is not None)
 
-    def set_state(self, state: Sequence[float] | Floats, *, init: bool = False) -> None:
+    def clear_flags(self) -> None:
+        """Set ``collided``, ``arrived`` and ``stopped`` to False until the next step finds them again.
+
+        After ``set_state`` away from a collision, a stopped body would else lose its next step. ``collision_flag``,
+        ``arrive_flag`` and ``stop_flag`` may also be assigned, as in IR-SIM.
+        """
+        for field in FLAGS.values():
+            getattr(self._now, field)[0, self._b] = False
+
+    def step(self, velocity: Sequence[float] | Floats | None = None, sensor_step: bool = True) -> Floats:
+        """Move it alone for one step, within its limits, and return its state; time, others and flags stay.
+
+        Args:
+            velocity: A command of its drive [m/s or rad/s]; None for that of its behaviour.
+            sensor_step: Take new scans.
+
+        Raises:
+            ValueError: The command has a wrong length.
+        """
+        alone.move(self._simulation, self._b, None if velocity is None else np.asarray(velocity, np.float64).ravel())
+        if sensor_step:
+            self.sensor_step()
+        return self.state
+
+    def sensor_step(self) -> None:
+        """Take new scans of all bodies at their present places; ``World.refresh`` also updates flags."""
+        alone.sense(self._simulation)
+
+    def check_status(self) -> None:
+        """Update the flags of all bodies from their present places; ``World.refresh`` also takes scans."""
+        alone.find_flags(self._simulation)
+
+    check_arrive_status = check_collision_status = check_status
+
+    def set_state(self, state: Sequence[float] | Floats | None, *, init: bool = False) -> None:
         """Move it to a state.
 
         The outline moves at once. The next step, or ``World.refresh``, updates flags and readings.
 
         Args:
-            state: x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0. Shape
+            state: None for zeros, or x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0. Shape
                 ``(3,)`` or ``(4,)``; a column is accepted too.
             init: Start there after a reset, too.
 
@@ -201,7 +249,7 @@ class Body(IrSimReadings):
         simulation, b = self._simulation, self._b
         body_info.refuse_map(simulation, b)
         names = STATE[: getattr(self.spec.kinematics, "state_size", 3)]
-        row = _numbers(state, 2, names, f"a state of '{self._name}'")
+        row = _numbers([0.0, 0.0] if state is None else state, 2, names, f"a state of '{self._name}'")
         simulation.state.pose[0, b], simulation.state.steering[0, b] = row[:3], row[3]
         if init:
             simulation.model.start[0, b], simulation.model.initial_steering[b] = row[:3], row[3]

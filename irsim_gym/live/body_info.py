@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from abc import ABC
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
+from irsim_gym.live import hints
 from irsim_gym.live.vectors import vector
 from irsim_gym.world.irsim_readings import IrSimReadings
 
@@ -16,8 +18,25 @@ FLATTEST = 1e-9
 """Tolerance for corners outside the half-plane of a side, relative to the area."""
 
 
+class Info(ABC):
+    """Properties of a body, to which a script may add some of its own."""
+
+    properties: dict[str, Any]
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name != "properties" and name in self.properties:
+                return self.properties[name]
+            raise AttributeError(hints.missing("an info", name, hints.BODY, dir(self)), name=name, obj=self)
+
+    def add_property(self, name: str, value: object) -> None:
+        """Add a property of the script's own, which can then be read as an attribute."""
+        self.properties[name] = value
+
+
 @dataclass(frozen=True)
-class RobotInfo:
+class RobotInfo(Info):
     """Properties of a body. In a world with ``columns`` its flat arrays are columns ``(n, 1)``.
 
     Attributes:
@@ -39,6 +58,7 @@ class RobotInfo:
         h: Their offsets [m], shape ``(n,)``.
         cone_type: ``Rpositive``, ``norm2`` or None.
         convex_flag: Its area is convex.
+        properties: Properties that the script added; they stay with the body.
     """
 
     id: int
@@ -59,10 +79,11 @@ class RobotInfo:
     h: Floats | None
     cone_type: str | None
     convex_flag: bool
+    properties: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
 
 @dataclass(frozen=True)
-class ObstacleInfo:
+class ObstacleInfo(Info):
     """Place and motion of a body. In a world with ``columns`` vectors are columns ``(n, 1)``, corners ``(2, n)``.
 
     Attributes:
@@ -74,6 +95,7 @@ class ObstacleInfo:
         h: Their offsets [m], shape ``(n,)``.
         cone_type: ``Rpositive``, ``norm2`` or None.
         convex_flag: Its area is convex.
+        properties: Properties that the script added to this record.
     """
 
     center: Floats
@@ -84,6 +106,7 @@ class ObstacleInfo:
     h: Floats | None
     cone_type: str | None
     convex_flag: bool
+    properties: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
 
 class HalfPlanes(NamedTuple):
@@ -106,7 +129,12 @@ class HalfPlanes(NamedTuple):
 
 
 def robot_info(
-    body: IrSimReadings, limits: tuple[Floats, Floats, Floats], half_planes: HalfPlanes, *, columns: bool
+    body: IrSimReadings,
+    limits: tuple[Floats, Floats, Floats],
+    half_planes: HalfPlanes,
+    properties: dict[str, Any],
+    *,
+    columns: bool,
 ) -> RobotInfo:
     """Return what a body is; ``limits`` are its least and greatest velocities, and its greatest changes."""
     least, greatest, changes = limits
@@ -125,6 +153,7 @@ def robot_info(
         angle_range=vector(np.array(body.angle_range), True) if columns else body.angle_range,
         goal_threshold=body.goal_threshold,
         wheelbase=body.wheelbase,
+        properties=properties,
         **half_planes._asdict(),
     )
 

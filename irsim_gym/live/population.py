@@ -219,3 +219,20 @@ class Population:
             body_info.refuse_map(simulation, b)
         moves.scatter(simulation, bodies, range_low, range_high, apart=non_overlapping)
         self._status.refresh()
+
+    def random_polygon_shape(self, *others: object, **named: object) -> None:
+        """Do nothing where no obstacle is a polygon, as in IR-SIM.
+
+        Args:
+            *others: IR-SIM's bounds.
+            **named: Likewise.
+
+        Raises:
+            ValueError: An obstacle is a polygon: outlines are drawn at the beginning of a level.
+        """
+        names = [body.name for body in self.obstacles if body.shape == "polygon"]
+        if names:
+            raise ValueError(
+                f"the outline of '{names[0]}' stays in this level: shape: {{name: polygon, random_shape: true}} in the "
+                "file draws it, and reset(random=True) draws it anew"
+            )

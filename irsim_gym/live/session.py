@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.live.goal_writer import GoalWriter
 from irsim_gym.live.painted import PaintedBeams
@@ -24,6 +26,7 @@ class Session:
         goals: Writes goals, and restores those of the start.
         track: Poses of bodies since the reset.
         painted: Beams with colours of their own.
+        properties: Properties that a script added to bodies, by name of the body.
     """
 
     simulation: Simulation
@@ -32,6 +35,7 @@ class Session:
 
     def __init__(self, scenario: Scenario, *, columns: bool) -> None:
         self.columns = columns
+        self.properties: dict[str, dict[str, Any]] = {}
         self.track, self.painted = Track(), PaintedBeams()
         self.compile(scenario)
 
@@ -47,6 +51,7 @@ class Session:
         self.roster.follow(simulation)
         self.goals.follow(simulation)
         self.track.follow(simulation)
+        self.properties = {name: own for name, own in self.properties.items() if name in simulation.parts.names}
 
     def begin(self, seed: int, episode: int) -> None:
         """Draw a level and begin it."""

@@ -34,6 +34,11 @@ class Vector(np.ndarray[Any, Any]):
                 raise IndexError(f"{error}: this array is flat, index it with one number; {COLUMNS_HINT}") from None
             raise
 
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if not self.flags.writeable:
+            raise ValueError("this array is read-only: set_state, set_velocity and set_goal change a body")
+        super().__setitem__(key, value)
+
     def __repr__(self) -> str:
         return repr(np.asarray(self))
 

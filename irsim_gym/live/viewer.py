@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.controls.driver import Driver
-from irsim_gym.errors import NoEffectWarning, warn_caller
+from irsim_gym.errors import NoEffectWarning, NoWindowError, warn_caller
 from irsim_gym.live import moves
 from irsim_gym.live.arguments import drawing_options
 from irsim_gym.live.camera import Camera
@@ -30,6 +30,7 @@ class Viewer:
         camera: Draws the world.
         render_mode: None, ``rgb_array`` or ``human``.
         commands: Functions of the keys ``reset``, ``next``, ``reload`` and ``figure``.
+        needs_window: Where no window can be opened, it is an error; else a warning, and pictures without a window.
 
     Attributes:
         quit: Whether esc was pressed or the window was closed.
@@ -43,9 +44,11 @@ class Viewer:
         camera: Camera,
         render_mode: str | None,
         commands: Mapping[str, Callable[[], object]],
+        *,
+        needs_window: bool = True,
     ) -> None:
         self._session, self._status, self._camera = session, status, camera
-        self.render_mode = render_mode
+        self.render_mode, self._needs_window = render_mode, needs_window
         self.driver: Driver | None = None
         self.quit = self._left = self._hidden = False
         self._commands = {
@@ -151,7 +154,7 @@ class Viewer:
         Raises:
             ScenarioError: One of these keys has a bad value.
             ValueError: Another mode.
-            NoWindowError: With ``render_mode="human"``: there is no display, or no toolkit that works.
+            NoWindowError: With ``render_mode="human"`` (``display=True`` only warns once): there is no display, or no toolkit that works.
             SystemExit: The person quit, and the caller went on.
         """
         self._camera.draw_with(drawing_options(figure_kwargs, mode, drawing))
@@ -162,7 +165,14 @@ class Viewer:
         if self.driver is None:
             scenario = self._session.simulation.scenario
             frame = self._camera.show(self._status.shown)
-            self.driver = Driver(scenario.name, frame, scenario.gui, self._camera.seen)
+            try:
+                self.driver = Driver(scenario.name, frame, scenario.gui, self._camera.seen)
+            except NoWindowError as error:
+                if self._needs_window:
+                    raise
+                self.render_mode = "rgb_array"
+                warn_caller(f"display=True shows nothing, render() returns pictures: {error}", NoEffectWarning)
+                return frame
         elif self.display and (self._status.paused or self._camera.is_sample):
             self.driver.show(self._camera.show(self._status.shown))
         self.driver.wait(interval)
@@ -194,7 +204,7 @@ class Viewer:
         if self.headless:
             warn_caller("there is no window to show: load(..., render_mode='human') opens one", NoEffectWarning)
             return
-        while not self.quit:
+        while not (self.quit or self.headless):
             self.render(SHOW_S)
 
     def wait(self, seconds: float) -> None:

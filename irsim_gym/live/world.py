@@ -97,7 +97,14 @@ class World:
             "reload": self.reload,
             "figure": lambda: self.save_figure(f"{self.name}_{self.count:04d}"),
         }
-        self._viewer = Viewer(self._session, self._status, self._camera, asked.render_mode, keys)
+        self._viewer = Viewer(
+            self._session,
+            self._status,
+            self._camera,
+            asked.render_mode,
+            keys,
+            needs_window=render_mode == "human",
+        )
         self._media = MediaWriter(
             self._session,
             self._status,
@@ -163,6 +170,7 @@ class World:
     add_objects = Method("_population", Population.add_objects)
     delete_objects = Method("_population", Population.delete_objects)
     random_obstacle_position = Method("_population", Population.random_obstacle_position)
+    random_polygon_shape = Method("_population", Population.random_polygon_shape)
     load_behavior = Method("_late_behaviors", LateBehaviors.load_behavior)
 
     path = Method("_planner", PathPlanner.path)
@@ -212,9 +220,17 @@ class World:
     x_range = Attribute("_info", WorldInfo.x_range)
     y_range = Attribute("_info", WorldInfo.y_range)
     logger = Attribute("_info", WorldInfo.logger)
+    _world = Attribute("_info", WorldInfo.record)
+    _objects = Attribute("_population", Population.objects)
 
     def reset_plot(self) -> None:
         """Do nothing: every picture is drawn anew."""
+
+    def build_tree(self) -> None:
+        """Do nothing: neighbours are found in each step."""
+
+    def validate_unique_names(self) -> None:
+        """Do nothing: names of bodies are always unique."""
 
     @property
     def simulation(self) -> Simulation:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NoReturn
 
+from irsim_gym.live import hints
 from irsim_gym.live.run_status import RunStatus
 from irsim_gym.live.session import Session
 from irsim_gym.scenario import Scenario
@@ -31,6 +33,78 @@ class WorldParam:
     step_mode: str
     control_mode: str
     collision_mode: str
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            message = hints.missing("world_param", name, hints.PARAM, dir(self))
+            raise AttributeError(message, name=name, obj=self)
+
+
+@dataclass(frozen=True)
+class WorldRecord:
+    """What scripts read from IR-SIM's private ``_world``.
+
+    Attributes:
+        name: Its name.
+        width: Size along x [m].
+        height: Size along y [m].
+        offset: x, y of the lower left corner [m].
+        x_range: Minimum and maximum x [m].
+        y_range: Minimum and maximum y [m].
+        time: Elapsed time [s].
+        count: Steps since the reset.
+        step_time: Duration of a step [s].
+        sample_time: Time between frames [s].
+        step_mode: ``internal`` or ``external``.
+        status: The status as text.
+    """
+
+    name: str
+    width: float
+    height: float
+    offset: tuple[float, float]
+    x_range: tuple[float, float]
+    y_range: tuple[float, float]
+    time: float
+    count: int
+    step_time: float
+    sample_time: float
+    step_mode: str
+    status: str
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            message = hints.missing("_world", name, hints.WORLD_RECORD, dir(self))
+            raise AttributeError(message, name=name, obj=self)
+
+
+class WorldLogger(logging.LoggerAdapter[logging.Logger]):
+    """A logger with the methods that IR-SIM adds; its others are those of Python's ``logging.Logger``."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self.logger, name)
+
+    def success(self, message: str) -> None:
+        """Log a message at the level INFO."""
+        self.info(message)
+
+    def trace(self, message: str) -> None:
+        """Log a message at the level DEBUG."""
+        self.debug(message)
+
+    def warning_once(self, message: str, key: object = None) -> None:
+        """Log a warning unless the same one, or one with the same key, was logged."""
+        told = self.logger.__dict__.setdefault("told", set())
+        if (mark := message if key is None else key) not in told:
+            told.add(mark)
+            self.warning(message)
+
+    def close(self) -> None:
+        """Do nothing: handlers are closed by those who add them."""
 
 
 class WorldInfo:
@@ -81,6 +155,21 @@ class WorldInfo:
         return WorldParam(self.time, self.count, self.step_time, world.sample_time, *modes)
 
     @property
+    def record(self) -> WorldRecord:
+        """What IR-SIM's private ``_world`` tells."""
+        (left, right), (low, high), param = self.x_range, self.y_range, self.world_param
+        return WorldRecord(
+            self.name,
+            right - left,
+            high - low,
+            (left, low),
+            (left, right),
+            (low, high),
+            *(param.time, param.count, param.step_time, param.sample_time, param.step_mode),
+            self._status.text,
+        )
+
+    @property
     def x_range(self) -> tuple[float, float]:
         """Minimum and maximum x of the world [m]."""
         x_min, _, x_max, _ = map(float, self._session.simulation.model.bounds)
@@ -93,10 +182,10 @@ class WorldInfo:
         return y_min, y_max
 
     @property
-    def logger(self) -> logging.Logger:
-        """A logger for scripts, from Python's ``logging``. The package does not write to it.
+    def logger(self) -> WorldLogger:
+        """A logger for scripts, from Python's ``logging``, with IR-SIM's ``success``. The package does not write to it.
 
         By default, Python shows warnings and errors; after ``logging.basicConfig(level="INFO")``, it shows all
         messages.
         """
-        return logging.getLogger(f"irsim_gym.{self.name}")
+        return WorldLogger(logging.getLogger(f"irsim_gym.{self.name}"))

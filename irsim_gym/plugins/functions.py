@@ -50,7 +50,7 @@ def answer(
     Raises:
         KindError: It returns anything else.
     """
-    with noting(kind, f"'{ego.name}'", ego._state, ego._w):
+    with noting(kind, f"'{ego.name}'", ego._now, ego._w):
         return numbers(kind, ego.name, size, function(ego, *arguments, **options))
 
 

@@ -54,7 +54,7 @@ class BodyReadings(ABC):
 
     @property
     @abstractmethod
-    def _state(self) -> State:
+    def _now(self) -> State:
         """State of all worlds."""
 
     @property
@@ -133,33 +133,33 @@ class BodyReadings(ABC):
     @property
     def pose(self) -> Floats:
         """Position and heading: x, y [m], heading [rad], shape ``(3,)``."""
-        return self._array(self._state.pose[self._w, self._b])
+        return self._array(self._now.pose[self._w, self._b])
 
     @property
     def state(self) -> Floats:
         """x, y, heading [m, m, rad], shape ``(3,)``; with the steering angle [rad] of an ``acker`` drive ``(4,)``."""
         size = getattr(self.spec.kinematics, "state_size", 3)
-        return self._vector(np.append(self._state.pose[self._w, self._b], self.steering)[:size])
+        return self._vector(np.append(self._now.pose[self._w, self._b], self.steering)[:size])
 
     @property
     def position(self) -> Floats:
         """x, y [m], shape ``(2,)``."""
-        return self._vector(self._state.pose[self._w, self._b, :2])
+        return self._vector(self._now.pose[self._w, self._b, :2])
 
     @property
     def orientation(self) -> float:
         """Heading of its own frame [rad]."""
-        return float(self._state.pose[self._w, self._b, 2])
+        return float(self._now.pose[self._w, self._b, 2])
 
     @property
     def steering(self) -> float:
         """Steering angle of a car [rad]."""
-        return float(self._state.steering[self._w, self._b])
+        return float(self._now.steering[self._w, self._b])
 
     @property
     def twist(self) -> Floats:
         """Velocity in the world frame: vx, vy [m/s], turn rate [rad/s], shape ``(3,)``."""
-        return self._vector(self._state.twist[self._w, self._b])
+        return self._vector(self._now.twist[self._w, self._b])
 
     @property
     def goal(self) -> Floats | None:
@@ -169,7 +169,7 @@ class BodyReadings(ABC):
         """
         if not self._model.has_goal[self._b]:
             return None
-        goal = self._state.goal[self._w, self._b]
+        goal = self._now.goal[self._w, self._b]
         return self._vector(goal[:2] if self._columns and np.isnan(goal[2]) else goal)
 
     @property
@@ -178,7 +178,7 @@ class BodyReadings(ABC):
         w, b = self._w, self._b
         if not self._model.has_goal[b]:
             return self._array(np.zeros((0, 3)))
-        left = slice(int(self._state.waypoint[w, b]), int(self._state.waypoint_end[w, b]))
+        left = slice(int(self._now.waypoint[w, b]), int(self._now.waypoint_end[w, b]))
         return self._array(self._model.waypoints[w, b, left])
 
     @property
@@ -189,17 +189,17 @@ class BodyReadings(ABC):
     @property
     def arrived(self) -> bool:
         """It is at its last goal."""
-        return bool(self._state.arrived[self._w, self._b])
+        return bool(self._now.arrived[self._w, self._b])
 
     @property
     def collided(self) -> bool:
         """It touches another body."""
-        return bool(self._state.collided[self._w, self._b])
+        return bool(self._now.collided[self._w, self._b])
 
     @property
     def stopped(self) -> bool:
         """A collision holds it in place."""
-        return bool(self._state.stopped[self._w, self._b])
+        return bool(self._now.stopped[self._w, self._b])
 
     has_arrived, has_collided, is_stopped = arrived, collided, stopped
 
@@ -210,7 +210,7 @@ class BodyReadings(ABC):
     @property
     def hit(self) -> Self | None:
         """The body that it touches (the first one), or None."""
-        other = int(self._state.hit[self._w, self._b])
+        other = int(self._now.hit[self._w, self._b])
         return None if other < 0 else self._body(other)
 
     @property
@@ -249,7 +249,7 @@ class BodyReadings(ABC):
 
     def _middle(self) -> tuple[float, float]:
         # The centroid is given in the body frame: turn it by the heading, then shift it.
-        x, y, heading = map(float, self._state.pose[self._w, self._b])
+        x, y, heading = map(float, self._now.pose[self._w, self._b])
         ahead, left = map(float, self._of(self._measures[1]))
         cosine, sine = math.cos(heading), math.sin(heading)
         return x + cosine * ahead - sine * left, y + sine * ahead + cosine * left
@@ -290,12 +290,12 @@ class BodyReadings(ABC):
         """
         if not self._model.has_goal[self._b]:
             return None
-        x, y, heading = map(float, self._state.goal[self._w, self._b])
+        x, y, heading = map(float, self._now.goal[self._w, self._b])
         heading = self.orientation if math.isnan(heading) else heading
         return self._corners(*placed(*self._outline(local=True), (x, y, heading)), heading)
 
     def _outline(self, *, local: bool = False) -> tuple[Floats, Floats]:
-        return outline_rows(self._model, self._state, self._w, self._b, local=local)
+        return outline_rows(self._model, self._now, self._w, self._b, local=local)
 
     def _corners(self, segments: Floats, discs: Floats, heading: float) -> Floats:
         corners = corner_points(segments, discs, heading, rounds=self._columns)
@@ -357,13 +357,13 @@ class BodyReadings(ABC):
             raise UnknownNameError(f"'{self.name}' has no field of view: give it fov and fov_radius")
         found = np.zeros(self._model.present.shape, np.bool_)
         here = np.array([self._w], np.int64)
-        self._context.detect(here, self._b, fov, depth, self._model, self._state, found)
+        self._context.detect(here, self._b, fov, depth, self._model, self._now, found)
         return [self._body(int(b)) for b in np.flatnonzero(found[self._w])]
 
     @property
     def time(self) -> float:
         """Time since the start of the episode [s]."""
-        return float(self._state.time[self._w])
+        return float(self._now.time[self._w])
 
     @property
     def step_time(self) -> float:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from abc import ABC
 from typing import Any, Self
 
 import numpy as np
 
+from irsim_gym import families
 from irsim_gym.arraytypes import Floats
 from irsim_gym.world.body_readings import BodyReadings
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
+from irsim_gym.world.sensor_view import SensorView
+from irsim_gym.world.shapely_outline import shapely_cells, shapely_outline
 
 RVO_MARGIN = 0.1
 """By how much ``radius_extend`` exceeds the radius [m]."""
@@ -29,6 +33,65 @@ class IrSimReadings(BodyReadings, ABC):
     get_fov_detected_objects = BodyReadings.detected
 
     @property
+    def sensors(self) -> tuple[SensorView, ...]:  # type: ignore[override]
+        """Its sensors in the order of the file: their options, and for range sensors their latest scans."""
+        return tuple(SensorView(self, index) for index in range(len(self.spec.sensors)))
+
+    @property
+    def lidar(self) -> SensorView | None:
+        """Its first range sensor, None without one."""
+        return next((sensor for sensor in self.sensors if sensor.options.reading == "ranges"), None)
+
+    @property
+    def geometry(self) -> Any:
+        """Its outline in the world frame as a shapely geometry; of a map the boundary of its occupied cells."""
+        if self.shape == "map":
+            squares, frame = self._model.map_squares, self._model.map_frame.item()
+            return shapely_cells(squares[self._w % len(squares), 0] == 0, *frame[:4])
+        return shapely_outline(*self._outline(), solid=bool(self._model.solid[self._b]))
+
+    @property
+    def original_geometry(self) -> Any:
+        """``geometry`` in its own frame."""
+        if self.shape == "map":
+            return self.geometry
+        return shapely_outline(*self._outline(local=True), solid=bool(self._model.solid[self._b]))
+
+    @property
+    def original_vertices(self) -> Floats:
+        """``vertices`` in its own frame [m], shape ``(n, 2)``, or ``(2, n)`` as columns."""
+        return self._corners(*self._outline(local=True), 0.0)
+
+    @property
+    def original_centroid(self) -> Floats:
+        """``centroid`` in its own frame [m], shape ``(2,)``."""
+        return self._vector(np.array(self._of(self._measures[1])))
+
+    @property
+    def ego_object(self) -> Self:
+        """The body itself."""
+        return self
+
+    @property
+    def beh_config(self) -> dict[str, Any]:
+        """Name and options of its behaviour; empty without one."""
+        chosen = self.spec.behavior
+        if chosen is None:
+            return {}
+        options = {field.name: getattr(chosen, field.name) for field in dataclasses.fields(chosen)}
+        return {"name": families.BEHAVIORS.name_of(type(chosen)), **options}
+
+    @property
+    def wander(self) -> bool:
+        """Its behaviour draws its goals."""
+        return bool(getattr(self.spec.behavior, "wander", False))
+
+    @property
+    def loop(self) -> bool:
+        """Its behaviour begins its goals again."""
+        return bool(getattr(self.spec.behavior, "loop", False))
+
+    @property
     def heading(self) -> float:
         """Direction of travel [rad]: for ``omni`` that of its velocity while it moves, else ``orientation``."""
         vx, vy = self._moving()
@@ -39,7 +102,7 @@ class IrSimReadings(BodyReadings, ABC):
     @property
     def velocity_xy(self) -> Floats:
         """vx, vy in the world frame [m/s], shape ``(2,)``."""
-        return self._vector(self._state.twist[self._w, self._b, :2])
+        return self._vector(self._now.twist[self._w, self._b, :2])
 
     @property
     def external_objects(self) -> list[Self]:
@@ -86,7 +149,7 @@ class IrSimReadings(BodyReadings, ABC):
         They are the limits of velocity, narrowed by those of acceleration.
         """
         change = self._of(self._model.acceleration_limit) * self.step_time
-        now, size = self._state.velocity[self._w, self._b], self._command_size
+        now, size = self._now.velocity[self._w, self._b], self._command_size
         least = np.maximum(self._of(self._model.velocity_min), now - change)
         greatest = np.minimum(self._of(self._model.velocity_max), now + change)
         return self._vector(least[:size]), self._vector(greatest[:size])
@@ -121,7 +184,7 @@ class IrSimReadings(BodyReadings, ABC):
     def _desired(self, goal_threshold: float = NEAR_GOAL, normalized: bool = False) -> tuple[float, float]:
         if not self._model.has_goal[self._b]:
             return 0.0, 0.0
-        dx, dy = map(float, (self._state.goal[self._w, self._b] - self._state.pose[self._w, self._b])[:2])
+        dx, dy = map(float, (self._now.goal[self._w, self._b] - self._now.pose[self._w, self._b])[:2])
         if math.hypot(dx, dy) <= goal_threshold:
             return 0.0, 0.0
         ahead, aside = map(float, self._of(self._model.velocity_max)[:2])
@@ -134,7 +197,7 @@ class IrSimReadings(BodyReadings, ABC):
     @property
     def rvo_state(self) -> list[float]:
         """x, y, vx, vy, ``radius_extend``, desired vx and vy, heading [m, m/s, rad]."""
-        x, y, heading = map(float, self._state.pose[self._w, self._b])
+        x, y, heading = map(float, self._now.pose[self._w, self._b])
         return [x, y, *self._moving(), self.radius_extend, *self._desired(), heading]
 
     @property
@@ -153,7 +216,7 @@ class IrSimReadings(BodyReadings, ABC):
         return [list(map(float, row)) for row in self._outline()[0]] if self.shape == "linestring" else []
 
     def _moving(self) -> tuple[float, float]:
-        vx, vy = self._state.twist[self._w, self._b, :2]
+        vx, vy = self._now.twist[self._w, self._b, :2]
         return float(vx), float(vy)
 
     @property

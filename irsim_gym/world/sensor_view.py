@@ -1,0 +1,137 @@
+"""One sensor of a body, with its options and readings under IR-SIM's names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from irsim_gym import families
+from irsim_gym.arraytypes import Floats
+from irsim_gym.geometry.angles import wrap
+from irsim_gym.world.irsim_names import SENSOR, missing
+
+if TYPE_CHECKING:
+    from irsim_gym.world.body_readings import BodyReadings
+
+
+class SensorView:
+    """A sensor of one body. Its options can be read as attributes, such as ``number`` and ``range_max``.
+
+    Args:
+        body: The body.
+        index: Which of its sensors, in the order of the file.
+
+    Attributes:
+        parent: The body.
+        options: Its options in the file.
+    """
+
+    __slots__ = ("_index", "options", "parent")
+
+    options: Any
+    parent: BodyReadings
+
+    def __init__(self, body: BodyReadings, index: int) -> None:
+        self.parent, self.options = body, body.spec.sensors[index]
+        before = body.spec.sensors[:index]
+        self._index = sum(1 for options in before if options.reading == "ranges")
+
+    def __repr__(self) -> str:
+        return f"<{self.sensor_type} of {self.parent.name}>"
+
+    if not TYPE_CHECKING:  # a type checker would otherwise accept any name
+
+        def __getattr__(self, name: str) -> Any:
+            if name != "options" and hasattr(self.options, name):
+                return getattr(self.options, name)
+            message = missing(f"a sensor '{self.sensor_type}'", name, SENSOR, dir(self))
+            raise AttributeError(message, name=name, obj=self)
+
+    @property
+    def sensor_type(self) -> str:
+        """Its name in the file, such as ``lidar2d``."""
+        return families.SENSORS.name_of(type(self.options))
+
+    @property
+    def offset(self) -> Any:
+        """Mount pose in the body frame [m, m, rad], a column in a world with ``columns``."""
+        mount = self.options.offset
+        return np.array(mount).reshape(-1, 1) if self.parent._columns else mount
+
+    def get_offset(self) -> list[float]:
+        """Return ``offset`` as a list."""
+        return list(self.options.offset)
+
+    def get_scan(self) -> dict[str, Any]:
+        """Return the latest scan; see ``scan`` of the body.
+
+        Raises:
+            UnknownNameError: It is no range sensor.
+        """
+        return self.parent.scan(self._index)
+
+    def get_points(self) -> Floats | None:
+        """Return the points that the latest scan hit, in the sensor's frame [m], shape ``(2, n)``; None without any."""
+        return self.parent.scan_points(self._index)
+
+    scan_to_pointcloud = get_points
+
+    @property
+    def range_data(self) -> Floats:
+        """Ranges of the latest scan [m], shape ``(n_beams,)``."""
+        return np.asarray(self.get_scan()["ranges"])
+
+    @property
+    def valid(self) -> Any:
+        """Whether each beam hit something, shape ``(n_beams,)``."""
+        return self.get_scan()["valid"]
+
+    @property
+    def velocity(self) -> Any:
+        """Velocity of what each beam hit, in the world frame [m/s], shape ``(2, n_beams)``; see ``has_velocity``."""
+        return self.get_scan()["velocity"]
+
+    @property
+    def angle_list(self) -> Floats:
+        """Directions of the beams in the sensor frame [rad], shape ``(n_beams,)``."""
+        return np.array(self.options.angles(), np.float64)
+
+    @property
+    def angle_min(self) -> float:
+        """Direction of the first beam [rad]."""
+        return float(self.angle_list[0])
+
+    @property
+    def angle_max(self) -> float:
+        """Direction of the last beam [rad]."""
+        return float(self.angle_list[-1])
+
+    @property
+    def angle_inc(self) -> float:
+        """Angle between neighbouring beams [rad]."""
+        return float(self.get_scan()["angle_increment"])
+
+    @property
+    def time_inc(self) -> float:
+        """Time between beams [s]: 0, a scan is instantaneous."""
+        return 0.0
+
+    @property
+    def obj_id(self) -> int:
+        """Number of its body."""
+        return self.parent.id
+
+    @property
+    def state(self) -> Floats:
+        """Pose of its body [m, m, rad], shape ``(3,)`` or a column."""
+        return self.parent._vector(self.parent.pose)
+
+    @property
+    def lidar_origin(self) -> Floats:
+        """Pose of the sensor in the world [m, m, rad], shape ``(3,)`` or a column."""
+        x, y, heading = map(float, self.parent.pose)
+        ahead, left, turn = self.options.offset
+        cosine, sine = np.cos(heading), np.sin(heading)
+        place = x + cosine * ahead - sine * left, y + sine * ahead + cosine * left
+        return self.parent._vector(np.array([*place, wrap(heading + turn)]))
