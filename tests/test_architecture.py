@@ -37,7 +37,7 @@ ALLOWED: dict[str, set[str]] = {
     "rng": {"numba", "jit"},
     "structs": {"numba", "llvmlite"},
     "geometry": {"jit", "structs"},
-    "world": {"jit", "structs"},
+    "world": {"jit", "structs", "shapely"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
     "behaviors": KIND | {"paths", "scenario.recordings", "scenario.wander_goals"},
@@ -65,7 +65,7 @@ ALLOWED: dict[str, set[str]] = {
         "rich",
     },
     "controls": {"render", "pynput"},
-    "live": {"engine", "scenario", "world", "paths", "render", "controls"},
+    "live": {"engine", "scenario", "world", "paths", "render", "controls", "shapely"},
     "sb3": {"envs"},
     "rllib": {"envs", "gymnasium", "ray"},
 }

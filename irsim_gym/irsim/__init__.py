@@ -1,8 +1,8 @@
 """What scripts and behaviours import from IR-SIM, under its names.
 
-``irsim`` becomes ``irsim_gym.irsim`` wherever it is imported; the rest of a file stays as it is. All names are here, and
-each of IR-SIM's modules is another name of this one: ``from irsim_gym.irsim.util.util import WrapToPi`` and ``from
-irsim_gym.irsim import WrapToPi`` are the same. A name that is not here raises an ``ImportError`` that says what to use.
+``irsim`` becomes ``irsim_gym.irsim`` wherever it is imported; the rest of a file stays as it is. Each of IR-SIM's
+modules is another name of this one: ``from irsim_gym.irsim.util.util import WrapToPi`` and ``from irsim_gym.irsim
+import WrapToPi`` are the same. A name of IR-SIM that is not here raises an ``ImportError`` that says what to use.
 """
 
 from __future__ import annotations

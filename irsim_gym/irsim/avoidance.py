@@ -1,4 +1,4 @@
-"""IR-SIM's ``rvo`` as functions and as a class, for behaviours of one's own; the velocities are those of ``rvo`` here."""
+"""IR-SIM's ``rvo`` as functions and as a class, for behaviours of one's own. It chooses as ``rvo`` does here."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class reciprocal_vel_obs:  # noqa: N801
         factor: float = 1.0,
         line_obs_list: Rows | None = None,
     ) -> None:
-        self.vxmax, self.vymax, self.acce, self.factor = vxmax, vymax, acce, factor
+        self._options = {"vxmax": vxmax, "vymax": vymax, "acce": acce, "factor": factor}
         self.update(state, obs_state_list, line_obs_list)
 
     if not TYPE_CHECKING:
@@ -62,8 +62,7 @@ class reciprocal_vel_obs:  # noqa: N801
         """
         if mode not in ("rvo", "hrvo", "vo"):
             raise ValueError(f"mode must be 'rvo', 'hrvo' or 'vo', got {mode!r}")
-        own, limits = list(map(float, self.state[:7])), (self.vxmax, self.vymax)
-        options = Rvo(vxmax=limits[0], vymax=limits[1], acce=self.acce, factor=self.factor, mode=mode)
+        own, options = list(map(float, self.state[:7])), Rvo(mode=mode, **self._options)
         rounds = np.zeros(len(self.obs_state_list), DISC)
         for disc, row in zip(rounds, self.obs_state_list, strict=True):
             seen = [*row[:2], 0.0, 0.0, row[2]] if len(row) == 3 else row

@@ -1,4 +1,4 @@
-"""IR-SIM's functions about angles, frames and points. Points and velocities are flat or columns; results are columns."""
+"""IR-SIM's functions about angles, frames and points. Arguments are flat or columns, results are columns."""
 
 from __future__ import annotations
 

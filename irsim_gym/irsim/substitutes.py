@@ -1,4 +1,4 @@
-"""What to use in place of IR-SIM's names that cannot be imported here, and the modules in which IR-SIM has its names."""
+"""What to use in place of IR-SIM's names that cannot be imported here, and IR-SIM's modules."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ _GROUPS: dict[str, str] = {
     "grid_collision_geometry resolve_obstacle_map build_grid_from_generator": "world: {obstacle_map: ...} and "
     "fog_map in the file make a map; world.get_map() is its cells, world.simulation.explored what was seen",
     "EnvPlot EnvPlot3D ObjectPlot VisibilityOptions PatchStyle ImageStyle LineStyle TextStyle TrailStyle ArrowStyle "
-    "FovStyle ObjectPlotOptions linewidth_from_data_units geometry_to_path draw_patch set_patch_property PaletteParam": "render() draws, as the sections `plot` say; world.draw draws over it",
+    "FovStyle ObjectPlotOptions linewidth_from_data_units geometry_to_path draw_patch set_patch_property "
+    "PaletteParam": "render() draws, as the sections `plot` say; world.draw draws over it",
     "KeyboardControl MouseControl": "world.key_vel, key_id and mouse_pos, with render_mode='human'",
     "ObjectInfo ObstacleInfo": "body.info and body.obstacle_info are such records",
     "CircleGeometry PolygonGeometry RectangleGeometry CompoundGeometry LinestringGeometry PointsGeometry "
@@ -63,25 +64,24 @@ _GROUPS: dict[str, str] = {
 INSTEAD = {name: advice for names, advice in _GROUPS.items() for name in names.split()}
 """What is said of each name."""
 
-MODULES = (
-    *("config", "config.env_param", "config.palette_param", "config.path_param", "config.world_param"),
-    *("env", "env.env_base", "env.env_base3d", "env.env_config", "env.env_logger", "env.env_plot", "env.env_plot3d"),
-    *("gui", "gui.keyboard_control", "gui.mouse_control", "msg", "msg.messages"),
-    *("lib", "lib.algorithm", "lib.behavior", "lib.handler", "lib.path_planners"),
-    *(f"lib.algorithm.{name}" for name in ("contact", "generation", "kinematics", "ray_casting_2d", "rvo")),
-    *("lib.algorithm.social_force_model", "lib.behavior.behavior", "lib.behavior.behavior_methods"),
-    *("lib.behavior.behavior_registry", "lib.behavior.group_behavior", "lib.behavior.group_behavior_methods"),
-    *("lib.handler.geometry_handler", "lib.handler.kinematics_handler"),
-    *(f"lib.path_planners.{name}" for name in ("a_star", "grid_planner_base", "informed_rrt_star", "jps")),
-    *(f"lib.path_planners.{name}" for name in ("probabilistic_road_map", "rrt", "rrt_star")),
-    *("util", "util.decorator", "util.message", "util.random", "util.util"),
-    *("world", "world.map", "world.object_base", "world.object_factory", "world.object_group", "world.object_plot"),
-    *(f"world.map.{name}" for name in ("fog_map", "grid_map_generator_base", "image_map_generator")),
-    *("world.map.obstacle_map", "world.map.perlin_map_generator", "world.map.binary_map_generator_hm3d"),
-    *("world.map.binary_map_generator_hm3d.binary_map_generator", "world.obstacles", "world.robots", "world.sensors"),
-    *(f"world.obstacles.obstacle_{name}" for name in ("acker", "diff", "omni", "static")),
-    *(f"world.robots.robot_{name}" for name in ("acker", "diff", "omni")),
-    *(f"world.sensors.{name}" for name in ("contact2d", "fmcw_lidar2d", "lidar2d", "sensor_factory")),
-    *("world.world", "world.world3d", "version"),
-)
+_FOLDERS = {
+    "": "config env gui lib msg util world version",
+    "config.": "env_param palette_param path_param world_param",
+    "env.": "env_base env_base3d env_config env_logger env_plot env_plot3d",
+    "gui.": "keyboard_control mouse_control",
+    "msg.": "messages",
+    "util.": "decorator message random util",
+    "lib.": "algorithm behavior handler path_planners",
+    "lib.algorithm.": "contact generation kinematics ray_casting_2d rvo social_force_model",
+    "lib.behavior.": "behavior behavior_methods behavior_registry group_behavior group_behavior_methods",
+    "lib.handler.": "geometry_handler kinematics_handler",
+    "lib.path_planners.": "a_star grid_planner_base informed_rrt_star jps probabilistic_road_map rrt rrt_star",
+    "world.": "map object_base object_factory object_group object_plot obstacles robots sensors world world3d",
+    "world.map.": "fog_map grid_map_generator_base image_map_generator obstacle_map perlin_map_generator",
+    "world.obstacles.": "obstacle_acker obstacle_diff obstacle_omni obstacle_static",
+    "world.robots.": "robot_acker robot_diff robot_omni",
+    "world.sensors.": "contact2d fmcw_lidar2d lidar2d sensor_factory",
+}
+
+MODULES = tuple(folder + name for folder, names in _FOLDERS.items() for name in names.split())
 """IR-SIM's modules. Each of them can be imported, with all names in it."""

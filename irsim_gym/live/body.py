@@ -239,8 +239,8 @@ class Body(IrSimReadings):
         The outline moves at once. The next step, or ``World.refresh``, updates flags and readings.
 
         Args:
-            state: None for zeros, or x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0. Shape
-                ``(3,)`` or ``(4,)``; a column is accepted too.
+            state: x, y, heading [m, m, rad] and for ``acker`` the steering angle [rad]; a missing angle is 0. Shape
+                ``(3,)`` or ``(4,)``; a column is accepted too. None means zeros.
             init: Start there after a reset, too.
 
         Raises:

@@ -18,7 +18,7 @@ FLATTEST = 1e-9
 """Tolerance for corners outside the half-plane of a side, relative to the area."""
 
 
-class Info(ABC):
+class BodyProperties(ABC):
     """Properties of a body, to which a script may add some of its own."""
 
     properties: dict[str, Any]
@@ -36,7 +36,7 @@ class Info(ABC):
 
 
 @dataclass(frozen=True)
-class RobotInfo(Info):
+class RobotInfo(BodyProperties):
     """Properties of a body. In a world with ``columns`` its flat arrays are columns ``(n, 1)``.
 
     Attributes:
@@ -83,7 +83,7 @@ class RobotInfo(Info):
 
 
 @dataclass(frozen=True)
-class ObstacleInfo(Info):
+class ObstacleInfo(BodyProperties):
     """Place and motion of a body. In a world with ``columns`` vectors are columns ``(n, 1)``, corners ``(2, n)``.
 
     Attributes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -86,6 +87,16 @@ class GridMap:
         aside, up = math.ceil(max(margin_x, 0.0) / wide), math.ceil(max(margin_y, 0.0) / high)
         left, low = max(cell[0] - aside, 0), max(cell[1] - up, 0)
         return bool((self.grid[left : cell[0] + aside + 1, low : cell[1] + up + 1] > threshold).any())
+
+    def is_collision(self, geometry: Any) -> bool:
+        """Return whether a shapely geometry touches an occupied cell, or one of ``obstacle_list`` but a map."""
+        import shapely
+
+        (wide, high), (left, bottom) = self.grid_resolution, self.world_offset
+        columns, rows = np.nonzero(self.occupied)
+        x, y = left + columns * wide, bottom + rows * high
+        bodies = [body.geometry for body in self.obstacle_list if body.shape != "map"]
+        return bool(shapely.intersects([*shapely.box(x, y, x + wide, y + high), *bodies], geometry).any())
 
 
 def n_cells(width: float, height: float, resolution: float) -> tuple[int, int]:

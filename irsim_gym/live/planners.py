@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import TYPE_CHECKING, NoReturn, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +26,12 @@ class AStarPlanner:
 
     def __init__(self, env_map: GridMap) -> None:
         self.env_map = env_map
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            message = f"a planner has no '{name}': planning(start, goal) is all it does, env_map holds the cells"
+            raise AttributeError(message, name=name, obj=self)
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = False) -> Floats | None:
         """Return the path from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].

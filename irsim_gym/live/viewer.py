@@ -154,7 +154,8 @@ class Viewer:
         Raises:
             ScenarioError: One of these keys has a bad value.
             ValueError: Another mode.
-            NoWindowError: With ``render_mode="human"`` (``display=True`` only warns once): there is no display, or no toolkit that works.
+            NoWindowError: With ``render_mode="human"``: there is no display, or no toolkit that works. With
+                ``display=True`` this is a warning, once.
             SystemExit: The person quit, and the caller went on.
         """
         self._camera.draw_with(drawing_options(figure_kwargs, mode, drawing))

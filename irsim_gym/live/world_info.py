@@ -86,6 +86,8 @@ class WorldLogger(logging.LoggerAdapter[logging.Logger]):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
+            if name == "CONSOLE_FORMAT":
+                raise AttributeError("a logger has no 'CONSOLE_FORMAT': logging.Formatter has the formats", name=name)
             return getattr(self.logger, name)
 
     def success(self, message: str) -> None:

@@ -47,12 +47,21 @@ BODY: dict[str, str] = {
 """What is said of names of IR-SIM's bodies, in scripts and in behaviours."""
 
 SENSOR: dict[str, str] = {
+    **dict.fromkeys(
+        (
+            *("negative_velocity_color", "positive_velocity_color", "zero_velocity_color", "velocity_color"),
+            *("velocity_color_max", "velocity_linewidth", "velocity_marker_edge_color", "velocity_marker_edge_width"),
+            *("velocity_marker_size", "no_hit_alpha", "no_hit_color", "no_hit_linewidth", "show_velocity_markers"),
+        ),
+        "its options in the file, plot: {...}, say how it is drawn",
+    ),
+    "has_velocity": "it always reports radial_velocity",
     "step": "the step of the world takes scans, and so does sensor_step() of the body",
     "init_geometry": "use lidar_origin, angle_list, range_data",
+    "velocity": "use radial_velocity",
     "cast_angles": "use angle_list, the directions without noise",
     "origin_state": "use offset",
     "set_laser_color": "use set_laser_color() of the body",
-    "scan_to_pointcloud_with_velocity": "use get_points(), velocity",
     "step_plot": DRAWN,
 }
 """What is said of names of IR-SIM's sensors."""

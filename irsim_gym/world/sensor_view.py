@@ -8,7 +8,6 @@ import numpy as np
 
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
-from irsim_gym.geometry.angles import wrap
 from irsim_gym.world.irsim_names import SENSOR, missing
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class SensorView:
-    """A sensor of one body. Its options can be read as attributes, such as ``number`` and ``range_max``.
+    """A sensor of one body. Its options, and what its scan reports, can be read as attributes: ``number``, ``valid``.
 
     Args:
         body: The body.
@@ -43,8 +42,10 @@ class SensorView:
     if not TYPE_CHECKING:  # a type checker would otherwise accept any name
 
         def __getattr__(self, name: str) -> Any:
-            if name != "options" and hasattr(self.options, name):
+            if hasattr(self.options, name):
                 return getattr(self.options, name)
+            if self.options.reading == "ranges" and name in (report := self.get_scan()):
+                return report[name]
             message = missing(f"a sensor '{self.sensor_type}'", name, SENSOR, dir(self))
             raise AttributeError(message, name=name, obj=self)
 
@@ -81,16 +82,6 @@ class SensorView:
     def range_data(self) -> Floats:
         """Ranges of the latest scan [m], shape ``(n_beams,)``."""
         return np.asarray(self.get_scan()["ranges"])
-
-    @property
-    def valid(self) -> Any:
-        """Whether each beam hit something, shape ``(n_beams,)``."""
-        return self.get_scan()["valid"]
-
-    @property
-    def velocity(self) -> Any:
-        """Velocity of what each beam hit, in the world frame [m/s], shape ``(2, n_beams)``; see ``has_velocity``."""
-        return self.get_scan()["velocity"]
 
     @property
     def angle_list(self) -> Floats:
@@ -134,4 +125,4 @@ class SensorView:
         ahead, left, turn = self.options.offset
         cosine, sine = np.cos(heading), np.sin(heading)
         place = x + cosine * ahead - sine * left, y + sine * ahead + cosine * left
-        return self.parent._vector(np.array([*place, wrap(heading + turn)]))
+        return self.parent._vector(np.array([*place, (heading + turn + np.pi) % (2.0 * np.pi) - np.pi]))

@@ -75,8 +75,8 @@ def test_an_omni_body_heads_where_it_moves() -> None:
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("lidar", r"a body has no 'lidar': scan\(\) is its scan"),
-        ("geometry", "use vertices, radius"),
+        ("gf", r"a body has no 'gf': use shape, kinematics, geometry"),
+        ("_goal", "use goal, goals"),
         ("plot_goal", "render"),
         ("mass", "contact mode"),
         ("goal_treshold", r"did you mean 'goal_threshold'\?"),
@@ -157,9 +157,9 @@ def test_the_map_as_cells() -> None:
     ("name", "said"),
     [
         ("keyboard", "use key_vel, key_id"),
-        ("_world", "use x_range, y_range"),
+        ("_env_plot", "save_figure"),
         ("plot_points", r"world\.draw draws over them"),
-        ("random_polygon_shape", "random_shape"),
+        ("config", r"world\.scenario"),
         ("robt_list", r"did you mean 'robot_list'\?"),
         ("qqqq", "a world has no 'qqqq'$"),
         ("_qqqq", "no attribute '_qqqq'"),
