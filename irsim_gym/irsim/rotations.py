@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live.body_info import half_planes
 from irsim_gym.world.outline import chain
+from irsim_gym.world.shapely_outline import moved
 
 TURN = 2.0 * math.pi
 
@@ -125,9 +126,7 @@ def get_affine_transform(state: ArrayLike) -> list[float]:
 
 def geometry_transform(geometry: Any, state: ArrayLike) -> Any:
     """Return a shapely geometry turned by the heading and moved to the place of a state ``[x, y, heading]``."""
-    from shapely.affinity import affine_transform
-
-    return affine_transform(geometry, get_affine_transform(state))
+    return moved(geometry, *map(float, np.append(_row(state), 0.0)[:3]))
 
 
 def vertices_transform(vertices: Floats | None, state: ArrayLike | None) -> Floats | None:
@@ -135,14 +134,12 @@ def vertices_transform(vertices: Floats | None, state: ArrayLike | None) -> Floa
     if vertices is None or state is None:
         return None
     place, rotation = get_transform(state)
-    moved: Floats = rotation @ np.asarray(vertices) + place
-    return moved
+    return np.asarray(rotation @ np.asarray(vertices) + place)
 
 
 def vel_omni2world(state_ori: float, vel_body: ArrayLike) -> Floats:
     """Return a velocity ahead and to the left [m/s] as vx, vy of the world, shape ``(2, 1)``."""
-    moved: Floats = get_transform([0.0, 0.0, state_ori])[1] @ _row(vel_body)[:2, None]
-    return moved
+    return np.asarray(get_transform([0.0, 0.0, state_ori])[1] @ _row(vel_body)[:2, None])
 
 
 def vel_world2omni(state_ori: float, vel_world: ArrayLike) -> Floats:

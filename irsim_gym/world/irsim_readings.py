@@ -14,7 +14,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.world.body_readings import BodyReadings
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
 from irsim_gym.world.sensor_view import SensorView
-from irsim_gym.world.shapely_outline import shapely_cells, shapely_outline
+from irsim_gym.world.shapely_outline import moved, shapely_cells, shapely_outline
 
 RVO_MARGIN = 0.1
 """By how much ``radius_extend`` exceeds the radius [m]."""
@@ -45,16 +45,15 @@ class IrSimReadings(BodyReadings, ABC):
     @property
     def geometry(self) -> Any:
         """Its outline in the world frame as a shapely geometry; of a map the boundary of its occupied cells."""
-        if self.shape == "map":
-            squares, frame = self._model.map_squares, self._model.map_frame.item()
-            return shapely_cells(squares[self._w % len(squares), 0] == 0, *frame[:4])
-        return shapely_outline(*self._outline(), solid=bool(self._model.solid[self._b]))
+        x, y, heading = map(float, self._now.pose[self._w, self._b])
+        return self.original_geometry if self.shape == "map" else moved(self.original_geometry, x, y, heading)
 
     @property
     def original_geometry(self) -> Any:
-        """``geometry`` in its own frame."""
+        """``geometry`` in its own frame; that of a map is the world."""
         if self.shape == "map":
-            return self.geometry
+            squares, frame = self._model.map_squares, self._model.map_frame.item()
+            return shapely_cells(squares[self._w % len(squares), 0] == 0, *frame[:4])
         return shapely_outline(*self._outline(local=True), solid=bool(self._model.solid[self._b]))
 
     @property

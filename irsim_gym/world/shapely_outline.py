@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,14 @@ def _joined(areas: list[Any], holes: list[Any]) -> Any:
 
     solid = shapely.union_all(areas)
     return shapely.difference(solid, shapely.union_all(holes)) if holes else solid
+
+
+def moved(geometry: Any, x: float, y: float, heading: float) -> Any:
+    """Return a shapely geometry turned by a heading [rad] and then moved [m]."""
+    from shapely.affinity import affine_transform
+
+    cosine, sine = math.cos(heading), math.sin(heading)
+    return affine_transform(geometry, [cosine, -sine, sine, cosine, x, y])
 
 
 def shapely_cells(occupied: Flags, left: float, bottom: float, width: float, height: float) -> Any:
