@@ -65,8 +65,13 @@ _LAZY: dict[str, tuple[str, str | None]] = {
 }
 
 _OF_IRSIM = (
-    *("AStarPlanner", "JPSPlanner", "ObjectBase", "WrapTo2Pi", "WrapToPi", "relative_position"),
+    *("AStarPlanner", "JPSPlanner", "ObjectBase", "EnvBase", "EnvBase3D", "EnvGridMap", "Map", "GeometryFactory"),
+    *("AckerDash", "DiffDash", "OmniDash", "OmniAngularDash", "DiffRVO", "OmniRVO", "reciprocal_vel_obs"),
     *("register_behavior", "register_behavior_class", "register_group_behavior", "register_group_behavior_class"),
+    *("ClipTo2Pi", "WrapTo2Pi", "WrapToPi", "WrapToRegion", "relative_position", "distance", "dist_hypot"),
+    *("get_transform", "get_affine_transform", "geometry_transform", "vertices_transform", "to_numpy", "is_2d_list"),
+    *("transform_point_with_state", "diff_to_omni", "omni_to_diff", "vel_diff2world", "vel_omni2world"),
+    *("vel_world2diff", "vel_world2omni", "cross_product", "is_convex_and_ordered", "gen_inequal_from_vertex"),
 )
 
 __version__ = "0.2.0"

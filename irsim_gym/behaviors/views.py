@@ -21,7 +21,9 @@ _ANSWER = "a behaviour only looks at bodies: it returns the command of its own"
 _SCRIPT = "a behaviour sees the moment alone; ask the world, in the script"
 INSTEAD: dict[str, str] = {
     **irsim_names.BODY,
-    **dict.fromkeys(("set_state", "set_velocity", "set_goal", "append_goal", "step", "remove", "reset"), _ANSWER),
+    **dict.fromkeys(
+        ("set_state", "set_velocity", "set_goal", "append_goal", "clear_flags", "step", "remove", "reset"), _ANSWER
+    ),
     **dict.fromkeys(("env_param", "_env_param", "_env", "plot", "set_text", "set_goal_text", "refresh"), _SCRIPT),
     **dict.fromkeys(("sensor_step", "check_status", "check_arrive_status", "check_collision_status"), _SCRIPT),
     **dict.fromkeys(("info", "get_info"), "its names are here themselves: shape, kinematics, vel_min, vel_max, goal"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from irsim_gym import __version__
+from irsim_gym import __version__ as __version__
 from irsim_gym.behaviors.by_drive import (
     register_behavior,
     register_behavior_class,
@@ -20,8 +20,8 @@ from irsim_gym.behaviors.by_drive import (
 from irsim_gym.behaviors.views import BodyView as ObjectBase
 from irsim_gym.errors import suggestion
 from irsim_gym.irsim.avoidance import DiffRVO, OmniRVO, reciprocal_vel_obs
+from irsim_gym.irsim.base_world import EnvBase
 from irsim_gym.irsim.dashing import AckerDash, DiffDash, OmniAngularDash, OmniDash
-from irsim_gym.irsim.environment import EnvBase
 from irsim_gym.irsim.factory import GeometryFactory
 from irsim_gym.irsim.rotations import (
     ClipTo2Pi,
@@ -72,7 +72,6 @@ __all__ = [
     "WrapTo2Pi",
     "WrapToPi",
     "WrapToRegion",
-    "__version__",
     "cross_product",
     "diff_to_omni",
     "dist_hypot",

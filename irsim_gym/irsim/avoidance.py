@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NoReturn, final
+from typing import TYPE_CHECKING, Any, NoReturn, final
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class reciprocal_vel_obs:  # noqa: N801
         factor: float = 1.0,
         line_obs_list: Rows | None = None,
     ) -> None:
-        self._options = {"vxmax": vxmax, "vymax": vymax, "acce": acce, "factor": factor}
+        self._options: dict[str, Any] = {"vxmax": vxmax, "vymax": vymax, "acce": acce, "factor": factor}
         self.update(state, obs_state_list, line_obs_list)
 
     if not TYPE_CHECKING:
@@ -62,7 +62,7 @@ class reciprocal_vel_obs:  # noqa: N801
         """
         if mode not in ("rvo", "hrvo", "vo"):
             raise ValueError(f"mode must be 'rvo', 'hrvo' or 'vo', got {mode!r}")
-        own, options = list(map(float, self.state[:7])), Rvo(mode=mode, **self._options)
+        own, options = list(map(float, self.state[:7])), Rvo(**{**self._options, "mode": mode})
         rounds = np.zeros(len(self.obs_state_list), DISC)
         for disc, row in zip(rounds, self.obs_state_list, strict=True):
             seen = [*row[:2], 0.0, 0.0, row[2]] if len(row) == 3 else row

@@ -12,7 +12,10 @@ IN_FILE = "it stands in the scenario: world.scenario; create_robot() and create_
 
 BODY: dict[str, str] = {
     **irsim_names.BODY,
-    **dict.fromkeys(("memory", "uniform", "normal"), "it belongs to a behaviour; a script has variables and NumPy"),
+    "memory": "a behaviour's memory is its own; a script has variables",
+    **dict.fromkeys(
+        ("uniform", "normal"), "a behaviour draws from the world's stream; a script has NumPy's generators"
+    ),
     **dict.fromkeys(("set_text", "set_goal_text"), DRAWN),
     **dict.fromkeys(("G", "h", "cone_type", "convex_flag"), "use get_Gh(), get_init_Gh(), whose fields these are"),
     "plot": "use spec.plot; render() draws",

@@ -220,7 +220,7 @@ class Population:
         moves.scatter(simulation, bodies, range_low, range_high, apart=non_overlapping)
         self._status.refresh()
 
-    def random_polygon_shape(self, *others: object, **named: object) -> None:
+    def random_polygon_shape(self, /, *others: object, **named: object) -> None:
         """Do nothing where no obstacle is a polygon, as in IR-SIM.
 
         Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn, cast
 
 from irsim_gym.live import hints
 from irsim_gym.live.run_status import RunStatus
@@ -80,15 +80,13 @@ class WorldRecord:
             raise AttributeError(message, name=name, obj=self)
 
 
-class WorldLogger(logging.LoggerAdapter[logging.Logger]):
-    """A logger with the methods that IR-SIM adds; its others are those of Python's ``logging.Logger``."""
+class WorldLogger(logging.Logger):
+    """A logger with the methods that IR-SIM adds."""
 
     if not TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> Any:
-            if name == "CONSOLE_FORMAT":
-                raise AttributeError("a logger has no 'CONSOLE_FORMAT': logging.Formatter has the formats", name=name)
-            return getattr(self.logger, name)
+        def __getattr__(self, name: str) -> NoReturn:
+            raise AttributeError(f"a logger has no '{name}': it is one of Python's logging", name=name, obj=self)
 
     def success(self, message: str) -> None:
         """Log a message at the level INFO."""
@@ -100,7 +98,7 @@ class WorldLogger(logging.LoggerAdapter[logging.Logger]):
 
     def warning_once(self, message: str, key: object = None) -> None:
         """Log a warning unless the same one, or one with the same key, was logged."""
-        told = self.logger.__dict__.setdefault("told", set())
+        told = self.__dict__.setdefault("told", set())
         if (mark := message if key is None else key) not in told:
             told.add(mark)
             self.warning(message)
@@ -190,4 +188,6 @@ class WorldInfo:
         By default, Python shows warnings and errors; after ``logging.basicConfig(level="INFO")``, it shows all
         messages.
         """
-        return WorldLogger(logging.getLogger(f"irsim_gym.{self.name}"))
+        logger = logging.getLogger(f"irsim_gym.{self.name}")
+        logger.__class__ = WorldLogger  # logging makes all loggers of one class
+        return cast(WorldLogger, logger)

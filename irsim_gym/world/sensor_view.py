@@ -26,15 +26,21 @@ class SensorView:
         options: Its options in the file.
     """
 
-    __slots__ = ("_index", "options", "parent")
+    __slots__ = ("_index", "_range_index", "options", "parent")
 
     options: Any
     parent: BodyReadings
 
     def __init__(self, body: BodyReadings, index: int) -> None:
         self.parent, self.options = body, body.spec.sensors[index]
-        before = body.spec.sensors[:index]
-        self._index = sum(1 for options in before if options.reading == "ranges")
+        self._index = index
+        self._range_index = sum(1 for options in body.spec.sensors[:index] if options.reading == "ranges")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SensorView) and (other.parent, other._index) == (self.parent, self._index)
+
+    def __hash__(self) -> int:
+        return hash((self.parent, self._index))
 
     def __repr__(self) -> str:
         return f"<{self.sensor_type} of {self.parent.name}>"
@@ -70,11 +76,11 @@ class SensorView:
         Raises:
             UnknownNameError: It is no range sensor.
         """
-        return self.parent.scan(self._index)
+        return self.parent.scan(self._range_index)
 
     def get_points(self) -> Floats | None:
         """Return the points that the latest scan hit, in the sensor's frame [m], shape ``(2, n)``; None without any."""
-        return self.parent.scan_points(self._index)
+        return self.parent.scan_points(self._range_index)
 
     scan_to_pointcloud = get_points
 

@@ -64,5 +64,5 @@ def shapely_cells(occupied: Flags, left: float, bottom: float, width: float, hei
 
     columns, rows = np.nonzero(occupied)
     x, y = left + columns * width, bottom + rows * height
-    boundary = shapely.union_all(shapely.box(x, y, x + width, y + height)).boundary
+    boundary: Any = shapely.union_all(shapely.box(x, y, x + width, y + height)).boundary
     return boundary if hasattr(boundary, "geoms") else shapely.MultiLineString([boundary])

@@ -13,6 +13,7 @@ from irsim_gym import families
 from irsim_gym.behaviors.views import INSTEAD, BodyView, EgoView
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live.body import Body
+from irsim_gym.world.sensor_view import SensorView
 
 ROBOT: dict[str, Any] = {
     "name": "me",
@@ -70,6 +71,8 @@ def plain(value: Any) -> Any:
     """Return a value as plain data, bodies by their names."""
     if isinstance(value, (BodyView, Body)):
         return value.name
+    if isinstance(value, SensorView):
+        return value.options
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, dict):

@@ -150,6 +150,7 @@ def test_a_lidar() -> None:
         [1.02 + 0.1 * math.cos(0.03), 1 + 0.1 * math.sin(0.03), 0.03]
     )
     assert lidar.parent == robot
+    assert (lidar == robot.sensors[0], len({lidar, *robot.sensors})) == (True, 1)
     assert world().robot.sensors[0].offset == (0.1, 0.0, 0.0)
     assert here.robots[1].lidar is None
     with pytest.raises(AttributeError, match=r"a sensor 'lidar2d' has no 'rang_max' \(did you mean 'range_"):
