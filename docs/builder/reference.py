@@ -63,6 +63,7 @@ SECTIONS = {
             "irsim_gym.live.world.World",
             "irsim_gym.live.body.Body",
             "irsim_gym.world.irsim_readings.IrSimReadings",
+            "irsim_gym.world.sensor_view.SensorView",
             *(f"irsim_gym.live.body_info.{name}" for name in ("RobotInfo", "ObstacleInfo", "HalfPlanes")),
             "irsim_gym.live.drawing.Drawing",
             "irsim_gym.live.drawing.Drawn",

@@ -14,8 +14,15 @@ if TYPE_CHECKING:
     from irsim_gym.world.body_readings import BodyReadings
 
 
+SCANNED = {"range_data": "ranges", "angle_inc": "angle_increment", "time_inc": "time_increment"}
+"""IR-SIM's names for what ``scan`` reports under others."""
+
+
 class SensorView:
-    """A sensor of one body. Its options, and what its scan reports, can be read as attributes: ``number``, ``valid``.
+    """A sensor of one body.
+
+    Its options can be read as attributes, such as ``number`` and ``range_max``, and so can all that its latest scan
+    reports: ``range_data`` [m], ``valid``, ``angle_min``, ``angle_max``, ``angle_inc`` [rad] and others.
 
     Args:
         body: The body.
@@ -48,10 +55,12 @@ class SensorView:
     if not TYPE_CHECKING:  # a type checker would otherwise accept any name
 
         def __getattr__(self, name: str) -> Any:
+            if name in self.__slots__:  # not set yet, while it is copied
+                raise AttributeError(name, name=name, obj=self)
             if hasattr(self.options, name):
                 return getattr(self.options, name)
-            if self.options.reading == "ranges" and name in (report := self.get_scan()):
-                return report[name]
+            if self.options.reading == "ranges" and SCANNED.get(name, name) in (report := self.get_scan()):
+                return report[SCANNED.get(name, name)]
             message = missing(f"a sensor '{self.sensor_type}'", name, SENSOR, dir(self))
             raise AttributeError(message, name=name, obj=self)
 
@@ -85,34 +94,9 @@ class SensorView:
     scan_to_pointcloud = get_points
 
     @property
-    def range_data(self) -> Floats:
-        """Ranges of the latest scan [m], shape ``(n_beams,)``."""
-        return np.asarray(self.get_scan()["ranges"])
-
-    @property
     def angle_list(self) -> Floats:
         """Directions of the beams in the sensor frame [rad], shape ``(n_beams,)``."""
         return np.array(self.options.angles(), np.float64)
-
-    @property
-    def angle_min(self) -> float:
-        """Direction of the first beam [rad]."""
-        return float(self.angle_list[0])
-
-    @property
-    def angle_max(self) -> float:
-        """Direction of the last beam [rad]."""
-        return float(self.angle_list[-1])
-
-    @property
-    def angle_inc(self) -> float:
-        """Angle between neighbouring beams [rad]."""
-        return float(self.get_scan()["angle_increment"])
-
-    @property
-    def time_inc(self) -> float:
-        """Time between beams [s]: 0, a scan is instantaneous."""
-        return 0.0
 
     @property
     def obj_id(self) -> int:
