@@ -118,7 +118,12 @@ SECTIONS = {
         ),
     ),
     "plugins": Section("irsim_gym.plugins", "Kinds of your own.", "irsim_gym.plugins"),
-    "irsim": Section("irsim_gym.irsim", "What scripts import from IR-SIM, under its names.", "irsim_gym.irsim"),
+    "irsim": Section(
+        "irsim_gym.irsim",
+        "What scripts import from IR-SIM, under its names.",
+        "irsim_gym.irsim",
+        names=("irsim_gym.irsim.factory.ShapeOutline",),
+    ),
     "errors": Section("irsim_gym.errors", "Errors and warnings.", "irsim_gym.errors"),
 }
 

@@ -25,7 +25,7 @@ class reciprocal_vel_obs:  # noqa: N801
         vxmax: Greatest velocity along x [m/s].
         vymax: Greatest velocity along y [m/s].
         acce: Greatest change of each component [m/s].
-        factor: Weight of the time to a collision where each velocity leads to one.
+        factor: Weight, without unit, of the time to a collision where each velocity leads to one.
         line_obs_list: Walls: x, y, x, y [m].
     """
 
@@ -48,7 +48,7 @@ class reciprocal_vel_obs:  # noqa: N801
             raise AttributeError(f"reciprocal_vel_obs has no '{name}': cal_vel(mode) does it all", name=name, obj=self)
 
     def update(self, state: Sequence[float], obs_state_list: Rows | None, line_obs_list: Rows | None = None) -> None:
-        """Replace the body, the others and the walls; see the class."""
+        """Replace the body (``state``), the others (``obs_state_list``) and the walls (``line_obs_list``)."""
         self.state, self.obs_state_list, self.line_obs_list = state, obs_state_list or [], line_obs_list or []
 
     def cal_vel(self, mode: str = "rvo") -> list[float]:
@@ -85,12 +85,12 @@ def OmniRVO(  # noqa: N802
     """Return the velocity vx, vy in the world frame that ``rvo`` chooses [m/s], shape ``(2, 1)``.
 
     Args:
-        state_tuple: ``rvo_state`` of the body.
-        neighbor_list: ``rvo_neighbor_state`` of others.
+        state_tuple: ``rvo_state`` of the body [m, m/s, rad].
+        neighbor_list: ``rvo_neighbor_state`` of others [m, m/s].
         vxmax: Greatest velocity along x [m/s].
         vymax: Greatest velocity along y [m/s].
         acce: Greatest change of each component [m/s].
-        factor: Weight of the time to a collision where each velocity leads to one.
+        factor: Weight, without unit, of the time to a collision where each velocity leads to one.
         mode: ``rvo``, ``hrvo`` or ``vo``.
         neighbor_threshold: Others whose centres are farther away are not seen [m].
         line_segments: Walls: x, y, x, y [m].
@@ -111,10 +111,13 @@ def DiffRVO(  # noqa: N802
     neighbor_threshold: float = 3.0,
     line_segments: Rows | None = None,
 ) -> Floats:
-    """Return the command (linear, angular) of a differential drive that follows ``OmniRVO`` [m/s, rad/s].
+    """Return the command (linear, angular) of a differential drive that follows ``OmniRVO``, shape ``(2, 1)``.
 
-    The last entry of ``state_tuple`` is the heading [rad]. With nobody in sight and the goal behind it, the robot
-    turns on the spot.
+    With nobody in sight and the goal behind it, the robot turns on the spot. ``neighbor_list``, ``vxmax``, ``vymax``,
+    ``acce``, ``factor``, ``mode``, ``neighbor_threshold`` and ``line_segments`` are those of ``OmniRVO``.
+
+    Args:
+        state_tuple: ``rvo_state`` of the body [m, m/s, rad], with the heading at its end.
     """
     others = neighbor_list, vxmax, vymax, acce, factor, mode, neighbor_threshold, line_segments
     command = vel_world2diff(state_tuple[-1], OmniRVO(state_tuple, *others))

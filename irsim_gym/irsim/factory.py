@@ -28,6 +28,9 @@ class ShapeOutline:
         length: Size along its own x axis [m].
         width: Size along its own y axis [m].
         original_vertices: Corners in its own frame [m], shape ``(2, n)``.
+
+    Raises:
+        ValueError: The shape is random.
     """
 
     def __init__(self, name: str, footprint: Any) -> None:

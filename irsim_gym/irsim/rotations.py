@@ -74,12 +74,21 @@ def WrapToRegion(rad: float, range: Sequence[float]) -> float:  # noqa: N802
 
 
 def dist_hypot(x1: float, y1: float, x2: float, y2: float) -> float:
-    """Return the distance between two points [m]."""
+    """Return the distance between two points [m].
+
+    Args:
+        x1, y1: One of them [m].
+        x2, y2: The other one [m].
+    """
     return math.hypot(x2 - x1, y2 - y1)
 
 
 def distance(point1: ArrayLike, point2: ArrayLike) -> float:
-    """Return the distance between two points ``[x, y]`` [m]."""
+    """Return the distance between two points [m].
+
+    Args:
+        point1, point2: x, y and perhaps more [m], flat or columns.
+    """
     return relative_position(point1, point2)[0]
 
 
@@ -105,32 +114,55 @@ def _column(*values: float) -> Floats:
 
 
 def get_transform(state: ArrayLike) -> tuple[Floats, Floats]:
-    """Return position ``(2, 1)`` [m] and rotation ``(2, 2)`` of a state ``[x, y]`` or ``[x, y, heading]``."""
+    """Return position [m], shape ``(2, 1)``, and rotation, shape ``(2, 2)``, of a state.
+
+    Args:
+        state: x, y and perhaps the heading [m, m, rad].
+    """
     x, y, heading = np.append(_row(state), 0.0)[:3]
     cosine, sine = math.cos(heading), math.sin(heading)
     return _column(x, y), np.array([[cosine, -sine], [sine, cosine]])
 
 
 def transform_point_with_state(point: ArrayLike, state: ArrayLike) -> Floats:
-    """Return a pose ``[x, y, heading]`` in the frame of a state as a pose in the world, shape ``(3, 1)``."""
+    """Return a pose in the frame of a state as a pose in the world [m, m, rad], shape ``(3, 1)``.
+
+    Args:
+        point: x, y, heading in the frame [m, m, rad].
+        state: x, y, heading of the frame [m, m, rad].
+    """
     place, rotation = get_transform(state)
     x, y = (rotation @ _row(point)[:2, None] + place)[:, 0]
     return _column(x, y, WrapToPi(_row(point)[2] + _row(state)[2]))
 
 
 def get_affine_transform(state: ArrayLike) -> list[float]:
-    """Return the numbers ``[a, b, d, e, x, y]`` of ``shapely.affinity.affine_transform`` for a state."""
+    """Return what ``shapely.affinity.affine_transform`` takes for a state.
+
+    Args:
+        state: x, y and perhaps the heading [m, m, rad].
+    """
     place, rotation = get_transform(state)
     return [*map(float, rotation.ravel()), *map(float, place.ravel())]
 
 
 def geometry_transform(geometry: Any, state: ArrayLike) -> Any:
-    """Return a shapely geometry turned by the heading and moved to the place of a state ``[x, y, heading]``."""
+    """Return a shapely geometry turned by the heading and moved to the place of a state.
+
+    Args:
+        geometry: The geometry.
+        state: x, y and perhaps the heading [m, m, rad].
+    """
     return moved(geometry, *map(float, np.append(_row(state), 0.0)[:3]))
 
 
 def vertices_transform(vertices: Floats | None, state: ArrayLike | None) -> Floats | None:
-    """Return points ``(2, n)`` in the frame of a state as points of the world [m]; None without points or state."""
+    """Return points in the frame of a state as points of the world [m], shape ``(2, n)``; None without both.
+
+    Args:
+        vertices: The points [m], shape ``(2, n)``.
+        state: x, y and perhaps the heading [m, m, rad].
+    """
     if vertices is None or state is None:
         return None
     place, rotation = get_transform(state)
@@ -138,17 +170,32 @@ def vertices_transform(vertices: Floats | None, state: ArrayLike | None) -> Floa
 
 
 def vel_omni2world(state_ori: float, vel_body: ArrayLike) -> Floats:
-    """Return a velocity ahead and to the left [m/s] as vx, vy of the world, shape ``(2, 1)``."""
+    """Return a velocity of the body as vx, vy of the world [m/s], shape ``(2, 1)``.
+
+    Args:
+        state_ori: Heading of the body [rad].
+        vel_body: Velocity ahead and to the left [m/s].
+    """
     return np.asarray(get_transform([0.0, 0.0, state_ori])[1] @ _row(vel_body)[:2, None])
 
 
 def vel_world2omni(state_ori: float, vel_world: ArrayLike) -> Floats:
-    """Return a velocity vx, vy of the world [m/s] as one ahead and to the left, shape ``(2, 1)``."""
+    """Return a velocity of the world as one ahead and to the left [m/s], shape ``(2, 1)``.
+
+    Args:
+        state_ori: Heading of the body [rad].
+        vel_world: vx, vy [m/s].
+    """
     return vel_omni2world(-state_ori, vel_world)
 
 
 def vel_diff2world(state_ori: float, vel_diff: ArrayLike) -> Floats:
-    """Return a command (linear, angular) [m/s, rad/s] as vx, vy of the world, shape ``(2, 1)``."""
+    """Return the command of a differential drive as vx, vy of the world [m/s], shape ``(2, 1)``.
+
+    Args:
+        state_ori: Heading of the body [rad].
+        vel_diff: Linear and angular velocity [m/s, rad/s].
+    """
     return vel_omni2world(state_ori, [np.append(_row(vel_diff), 0.0)[0], 0.0])
 
 
@@ -182,12 +229,21 @@ omni_to_diff, diff_to_omni = vel_world2diff, vel_diff2world
 
 
 def cross_product(o: Sequence[float], a: Sequence[float], b: Sequence[float]) -> float:
-    """Return the cross product of the vectors from o to a and from o to b."""
+    """Return the cross product of two vectors [m2].
+
+    Args:
+        o: Where both begin: x, y [m].
+        a, b: Where they end [m].
+    """
     return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 
 
 def is_convex_and_ordered(points: Floats) -> tuple[bool, str | None]:
-    """Return whether corners ``(2, n)`` make a convex polygon, and their order: ``CCW``, ``CW``, or None if not."""
+    """Return whether a polygon is convex, and the order of its corners: ``CCW``, ``CW``, or None if it is not.
+
+    Args:
+        points: Its corners [m], shape ``(2, n)``.
+    """
     corners = np.asarray(points, np.float64).T
     if len(corners) < 3:
         return False, None
@@ -199,9 +255,12 @@ def is_convex_and_ordered(points: Floats) -> tuple[bool, str | None]:
 
 
 def gen_inequal_from_vertex(vertex: Floats) -> tuple[Floats | None, Floats | None]:
-    """Return G ``(n, 2)`` and h ``(n, 1)`` of a convex polygon with corners ``(2, n)``, whose points have G p <= h.
+    """Return G, shape ``(n, 2)``, and h, shape ``(n, 1)``, of a convex polygon: its points p have G p <= h.
 
     Both are None for a polygon that is not convex.
+
+    Args:
+        vertex: Its corners [m], shape ``(2, n)``.
     """
     corners = np.asarray(vertex, np.float64).T
     corners = corners[::-1] if is_convex_and_ordered(vertex)[1] == "CW" else corners
@@ -216,7 +275,7 @@ def to_numpy(
 
     Args:
         data: The numbers; None for the default.
-        default: What stands for None.
+        default: What stands for None, of any shape.
         expected_shape: Shape of the result.
     """
     chosen = default if data is None else np.asarray(data)

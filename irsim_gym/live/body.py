@@ -209,10 +209,12 @@ class Body(IrSimReadings):
             getattr(self._now, field)[0, self._b] = False
 
     def step(self, velocity: Sequence[float] | Floats | None = None, sensor_step: bool = True) -> Floats:
-        """Move it alone for one step, within its limits, and return its state; time, others and flags stay.
+        """Move it alone for one step, within its limits, and return ``state``, in its shape.
+
+        Time, other bodies and flags stay.
 
         Args:
-            velocity: A command of its drive [m/s or rad/s]; None for that of its behaviour.
+            velocity: A command of its drive [m/s or rad/s], shape ``(n,)`` or a column; None for that of its behaviour.
             sensor_step: Take new scans.
 
         Raises:
