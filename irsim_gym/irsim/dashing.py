@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.irsim.rotations import WrapToPi, relative_position
+from irsim_gym.irsim.rotations import WrapToPi, as_row, relative_position
 
 
 def DiffDash(  # noqa: N802
@@ -31,7 +31,7 @@ def DiffDash(  # noqa: N802
         angular_acce: With this deceleration, it turns no faster than it can brake [rad/s2].
         dt: Duration of a step [s].
     """
-    (speed, rate), away, error = _row(max_vel), *_bearing(state, goal)
+    (speed, rate), away, error = as_row(max_vel), *_bearing(state, goal)
     if away < goal_threshold:
         return np.zeros((2, 1))
     turn = _turn_rate(error, rate, angle_tolerance, angular_acce, dt)
@@ -48,7 +48,7 @@ def OmniDash(state: ArrayLike, goal: ArrayLike, max_vel: ArrayLike, goal_thresho
         goal_threshold: Up to this distance from the goal, it stands [m].
     """
     away, error = _bearing(state, goal)
-    ahead, left = _row(max_vel)[:2]
+    ahead, left = as_row(max_vel)[:2]
     stands = away <= goal_threshold
     return np.zeros((2, 1)) if stands else np.array([[ahead * math.cos(error)], [left * math.sin(error)]])
 
@@ -73,11 +73,11 @@ def OmniAngularDash(  # noqa: N802
         angular_acce: With this deceleration, it turns no faster than it can brake [rad/s2].
         dt: Duration of a step [s].
     """
-    velocity, heading, target = OmniDash(state, goal, max_vel, goal_threshold), _row(state)[2], _row(goal)
+    velocity, heading, target = OmniDash(state, goal, max_vel, goal_threshold), as_row(state)[2], as_row(goal)
     error = _bearing(state, goal)[1]
     if relative_position(state, goal)[0] <= goal_threshold:
         error = WrapToPi(target[2] - heading) if len(target) > 2 else 0.0
-    turn = _turn_rate(error, _row(max_vel)[2], angle_tolerance, angular_acce, dt)
+    turn = _turn_rate(error, as_row(max_vel)[2], angle_tolerance, angular_acce, dt)
     return np.vstack([velocity, [[turn]]])
 
 
@@ -93,21 +93,17 @@ def AckerDash(  # noqa: N802
         goal_threshold: Nearer to the goal than this, it stands [m].
         angle_tolerance: It does not steer for a smaller angle [rad].
     """
-    (speed, steepest), away, error = _row(max_vel), *_bearing(state, goal)
+    (speed, steepest), away, error = as_row(max_vel), *_bearing(state, goal)
     if away < goal_threshold:
         return np.zeros((2, 1))
     steering = 0.0 if abs(error) < angle_tolerance else min(max(error, -steepest), steepest)
     return np.array([[speed], [steering]])
 
 
-def _row(values: ArrayLike) -> Floats:
-    return np.asarray(values, np.float64).reshape(-1)
-
-
 def _bearing(state: ArrayLike, goal: ArrayLike) -> tuple[float, float]:
     """Return the distance of a goal [m], and its direction from the heading [rad]."""
     away, direction = relative_position(state, goal)
-    return away, WrapToPi(direction - np.append(_row(state), 0.0)[2])
+    return away, WrapToPi(direction - np.append(as_row(state), 0.0)[2])
 
 
 def _turn_rate(error: float, fastest: float, tolerance: float, deceleration: float, dt: float) -> float:

@@ -100,12 +100,13 @@ def relative_position(position1: ArrayLike, position2: ArrayLike, topi: bool = T
         position2: To where.
         topi: Straight back is -pi, not pi.
     """
-    x, y = _row(position2)[:2] - _row(position1)[:2]
+    x, y = as_row(position2)[:2] - as_row(position1)[:2]
     bearing = math.atan2(y, x)
     return math.hypot(x, y), WrapToPi(bearing) if topi else bearing
 
 
-def _row(values: ArrayLike) -> Floats:
+def as_row(values: ArrayLike) -> Floats:
+    """Return numbers as a flat array, shape ``(n,)``."""
     return np.asarray(values, np.float64).reshape(-1)
 
 
@@ -119,7 +120,7 @@ def get_transform(state: ArrayLike) -> tuple[Floats, Floats]:
     Args:
         state: x, y and perhaps the heading [m, m, rad].
     """
-    x, y, heading = np.append(_row(state), 0.0)[:3]
+    x, y, heading = np.append(as_row(state), 0.0)[:3]
     cosine, sine = math.cos(heading), math.sin(heading)
     return _column(x, y), np.array([[cosine, -sine], [sine, cosine]])
 
@@ -132,8 +133,8 @@ def transform_point_with_state(point: ArrayLike, state: ArrayLike) -> Floats:
         state: x, y, heading of the frame [m, m, rad].
     """
     place, rotation = get_transform(state)
-    x, y = (rotation @ _row(point)[:2, None] + place)[:, 0]
-    return _column(x, y, WrapToPi(_row(point)[2] + _row(state)[2]))
+    x, y = (rotation @ as_row(point)[:2, None] + place)[:, 0]
+    return _column(x, y, WrapToPi(as_row(point)[2] + as_row(state)[2]))
 
 
 def get_affine_transform(state: ArrayLike) -> list[float]:
@@ -153,7 +154,7 @@ def geometry_transform(geometry: Any, state: ArrayLike) -> Any:
         geometry: The geometry.
         state: x, y and perhaps the heading [m, m, rad].
     """
-    return moved(geometry, *map(float, np.append(_row(state), 0.0)[:3]))
+    return moved(geometry, *map(float, np.append(as_row(state), 0.0)[:3]))
 
 
 def vertices_transform(vertices: Floats | None, state: ArrayLike | None) -> Floats | None:
@@ -176,7 +177,7 @@ def vel_omni2world(state_ori: float, vel_body: ArrayLike) -> Floats:
         state_ori: Heading of the body [rad].
         vel_body: Velocity ahead and to the left [m/s].
     """
-    return np.asarray(get_transform([0.0, 0.0, state_ori])[1] @ _row(vel_body)[:2, None])
+    return np.asarray(get_transform([0.0, 0.0, state_ori])[1] @ as_row(vel_body)[:2, None])
 
 
 def vel_world2omni(state_ori: float, vel_world: ArrayLike) -> Floats:
@@ -196,7 +197,7 @@ def vel_diff2world(state_ori: float, vel_diff: ArrayLike) -> Floats:
         state_ori: Heading of the body [rad].
         vel_diff: Linear and angular velocity [m/s, rad/s].
     """
-    return vel_omni2world(state_ori, [np.append(_row(vel_diff), 0.0)[0], 0.0])
+    return vel_omni2world(state_ori, [np.append(as_row(vel_diff), 0.0)[0], 0.0])
 
 
 def vel_world2diff(

@@ -49,10 +49,12 @@ PARAM: dict[str, str] = dict.fromkeys(("drive_tau", "friction", "gravity", "rest
 """Names of IR-SIM's ``world_param``."""
 
 WORLD_RECORD: dict[str, str] = {
-    **dict.fromkeys(("get_map", "gen_grid_map", "grid_map", "reso"), "use get_map() of the world itself"),
-    **dict.fromkeys(("obstacle_index", "obstacle_positions"), "use get_map() of the world itself"),
-    **dict.fromkeys(("step", "reset", "logger"), "use that of the world itself"),
-    **dict.fromkeys(("sampling", "sample_steps"), "use sampling of the world itself, sample_time"),
+    **dict.fromkeys(
+        ("gen_grid_map", "grid_map", "reso", "obstacle_index", "obstacle_positions"),
+        "use get_map() of the world itself",
+    ),
+    **dict.fromkeys(("step", "reset"), "use that of the world itself, which moves its bodies too"),
+    "sample_steps": "use sample_time, step_time",
     "fog_map": "use simulation.explored of the world itself",
     "plot_parse": IN_FILE,
 }

@@ -23,7 +23,7 @@ from irsim_gym.live.roster import Reference
 from irsim_gym.live.run_status import ControlMode, RunStatus
 from irsim_gym.live.track import Track
 from irsim_gym.live.viewer import Viewer
-from irsim_gym.live.world_info import WorldInfo
+from irsim_gym.live.world_info import WorldInfo, WorldRecord
 from irsim_gym.scenario import Scenario
 
 
@@ -220,7 +220,6 @@ class World:
     x_range = Attribute("_info", WorldInfo.x_range)
     y_range = Attribute("_info", WorldInfo.y_range)
     logger = Attribute("_info", WorldInfo.logger)
-    _world = Attribute("_info", WorldInfo.record)
     _objects = Attribute("_population", Population.objects)
 
     def reset_plot(self) -> None:
@@ -231,6 +230,10 @@ class World:
 
     def validate_unique_names(self) -> None:
         """Do nothing: names of bodies are always unique."""
+
+    @property
+    def _world(self) -> WorldRecord:
+        return WorldRecord(self)
 
     @property
     def simulation(self) -> Simulation:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NoReturn, cast
+from typing import TYPE_CHECKING, Any, NoReturn, cast
+
+import numpy as np
 
 from irsim_gym.live import hints
 from irsim_gym.live.run_status import RunStatus
@@ -41,43 +43,43 @@ class WorldParam:
             raise AttributeError(message, name=name, obj=self)
 
 
-@dataclass(frozen=True)
 class WorldRecord:
-    """What scripts read from IR-SIM's private ``_world``.
+    """IR-SIM's private ``_world``: sizes of the world, and the names that the world itself has.
 
-    Attributes:
-        name: Its name.
-        width: Size along x [m].
-        height: Size along y [m].
-        offset: x, y of the lower left corner [m].
-        x_range: Minimum and maximum x [m].
-        y_range: Minimum and maximum y [m].
-        time: Elapsed time [s].
-        count: Steps since the reset.
-        step_time: Duration of a step [s].
-        sample_time: Time between frames [s].
-        step_mode: ``internal`` or ``external``.
-        status: The status as text.
+    Args:
+        world: The world.
     """
 
-    name: str
-    width: float
-    height: float
-    offset: tuple[float, float]
-    x_range: tuple[float, float]
-    y_range: tuple[float, float]
-    time: float
-    count: int
-    step_time: float
-    sample_time: float
-    step_mode: str
-    status: str
+    def __init__(self, world: Any) -> None:
+        self._own = world
 
     if not TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> NoReturn:
-            message = hints.missing("_world", name, hints.WORLD_RECORD, dir(self))
-            raise AttributeError(message, name=name, obj=self)
+        def __getattr__(self, name: str) -> Any:
+            if name in hints.WORLD_RECORD or not hasattr(self._own, name):
+                message = hints.missing("_world", name, hints.WORLD_RECORD, dir(self._own))
+                raise AttributeError(message, name=name, obj=self)
+            return getattr(self._own, name)
+
+    @property
+    def offset(self) -> list[float]:
+        """x, y of the lower left corner [m]."""
+        return [self._own.x_range[0], self._own.y_range[0]]
+
+    @property
+    def width(self) -> float:
+        """Size along x [m]."""
+        return float(np.ptp(self._own.x_range))
+
+    @property
+    def height(self) -> float:
+        """Size along y [m]."""
+        return float(np.ptp(self._own.y_range))
+
+    @property
+    def sample_time(self) -> float:
+        """Time between frames [s]."""
+        return float(self._own.world_param.sample_time)
 
 
 class WorldLogger(logging.Logger):
@@ -153,21 +155,6 @@ class WorldInfo:
         world = self._scenario.world
         modes = self.step_mode, self._status.control_mode, world.collision_mode
         return WorldParam(self.time, self.count, self.step_time, world.sample_time, *modes)
-
-    @property
-    def record(self) -> WorldRecord:
-        """What IR-SIM's private ``_world`` tells."""
-        (left, right), (low, high), param = self.x_range, self.y_range, self.world_param
-        return WorldRecord(
-            self.name,
-            right - left,
-            high - low,
-            (left, low),
-            (left, right),
-            (low, high),
-            *(param.time, param.count, param.step_time, param.sample_time, param.step_mode),
-            self._status.text,
-        )
 
     @property
     def x_range(self) -> tuple[float, float]:

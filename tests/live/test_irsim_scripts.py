@@ -59,10 +59,13 @@ def test_the_world_inside() -> None:
     here = columns(world={"width": 8, "height": 6, "offset": [-1, 2]})
     inside = here._world
     assert (inside.width, inside.height, inside.x_range, inside.y_range) == (8.0, 6.0, (-1.0, 7.0), (2.0, 8.0))
-    assert (inside.step_time, inside.time, inside.count, inside.offset) == (0.1, 0.0, 0, (-1.0, 2.0))
+    assert (inside.step_time, inside.time, inside.count, inside.offset) == (0.1, 0.0, 0, [-1.0, 2.0])
     assert here._objects == here.objects
-    with pytest.raises(AttributeError, match=r"_world has no 'get_map': use get_map\(\) of the world itself"):
-        _ = inside.get_map
+    assert (inside.name, inside.status, inside.sample_time, inside.sampling) == (here.name, "None", 0.1, True)
+    with pytest.raises(AttributeError, match=r"_world has no 'grid_map': use get_map\(\) of the world itself"):
+        _ = inside.grid_map
+    with pytest.raises(AttributeError, match=r"_world has no 'step': use that of the world itself"):
+        inside.step()
 
 
 @pytest.mark.parametrize("by_hand", [True, False])
