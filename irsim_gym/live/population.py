@@ -112,9 +112,9 @@ class Population:
         """Return the state of the first robot."""
         return self.robot.state
 
-    def get_robot_info(self, id: int = 0) -> RobotInfo:
-        """Return the properties of the body with this number."""
-        return self[id].info
+    def get_robot_info(self, id: int | str = 0) -> RobotInfo:
+        """Return the properties of the robot at this position in ``robots``, or of the body with this name."""
+        return self._robot(id).info
 
     def get_robot_info_list(self) -> list[RobotInfo]:
         """Return the properties of each robot."""
@@ -124,13 +124,27 @@ class Population:
         """Return the place and motion of each obstacle."""
         return [obstacle.obstacle_info for obstacle in self.obstacles]
 
-    def get_lidar_scan(self, id: int = 0) -> dict[str, Any]:
-        """Return the scan of a body's first range sensor; see ``Body.scan``."""
-        return self[id].scan()
+    def get_lidar_scan(self, id: int | str = 0) -> dict[str, Any]:
+        """Return the scan of a robot's first range sensor; ``id`` as for ``get_robot_info``. See ``Body.scan``."""
+        return self._robot(id).scan()
 
-    def get_lidar_offset(self, id: int = 0) -> tuple[float, float, float] | None:
-        """Return the mount pose of a body's first sensor in the body frame [m, m, rad]."""
-        return self[id].lidar_offset
+    def get_lidar_offset(self, id: int | str = 0) -> tuple[float, float, float] | None:
+        """Return where a robot's first sensor is in its frame [m, m, rad]; ``id`` as for ``get_robot_info``."""
+        return self._robot(id).lidar_offset
+
+    def _robot(self, position: int | str) -> Body:
+        """Return the robot at a position in ``robots``, as IR-SIM counts them, or the body with a name.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        if isinstance(position, str):
+            return self[position]
+        robots = self.robots
+        if not -len(robots) <= position < len(robots):
+            known = ", ".join(f"{k} '{robot.name}'" for k, robot in enumerate(robots)) or "none"
+            raise UnknownNameError(f"no robot number {position}; robots in the order of robot_list: {known}")
+        return robots[position]
 
     def add(self, /, role: Literal["robot", "obstacle"] = "obstacle", **entry: object) -> Body:
         """Add a body. Nothing else changes, and a reset keeps the body.

@@ -179,6 +179,22 @@ def test_bodies_by_keyword() -> None:
     assert here.names == ["robot_0", "obstacle_2"]
 
 
+def test_numbers_of_robots_are_positions_among_the_robots() -> None:
+    """As in IR-SIM, also after a robot was added behind the obstacles, or deleted."""
+    here = world()
+    sensor = {"name": "lidar2d", "number": 3, "range_max": 2, "offset": [0.2, 0, 0]}
+    here.create_robot(**DIFF, state=[6, 1, 0], goal=[1, 6, 0], name="late", sensors=[sensor])
+    assert (here.robots[2].name, here["late"].id) == ("late", 4)
+    info = here.get_robot_info(2)
+    assert (info.name, info.id, info.goal.tolist()) == ("late", 4, [1, 6, 0])
+    assert len(here.get_lidar_scan(2)["ranges"]) == len(here.get_lidar_scan(-1)["ranges"]) == 3
+    assert here.get_lidar_offset(2) == here.get_lidar_offset("late") == (0.2, 0.0, 0.0)
+    here.delete_object(1)
+    assert here.get_robot_info(1).name == "late"
+    with pytest.raises(UnknownNameError, match="no robot number 2; robots in the order of robot_list: 0 'robot_0', 1 'late'"):
+        here.get_robot_info(2)
+
+
 def test_a_seed_may_begin_anew(here: Path) -> None:
     drawn = {"robot": {**DIFF, "distribution": {"name": "random"}}}
     first, second = irsim_gym.load(drawn, seed=7), irsim_gym.load(drawn, seed=1)
