@@ -35,19 +35,21 @@ class ScenarioError(IrsimGymError, ValueError):
     Args:
         file: The file.
         problems: Its problems, in the order of their lines.
+        advice: A last line.
     """
 
-    def __init__(self, file: str, problems: Sequence[Problem]) -> None:
+    def __init__(self, file: str, problems: Sequence[Problem], advice: str = "") -> None:
         self.file = file
         self.problems = tuple(dict.fromkeys(sorted(problems)))
+        self.advice = advice
         super().__init__(self._text())
 
-    def __reduce__(self) -> tuple[type[ScenarioError], tuple[str, tuple[Problem, ...]]]:
-        return type(self), (self.file, self.problems)
+    def __reduce__(self) -> tuple[type[ScenarioError], tuple[str, tuple[Problem, ...], str]]:
+        return type(self), (self.file, self.problems, self.advice)
 
     def _text(self) -> str:
-        count = len(self.problems)
-        return listing(f"{count} problem{'' if count == 1 else 's'} in {self.file}", self.file, self.problems)
+        head = f"{several(len(self.problems), 'problem')} in {self.file}"
+        return "\n".join([listing(head, self.file, self.problems), *filter(None, [self.advice])])
 
 
 class ScenarioWarning(UserWarning):

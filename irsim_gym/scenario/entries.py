@@ -157,17 +157,33 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
             check_keys(value, ["name"], place, report)
             return None
         value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
+    if key == "shape" and isinstance(value, Mapping) and name is None:
+        value = _named_shape(value, place, report)
     if key in SISTERS and isinstance(name, str) and name not in FAMILIES[key] and name in FAMILIES[SISTERS[key]]:
         report.add((*place, "name"), f"'{name}' is a {SISTERS[key]}: write `{SISTERS[key]}: {{name: {name}}}`")
         return BAD
-    if key == "group_behavior" and not report.strict and isinstance(name, str) and name not in GROUP_BEHAVIORS:
-        report.doubt(place, f"no group behavior named {show(name)}: each member decides by itself, as in IR-SIM 2.12.0")
-        return None
+    if key == "group_behavior" and isinstance(name, str) and name not in GROUP_BEHAVIORS:
+        report.could_be_lenient = True
+        if not report.strict:
+            why = "each member decides by itself, as in IR-SIM 2.12.0"
+            report.doubt(place, f"no group behavior named {show(name)}: {why}")
+            return None
     if report.may_pend and is_pending(key, value):
         made: Any = read_pending(key, value, place, report)
     else:
         made = build_named(FAMILIES[key], value, place, report)
     return BAD if made is None else made
+
+
+def _named_shape(shape: Mapping[str, Any], place: Place, report: Report) -> Mapping[str, Any]:
+    """Return a shape with a name if the reader is not strict: IR-SIM takes one without for a circle."""
+    if not set(shape) <= {"name", *option_fields(FOOTPRINTS.entry("circle").kind)}:
+        return shape
+    report.could_be_lenient = True
+    if report.strict:
+        return shape
+    report.doubt(place, "a shape without a name is a circle, as in IR-SIM 2.12.0")
+    return {**shape, "name": "circle"}
 
 
 def _read_sensors(value: object, place: Place, report: Report) -> object:

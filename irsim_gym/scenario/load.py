@@ -29,7 +29,14 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenari
 from irsim_gym.scenario.validation import BAD, Report, build
 from irsim_gym.scenario.whereabouts import unknown_key
 
-LENIENT = "To ignore unknown keys, pass strict=False, or --lenient on the command line."
+LENIENT = (
+    "With strict=False, or --lenient on the command line, unknown keys, unknown modes and repeated keys are warnings."
+)
+STAND_INS = {
+    "collision_mode": ("unobstructed", "bodies do not stop at a collision"),
+    "control_mode": ("auto", "behaviours and actions drive"),
+}
+"""What IR-SIM takes a word for that it does not know, by the key of ``world``, and what that means."""
 
 
 def load_scenario(
@@ -103,10 +110,9 @@ def read_scenario(
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
-        error = ScenarioError(source.title, list(report.problems))
-        if report.could_be_lenient:
-            error.add_note(LENIENT)
-        raise error
+        raise ScenarioError(
+            source.title, list(report.problems), LENIENT if report.strict and report.could_be_lenient else ""
+        )
     assert world is not None
     assert gui is not None
     return Scenario(
@@ -133,7 +139,7 @@ def _report_repeats(report: Report) -> None:
     """Report repeated keys as problems if strict, except whole sections; else as doubts, and the last one counts."""
     for problem, is_block in report.source.repeats:
         if report.strict and not is_block:
-            report.problems[problem] = None
+            report.problems[problem], report.could_be_lenient = None, True
         else:
             report.doubts[replace(problem, message=f"{problem.message}: only the last one counts")] = None
 
@@ -144,7 +150,10 @@ def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report
     for name in [name for name in sections if name not in SECTIONS]:
         if report.is_full:
             break
-        report.refuse((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
+        # Whoever writes `robots:` means all of its content, so that nothing of it may be ignored.
+        is_plural = f"{name}s" in SECTIONS or str(name).removesuffix("s") in SECTIONS
+        refuse = report.add if is_plural else report.refuse
+        refuse((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
         near = nearest(name, SECTIONS)
         if report.strict and near is not None and near not in sections:
             sections[near], places[near] = sections[name], (*roots[name], name)
@@ -155,6 +164,7 @@ def _world(data: object, place: Place, source: Source, report: Report) -> WorldS
     """Return the section ``world``, named after the file if it has no name."""
     if isinstance(data, Mapping):
         data = {**data, "collision_mode": _collision_mode(data.get("collision_mode"), place, report)}
+        data["control_mode"] = _known_mode(data.get("control_mode"), "control_mode", place, report)
         if data.get("name") is None and source.file:
             data = {**data, "name": Path(source.file).name.split(".")[0] or "world"}
     elif data is None and source.file:
@@ -172,10 +182,18 @@ def _collision_mode(mode: object, place: Place, report: Report) -> object:
     if mode == "contact":
         report.add(where, CONTACT_MESSAGE)
         return None
-    is_known = mode in literal_values(option_fields(WorldSpec)["collision_mode"].annotation)
-    if mode in UNOBSTRUCTED_MODES or (isinstance(mode, str) and not is_known and not report.strict):
-        report.doubt(where, f"{show(mode)} is 'unobstructed', as in IR-SIM 2.12.0: bodies do not stop at a collision")
-        return "unobstructed"
+    return _known_mode(mode, "collision_mode", place, report)
+
+
+def _known_mode(mode: object, key: str, place: Place, report: Report) -> object:
+    """Return the mode that a file's word stands for: if the reader is not strict, any word has IR-SIM's meaning."""
+    is_needless = key == "collision_mode" and mode in UNOBSTRUCTED_MODES
+    is_unknown = isinstance(mode, str) and mode not in literal_values(option_fields(WorldSpec)[key].annotation)
+    report.could_be_lenient |= is_unknown
+    if is_unknown and (is_needless or not report.strict):
+        stand_in, meaning = STAND_INS[key]
+        report.doubt((*place, key), f"{show(mode)} is '{stand_in}', as in IR-SIM 2.12.0: {meaning}")
+        return stand_in
     return mode
 
 

@@ -20,6 +20,9 @@ CONTACT_KEYS = {
 """Keys of IR-SIM's contact mode, which is not part of the language, by their mapping."""
 CONTACT_SENSOR = "contact2d"
 CONTACT_MESSAGE = "contact mode is not part of the scenario language"
+COASTING_MESSAGE = (
+    "contacts are not simulated yet: in IR-SIM 2.12.0 a body with a mass and no drive moves in every collision mode"
+)
 
 
 def show(value: object) -> str:

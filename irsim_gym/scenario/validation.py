@@ -17,8 +17,16 @@ from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, nearest, 
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
-from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate
-from irsim_gym.scenario.needless import NEEDLESS, mapping_of
+from irsim_gym.scenario.messages import (
+    COASTING_MESSAGE,
+    CONTACT_KEYS,
+    CONTACT_MESSAGE,
+    choices,
+    describe,
+    show,
+    translate,
+)
+from irsim_gym.scenario.needless import NEEDLESS, coasts, mapping_of
 from irsim_gym.scenario.options import LARGEST, OPTIONS_CONFIG, option_fields
 from irsim_gym.scenario.source import Place, Source, read_file
 from irsim_gym.scenario.whereabouts import elsewhere, unknown_key
@@ -203,7 +211,9 @@ def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, r
     contact, needless = CONTACT_KEYS.get(mapping, ()), NEEDLESS.get(mapping, {})
     spelt: dict[str, str] = {}
     for key in data:
-        if key in contact:
+        if key == "mass" and key in contact and coasts(data):
+            report.add((*place, key), COASTING_MESSAGE)
+        elif key in contact:
             report.refuse((*place, key), CONTACT_MESSAGE)
         elif key in needless and key not in known:
             report.ignore((*place, key), needless[key])

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from irsim_gym.cli import app
 from irsim_gym.errors import IgnoredKeyWarning, ScenarioError, ScenarioWarning
+from irsim_gym.footprints.circle import Circle
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.notes import notes
 from irsim_gym.tasks import load_task
@@ -101,7 +102,7 @@ def test_unknown_keys_are_errors_unless_the_reader_is_lenient(tmp_path: Path) ->
     with pytest.raises(ScenarioError) as refused:
         load_scenario(write(tmp_path, UNKNOWN))
     assert {(problem.line, problem.path) for problem in refused.value.problems} >= set(UNKNOWN_TOLD)
-    assert "strict=False" in "".join(refused.value.__notes__)
+    assert "strict=False" in str(refused.value)
     scenario, (warning,) = load(tmp_path, UNKNOWN, strict=False)
     assert type(warning) is IgnoredKeyWarning
     told = {(problem.line, problem.path): problem.message for problem in warning.problems}
@@ -150,12 +151,72 @@ def test_collision_modes_that_mean_unobstructed_in_ir_sim(mode: str, tmp_path: P
 
 
 def test_another_collision_mode_is_an_error_unless_the_reader_is_lenient(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioError, match="did you mean 'stop'") as refused:
+    with pytest.raises(ScenarioError, match=r"did you mean 'stop'\?\)\nWith strict=False"):
         load_scenario(write(tmp_path, "world: {collision_mode: stopp}"))
-    assert not hasattr(refused.value, "__notes__")
     scenario, (warning,) = load(tmp_path, "world: {collision_mode: stopp}", strict=False)
     assert scenario.world.collision_mode == "unobstructed"
     assert "'stopp' is 'unobstructed'" in str(warning)
+
+
+@pytest.mark.parametrize("mode", ["manual", "acker", "unobstructed"])
+def test_another_control_mode_is_an_error_unless_the_reader_is_lenient(mode: str, tmp_path: Path) -> None:
+    """24 of 439 files of others have one of these words; IR-SIM drives all of them by behaviours and actions."""
+    text = f"world:\n  control_mode: {mode}"
+    with pytest.raises(ScenarioError, match=rf"must be 'auto' or 'keyboard', got '{mode}'\nWith strict=False"):
+        load_scenario(write(tmp_path, text))
+    scenario, (warning,) = load(tmp_path, text, strict=False)
+    assert scenario.world.control_mode == "auto"
+    (problem,) = warning.problems
+    assert (problem.line, problem.path) == (2, "world.control_mode")
+    assert f"'{mode}' is 'auto'" in problem.message
+
+
+def test_a_control_mode_that_is_no_word_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="must be 'auto' or 'keyboard', got 3"):
+        load_scenario(write(tmp_path, "world: {control_mode: 3}"), strict=False)
+
+
+def test_a_shape_without_a_name_is_an_error_unless_the_reader_is_lenient(tmp_path: Path) -> None:
+    text = "robot:\n  shape: {radius: 0.35, center: [0.1, 0]}"
+    with pytest.raises(ScenarioError, match=r"(?s)robot.shape.name: is required: 'circle'.*\nWith strict=False"):
+        load_scenario(write(tmp_path, text))
+    scenario, (warning,) = load(tmp_path, text, strict=False)
+    assert scenario.bodies[0].shape == Circle(radius=0.35, center=(0.1, 0.0))
+    assert [(one.line, one.path) for one in warning.problems] == [(2, "robot.shape")]
+    with pytest.raises(ScenarioError, match=r"robot\.shape\.name: is required"):  # IR-SIM fails at these keys, too
+        load_scenario(write(tmp_path, "robot: {shape: {length: 2, width: 1}}"), strict=False)
+
+
+@pytest.mark.parametrize("section", ["robots", "obstacles", "worlds", "level", "parameter"])
+def test_a_section_in_the_wrong_number_is_always_an_error(section: str, tmp_path: Path) -> None:
+    """Files of IR-SIM 1.x have `robots` and `obstacles`: without them, the world would be empty."""
+    for strict in (True, False):
+        with pytest.raises(ScenarioError, match=rf"1   {section}: unknown key \(did you mean"):
+            load_scenario(write(tmp_path, f"{section}:\n  - {{number: 1}}"), strict=strict)
+    _, (warning,) = load(tmp_path, "people:\n  - {number: 1}", strict=False)
+    assert [problem.path for problem in warning.problems] == ["people"]
+
+
+@pytest.mark.parametrize(
+    ("entry", "moves"),
+    [
+        ("mass: 1.0", True),
+        ("mass: 1.0, kinematics: {name: static}, static: false", True),
+        ("mass: .inf", False),
+        ("mass: 1.0, static: true", False),
+        ("mass: 1.0, kinematics: {name: diff}", False),
+        ("friction: 0.3", False),
+    ],
+)
+def test_a_mass_is_an_error_where_it_moves_a_body_in_ir_sim(entry: str, moves: bool, tmp_path: Path) -> None:
+    """There, bodies with a mass and no drive keep their velocity in every mode; all others are as without a mass."""
+    text = f"obstacle:\n  - {{{entry}}}"
+    if moves:
+        with pytest.raises(ScenarioError, match=r"2   obstacle\[0\].mass: contacts are not simulated yet"):
+            load_scenario(write(tmp_path, text), strict=False)
+    else:
+        _, (warning,) = load(tmp_path, text, strict=False)
+        assert type(warning) is IgnoredKeyWarning
 
 
 def test_a_static_drive_is_none(tmp_path: Path) -> None:
@@ -201,7 +262,7 @@ def test_blocks_of_an_entry_given_twice(tmp_path: Path) -> None:
 
 def test_a_value_given_twice_is_an_error_unless_the_reader_is_lenient(tmp_path: Path) -> None:
     text = "world:\n  width: 3\n  width: 4\n"
-    with pytest.raises(ScenarioError, match=r"3   world.width: given twice \(first in line 2\)$"):
+    with pytest.raises(ScenarioError, match=r"3   world.width: given twice \(first in line 2\)\nWith strict"):
         load_scenario(write(tmp_path, text))
     scenario, (warning,) = load(tmp_path, text, strict=False)
     assert scenario.world.width == 4.0
