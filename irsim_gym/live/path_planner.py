@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.live.grid_map import GridMap, n_cells
+from irsim_gym.errors import NoEffectWarning, warn_caller
+from irsim_gym.live.grid_map import COARSER, FINER, GridMap, coarser, n_cells
 from irsim_gym.live.moves import robots
 from irsim_gym.live.population import Population
 from irsim_gym.live.session import Session
@@ -63,30 +64,43 @@ class PathPlanner:
         first = int(found[0]) if len(found) else self._session.roster.index(self._population.robot.name)
         return float(self._session.simulation.model.reach[0, first])
 
-    def get_map(self, resolution: float | None = None) -> GridMap:
-        """Return the world as cells for planners. Cells that something touches which never moves are occupied.
+    def get_map(self, resolution: float | None = None, *, bodies: bool = False) -> GridMap:
+        """Return the world for planners: its extent, its obstacles, and the cells of its obstacle map, if it has one.
 
         Args:
-            resolution: Side of a cell [m] (default: that of the obstacle map, 0.1 m without one). If the size of the
-                world is no multiple of it, cells are slightly larger or smaller.
+            resolution: Side of a cell [m] (default: 0.1 m). The cells of a finer obstacle map are taken together: a
+                cell is occupied if one of them is. Those of a coarser one stay as they are, with a warning.
+            bodies: Return a grid in any case, in which cells are occupied that something touches which never moves. The
+                cells then have this resolution, by default that of the obstacle map. If the size of the world is no
+                multiple of it, they are slightly larger or smaller.
 
         Raises:
-            ValueError: It is not positive, or there would be more than ten million cells.
+            ValueError: The resolution is not positive, or there would be more than ten million cells.
         """
-        scenario, model = self._session.simulation.scenario, self._session.simulation.model
-        x_min, y_min, x_max, y_max = map(float, model.bounds)
-        if resolution is None and scenario.occupied is not None:
-            shape = scenario.occupied.shape[0], scenario.occupied.shape[1]
-        else:
-            shape = n_cells(x_max - x_min, y_max - y_min, DEFAULT_CELL if resolution is None else resolution)
-        touched = touched_cells(model, self._session.simulation.state, 0, shape, blocks=fixed_bodies(model, 0))
+        model, scenario = self._session.simulation.model, self._session.simulation.scenario
+        size = scenario.world.width, scenario.world.height
+        shape = n_cells(*size, DEFAULT_CELL if resolution is None else resolution)
+        squares = None if scenario.occupied is None else model.map_squares[0, 0]
+        grid: Floats | None = None
+        if bodies:
+            shape = squares.shape if squares is not None and resolution is None else shape
+            state, blocks = self._session.simulation.state, fixed_bodies(model, 0)
+            grid = np.where(touched_cells(model, state, 0, shape, blocks=blocks), 100.0, 0.0)
+        elif squares is not None:
+            grid = np.where(squares == 0, 100.0, 0.0)
+            sides = [length / count for length, count in zip(size, grid.shape, strict=True)]
+            if resolution is not None and resolution < FINER * min(sides):
+                told = f"resolution {resolution:g} m is finer than the obstacle map: its cells stay as they are"
+                warn_caller(f"{told}, {sides[0]:g} x {sides[1]:g} m", NoEffectWarning)
+            elif (DEFAULT_CELL if resolution is None else resolution) > COARSER * max(sides):
+                grid = coarser(grid, shape)
         return GridMap(
-            width=x_max - x_min,
-            height=y_max - y_min,
-            resolution=(x_max - x_min) / shape[0] if resolution is None else float(resolution),
-            grid=np.where(touched, 100.0, 0.0),
-            world_offset=(x_min, y_min),
+            width=size[0],
+            height=size[1],
+            resolution=DEFAULT_CELL if resolution is None else float(resolution),
             obstacle_list=self._population.obstacles,
+            grid=grid,
+            world_offset=scenario.world.offset,
         )
 
 

@@ -2,23 +2,112 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
+import math
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, NoReturn, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.live.grid_map import GridMap
+from irsim_gym.live.grid_map import GridMap, n_cells
 from irsim_gym.live.path_planner import point
-from irsim_gym.paths.queries import cells_way
+
+Node = tuple[int, int]
+"""Column and row of a point whose coordinates are multiples of the resolution."""
+Step = tuple[int, int]
+AT_ONCE = 1 << 17
+"""Number of nodes whose squares are in memory at the same time."""
+STRAIGHT: tuple[Step, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
+DIAGONAL: tuple[Step, ...] = ((-1, -1), (-1, 1), (1, -1), (1, 1))
+# Of ways of equal length, the order of these decides which one is found.
+FIRST: tuple[Step, ...] = ((1, 0), (-1, 0), (0, 1), (1, 1), (-1, 1), (0, -1), (1, -1), (-1, -1))
+
+
+class _Nodes:
+    """The nodes of a map: multiples of the resolution, free where a square around them touches nothing."""
+
+    def __init__(self, env_map: GridMap) -> None:
+        import shapely
+
+        self._origin = env_map.world_offset
+        self._side = env_map.resolution if env_map.grid_resolution is None else env_map.grid_resolution[0]
+        over_world = n_cells(env_map.width, env_map.height, self._side)
+        self.shape = over_world if env_map.grid is None else env_map.grid.shape
+        n_columns, self._n_rows = map(max, over_world, self.shape)
+        columns, rows = np.divmod(np.arange(n_columns * self._n_rows), self._n_rows)
+        half, free = self._side / 2, []
+        for part in range(0, len(columns), AT_ONCE):
+            x = columns[part : part + AT_ONCE] * self._side + self._origin[0]
+            y = rows[part : part + AT_ONCE] * self._side + self._origin[1]
+            free.append(~env_map.collisions(shapely.box(x - half, y - half, x + half, y + half)))
+        self._free = np.concatenate(free).reshape(-1, self._n_rows).tolist()
+
+    def at(self, values: ArrayLike, name: str) -> Node:
+        """Return the node that is nearest to a point."""
+        x, y = point(values, name)
+        return round((x - self._origin[0]) / self._side), round((y - self._origin[1]) / self._side)
+
+    def is_free(self, column: int, row: int) -> bool:
+        """Return whether a node is in the world and free."""
+        return 0 <= column < len(self._free) and 0 <= row < self._n_rows and bool(self._free[column][row])
+
+    def places(self, nodes: Iterable[Node]) -> Floats:
+        """Return x and y of nodes [m], shape ``(2, n)``."""
+        return np.array([[place * self._side + low for place in row] for row, low in zip(zip(*nodes), self._origin)])
+
+
+def _search(
+    start: Node,
+    goal: Node,
+    successors: Callable[[Node, Step], Iterable[tuple[Node, Step, float]]],
+    estimate: Callable[[int, int], float],
+) -> list[Node]:
+    """Return the nodes from the goal back to the start that A* finds; none without a way, or if both are the same.
+
+    Of nodes that are equally promising, the one that was reached first goes first.
+
+    Args:
+        start: The first node.
+        goal: The last node.
+        successors: Gives, for a node and the step that led there, the nodes that follow, with step and length [cells].
+        estimate: Length of the rest [cells], for its columns and rows.
+    """
+    length, arrival, order, parent = {start: 0.0}, {start: (0, 0)}, {start: 0}, {}
+    closed: set[Node] = set()
+    queue = [(0.0, 0, start)]
+    while queue:
+        _, _, node = heapq.heappop(queue)
+        if node in closed:
+            continue
+        if node == goal:
+            break
+        closed.add(node)
+        for other, step, distance in successors(node, arrival[node]):
+            total = length[node] + distance
+            if other in closed or total >= length.get(other, math.inf):
+                continue
+            length[other], arrival[other], parent[other] = total, step, node
+            rest = estimate(abs(goal[0] - other[0]), abs(goal[1] - other[1]))
+            heapq.heappush(queue, (total + rest, order.setdefault(other, len(order)), other))
+    way = [goal] if goal in parent else []
+    while way and way[-1] in parent:
+        way.append(parent[way[-1]])
+    return way
+
+
+def _missing(planner: object, name: str) -> NoReturn:
+    message = f"a planner has no '{name}': planning(start, goal) is all it does, env_map is the map"
+    raise AttributeError(message, name=name, obj=planner)
 
 
 @final
 class AStarPlanner:
-    """Shortest paths over the free cells of a map.
+    """The shortest way in straight and diagonal steps over free cells, as IR-SIM's A* finds it.
 
-    Paths are for a point; for a robot with a size, use ``world.path``. The search spreads from the goal, which finds
-    what A* finds.
+    Ways are for a point; for a robot with a size, use ``world.path``.
 
     Args:
         env_map: Result of ``world.get_map``.
@@ -28,17 +117,53 @@ class AStarPlanner:
         self.env_map = env_map
 
     if not TYPE_CHECKING:
+        __getattr__ = _missing
 
-        def __getattr__(self, name: str) -> NoReturn:
-            message = f"a planner has no '{name}': planning(start, goal) is all it does, env_map holds the cells"
-            raise AttributeError(message, name=name, obj=self)
+    def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats:
+        """Return the way from the goal back to the start, shape ``(2, n)`` [m].
 
-    def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = False) -> Floats | None:
-        """Return the path from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].
+        Its points are multiples of the resolution from the lower left corner of the world; a square of one cell around
+        each of them is free. The first and the last are those nearest to goal and start. Without a way, and if both are
+        the same point, the goal is the only point.
 
-        A step leads from the centre of a cell to that of one of its eight neighbours or a knight's move away, through
-        free cells only. It may pass between two occupied cells that meet at a corner. The given points come before the
-        first centre and after the last.
+        Args:
+            start_pose: x, y and perhaps more [m], flat or a column.
+            goal_pose: Likewise.
+            show_animation: Ignored: nothing is shown.
+
+        Raises:
+            ValueError: A point is none, or there are too many cells.
+        """
+        nodes = _Nodes(self.env_map)
+        start, goal = nodes.at(start_pose, "start_pose"), nodes.at(goal_pose, "goal_pose")
+
+        def successors(node: Node, _: Step) -> Iterable[tuple[Node, Step, float]]:
+            for dx, dy in (*STRAIGHT, *DIAGONAL):
+                other = node[0] + dx, node[1] + dy
+                if nodes.is_free(*other):
+                    yield other, (dx, dy), math.sqrt(2) if dx and dy else 1.0
+
+        return nodes.places(_search(start, goal, successors, math.hypot) or [goal])
+
+
+@final
+class JPSPlanner:
+    """A way in straight and diagonal steps over free cells, as IR-SIM's jump point search finds it.
+
+    It is not always the shortest one. Ways are for a point; for a robot with a size, use ``world.path``.
+
+    Args:
+        env_map: Result of ``world.get_map``.
+    """
+
+    def __init__(self, env_map: GridMap) -> None:
+        self.env_map = env_map
+
+    if not TYPE_CHECKING:
+        __getattr__ = _missing
+
+    def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats | None:
+        """Return the way from the goal back to the start, shape ``(2, n)`` [m]; see ``AStarPlanner.planning``.
 
         Args:
             start_pose: x, y and perhaps more [m], flat or a column.
@@ -46,22 +171,82 @@ class AStarPlanner:
             show_animation: Ignored: nothing is shown.
 
         Returns:
-            The points, None where there is no way: also where start or goal is outside, or in an occupied cell.
+            The points; None without a way, also where start or goal is outside or not free, and if both are the same.
 
         Raises:
-            ValueError: A point is none.
+            ValueError: A point is none, or there are too many cells.
         """
-        start, goal = point(start_pose, "start_pose"), point(goal_pose, "goal_pose")
-        here, there = self.env_map.cell_of(*start), self.env_map.cell_of(*goal)
-        if here is None or there is None:
+        nodes = _Nodes(self.env_map)
+        start, goal = nodes.at(start_pose, "start_pose"), nodes.at(goal_pose, "goal_pose")
+        jumps = _Jumps(nodes, goal)
+        if not (jumps.is_free(*start) and jumps.is_free(*goal)):
             return None
-        blocked = np.ascontiguousarray(self.env_map.occupied.T, np.uint8)
-        way = cells_way(blocked, here[::-1], there[::-1])
+        way = _search(start, goal, jumps.successors, _octile)
         if not way:
             return None
-        centers = [self.env_map.center_of(column, row) for row, column in reversed(way)]
-        return np.array([goal, *centers, start]).T
+        dense = []
+        for (x, y), (column, row) in itertools.pairwise(way):
+            n_steps = max(abs(column - x), abs(row - y))
+            dx, dy = (column - x) // n_steps, (row - y) // n_steps
+            dense += [(x + k * dx, y + k * dy) for k in range(n_steps)]
+        return nodes.places([*dense, start])
 
 
-JPSPlanner = AStarPlanner
-"""The same planner, because jump point search finds the same paths."""
+def _octile(columns: int, rows: int) -> float:
+    # IR-SIM's estimate, which exceeds the length of the rest: the way may be longer than the shortest one.
+    return columns + rows + (math.sqrt(2) - 1) * min(columns, rows)
+
+
+class _Jumps:
+    """Jump points on the way to a goal: where a straight or diagonal run over free nodes has to turn."""
+
+    def __init__(self, nodes: _Nodes, goal: Node) -> None:
+        self._nodes, self._goal = nodes, goal
+
+    def _is_inside(self, column: int, row: int) -> bool:
+        return 0 <= column < self._nodes.shape[0] and 0 <= row < self._nodes.shape[1]
+
+    def is_free(self, column: int, row: int) -> bool:
+        return self._is_inside(column, row) and self._nodes.is_free(column, row)
+
+    def successors(self, node: Node, arrival: Step) -> Iterable[tuple[Node, Step, float]]:
+        """Yield the jump points that follow a node, with the step towards each and its distance [cells]."""
+        x, y = node
+        for dx, dy in (*_onward(arrival), *(step for beside, step in _turns(arrival) if self._is_blocked(node, beside))):
+            point = self._jump(x, y, dx, dy)
+            if point is not None:
+                yield point, (dx, dy), math.hypot(point[0] - x, point[1] - y)
+
+    def _is_blocked(self, node: Node, beside: Step) -> bool:
+        place = node[0] + beside[0], node[1] + beside[1]
+        return self._is_inside(*place) and not self._nodes.is_free(*place)
+
+    def _jump(self, x: int, y: int, dx: int, dy: int) -> Node | None:
+        """Return the next jump point in a direction, None if the run ends at the first node."""
+        while True:
+            x, y = x + dx, y + dy
+            if not self.is_free(x, y):
+                return None
+            is_turn = (x, y) == self._goal or any(self._is_blocked((x, y), beside) for beside, _ in _turns((dx, dy)))
+            if is_turn or (dx and dy and (self._jump(x, y, dx, 0) or self._jump(x, y, 0, dy)) is not None):
+                return x, y
+            if not self.is_free(x + dx, y + dy):  # IR-SIM stops in front of a wall
+                return x, y
+
+
+def _onward(arrival: Step) -> tuple[Step, ...]:
+    """Return the steps that go on from a node without a turn around something: all from the start."""
+    dx, dy = arrival
+    if not (dx or dy):
+        return FIRST
+    return ((dx, 0), (0, dy), (dx, dy)) if dx and dy else ((dx, dy),)
+
+
+def _turns(arrival: Step) -> tuple[tuple[Step, Step], ...]:
+    """Return steps around something, each with where it has to be: relative to the node, in IR-SIM's order."""
+    dx, dy = arrival
+    if dx and dy:
+        return ((-dx, 0), (-dx, dy)), ((0, -dy), (dx, -dy))
+    if dx:
+        return ((0, 1), (dx, 1)), ((0, -1), (dx, -1))
+    return (((1, 0), (1, dy)), ((-1, 0), (-1, dy))) if dy else ()

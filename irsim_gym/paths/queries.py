@@ -6,14 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.occupancy import mark_touched
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.reachability import is_reachable
-from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
 from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
@@ -129,35 +128,6 @@ def touched_cells(
     size = (x_max - x_min) / n_cells[0], (y_max - y_min) / n_cells[1]
     mark_touched(_obstacles(model, state, world, blocks), x_min, y_min, *size, touched)
     return touched
-
-
-def cells_way(blocked: Bytes, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]]:
-    """Return row and column of the cells on a shortest path over free cells, both ends included; none without one.
-
-    A step leads to one of the eight neighbours or a knight's move away, through free cells only. It may pass between
-    two blocked cells that meet at a corner.
-
-    Args:
-        blocked: 1 for a blocked cell, shape ``(rows, columns)``.
-        start: Row and column.
-        goal: Row and column.
-    """
-    rows, columns = blocked.shape
-    inside = all(0 <= row < rows and 0 <= column < columns for row, column in (start, goal))
-    if not inside or blocked[start] or blocked[goal]:
-        return []
-    way, here = [], start[0] * columns + start[1]
-    # Lengths in cells; the search needs only the numbers of rows and columns.
-    search = Grid(0.0, 0.0, 1.0, columns, rows).search()._replace(blocked=blocked)
-    clear_field(search)
-    offer(search.field.reshape(-1), search.queue, goal[0] * columns + goal[1], 0.0, -1, 1.0)
-    spread(1.0, here, search)
-    if not np.isfinite(search.field[start]):
-        return []
-    while here >= 0:
-        way.append((here // columns, here % columns))
-        here = int(search.queue[PARENT, here])
-    return way
 
 
 def _point(values: Point) -> tuple[float, float]:

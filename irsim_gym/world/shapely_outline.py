@@ -63,6 +63,7 @@ def shapely_cells(occupied: Flags, left: float, bottom: float, width: float, hei
     import shapely
 
     columns, rows = np.nonzero(occupied)
-    x, y = left + columns * width, bottom + rows * height
-    boundary: Any = shapely.union_all(shapely.box(x, y, x + width, y + height)).boundary
+    x, y = left + (columns + 0.5) * width, bottom + (rows + 0.5) * height  # as IR-SIM, for equal edges
+    boxes = shapely.box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+    boundary: Any = shapely.union_all(boxes).boundary
     return boundary if hasattr(boundary, "geoms") else shapely.MultiLineString([boundary])
