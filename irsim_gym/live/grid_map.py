@@ -117,16 +117,6 @@ class GridMap:
             self._placed = poses, shapely.STRtree([body.geometry for body in self.obstacle_list])
         return self._placed[1]
 
-    def is_collision(self, geometry: Any) -> bool:
-        """Return whether a shapely geometry touches an occupied cell, or one of ``obstacle_list`` but a map."""
-        import shapely
-
-        (wide, high), (left, bottom) = self.grid_resolution, self.world_offset
-        columns, rows = np.nonzero(self.occupied)
-        x, y = left + columns * wide, bottom + rows * high
-        bodies = [body.geometry for body in self.obstacle_list if body.shape != "map"]
-        return bool(shapely.intersects([*shapely.box(x, y, x + wide, y + high), *bodies], geometry).any())
-
 
 def n_cells(width: float, height: float, resolution: float) -> tuple[int, int]:
     """Return the number of columns and rows of cells with some side [m] over a world.
