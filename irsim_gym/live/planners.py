@@ -56,7 +56,7 @@ class _Nodes:
 
     def places(self, nodes: Iterable[Node]) -> Floats:
         """Return x and y of nodes [m], shape ``(2, n)``."""
-        return np.array([[place * self._side + low for place in row] for row, low in zip(zip(*nodes), self._origin)])
+        return (np.array(list(nodes)) * self._side + self._origin).T
 
 
 def _search(
@@ -212,7 +212,8 @@ class _Jumps:
     def successors(self, node: Node, arrival: Step) -> Iterable[tuple[Node, Step, float]]:
         """Yield the jump points that follow a node, with the step towards each and its distance [cells]."""
         x, y = node
-        for dx, dy in (*_onward(arrival), *(step for beside, step in _turns(arrival) if self._is_blocked(node, beside))):
+        around = [step for beside, step in _turns(arrival) if self._is_blocked(node, beside)]
+        for dx, dy in (*_onward(arrival), *around):
             point = self._jump(x, y, dx, dy)
             if point is not None:
                 yield point, (dx, dy), math.hypot(point[0] - x, point[1] - y)

@@ -63,6 +63,8 @@ def shapely_cells(occupied: Flags, left: float, bottom: float, width: float, hei
     import shapely
 
     columns, rows = np.nonzero(occupied)
+    if not len(columns):
+        return shapely.MultiLineString()
     x, y = left + (columns + 0.5) * width, bottom + (rows + 0.5) * height  # as IR-SIM, for equal edges
     boxes = shapely.box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
     boundary: Any = shapely.union_all(boxes).boundary

@@ -133,7 +133,8 @@ def test_names_of_a_world() -> None:
     assert (here.robot_number, here.obstacle_number) == (2, 2)
     assert [body.name for body in here.static_objects] == ["obstacle_2"]
     assert len(here.dynamic_objects) == 3
-    assert here.get_map().grid.shape == (100, 100)
+    assert here.get_map().grid is None
+    assert here.get_map(bodies=True).grid.shape == (100, 100)
     added = here.create_obstacle(**WALL | {"state": [8, 2, 0]})
     here.add_object(added)
     here.add_objects([added])
@@ -149,7 +150,7 @@ def test_names_of_a_world() -> None:
 def test_the_map_as_cells() -> None:
     here = world(world={"obstacle_map": CELLS, "offset": [-1, 2], "height": 9}, obstacle=None, robot=None)
     cells = here.get_map()
-    assert (cells.origin, cells.cell_size) == ((-1.0, 2.0), (5.0, 3.0))
+    assert (cells.world_offset, cells.grid_resolution) == ((-1.0, 2.0), (5.0, 3.0))
     assert cells.occupied.tolist() == [[False, True, False], [False, False, False]]
 
 

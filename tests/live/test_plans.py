@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import networkx
@@ -11,6 +12,7 @@ import pytest
 import shapely
 
 import irsim_gym
+from irsim_gym.errors import NoEffectWarning
 from irsim_gym.irsim import AStarPlanner, JPSPlanner, WrapTo2Pi, WrapToPi, relative_position
 
 DISC: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.3}}
@@ -163,7 +165,7 @@ def test_cells_are_those_that_something_touches() -> None:
         {**DISC, "state": [4, 4.5, 0]},
     ]
     here = world(*shapes, offset=[-1, -2], width=12, height=11)
-    cells = here.get_map(0.2)
+    cells = here.get_map(0.2, bodies=True)
     assert (cells.width, cells.height, cells.world_offset, cells.grid.shape) == (12, 11, (-1, -2), (60, 55))
     assert cells.grid_resolution == pytest.approx((0.2, 0.2))
     bodies = []
@@ -187,20 +189,37 @@ def test_cells_are_those_that_something_touches() -> None:
 def test_the_map_keeps_its_cells_or_is_made_coarser() -> None:
     drawn = np.zeros((8, 4))
     drawn[2, 1] = drawn[5, 3] = 100
-    here = world(obstacle_map=drawn.tolist(), width=8, height=4, robot={"state": [0.5, 0.5, 0]})
+    here = world({**BLOCK, "state": [7, 2, 0]}, obstacle_map=drawn.tolist(), width=8, height=4)
     cells = here.get_map()
-    assert (cells.resolution, cells.cell_size, cells.origin) == (1.0, (1.0, 1.0), (0.0, 0.0))
+    assert (cells.resolution, cells.grid_resolution, cells.world_offset) == (0.1, (1.0, 1.0), (0.0, 0.0))
     np.testing.assert_array_equal(cells.grid, drawn)
-    coarse = here.get_map(2.0)
-    assert np.argwhere(coarse.occupied).tolist() == [[1, 0], [2, 1]]
-    fine = here.get_map(0.5)
-    assert fine.occupied.sum() == 8
+    assert [body.shape for body in cells.obstacle_list] == ["rectangle", "map"]
+    assert np.argwhere(here.get_map(2.0).occupied).tolist() == [[1, 0], [2, 1]]
+    with pytest.warns(NoEffectWarning, match="resolution 0.5 m is finer than the obstacle map: .* 1 x 1 m"):
+        fine = here.get_map(0.5)
+    assert fine.grid.shape == (8, 4)
+    assert here.get_map(0.5, bodies=True).occupied[4:6, 2:4].all()
+    assert here.get_map(bodies=True).occupied[6:, :].all()  # the block covers x = 6 to 8 m
     assert cells.grid_occupied(2.5, 1.5)
     assert not cells.grid_occupied(3.5, 1.5)
     assert cells.grid_occupied(3.5, 1.5, margin_x=0.2)
     assert not cells.grid_occupied(3.5, 1.5, margin_y=0.2)
     assert cells.grid_occupied(-0.1, 1.5)
     assert cells.grid_occupied(2.5, 4.0)
+
+
+def test_without_an_obstacle_map_there_is_no_grid_and_bodies_collide_where_they_are() -> None:
+    here = world({**DISC, "state": [5, 5, 0]}, robot={"state": [1, 1, 0]})
+    cells = here.get_map(0.5)
+    assert (cells.grid, cells.grid_resolution, cells.occupied, cells.grid_occupied(5, 5)) == (None,) * 4
+    disc = shapely.Point(5.6, 5).buffer(0.2)
+    assert not cells.is_collision(disc)
+    assert not cells.is_collision(shapely.Point(1, 1))  # robots are no obstacles
+    assert cells.is_collision(shapely.Point(10, 5))  # the upper edges of the world are outside, the lower ones inside
+    assert not cells.is_collision(shapely.Point(0, 5))
+    here["obstacle_1"].set_state([5.2, 5, 0])
+    here.refresh()
+    assert cells.is_collision(disc)
 
 
 @pytest.mark.parametrize(("resolution", "said"), [(0, "must be > 0"), (-1.0, "must be > 0"), (1e-4, "too small")])
@@ -210,19 +229,12 @@ def test_cells_that_cannot_be_are_told(resolution: float, said: str) -> None:
 
 
 def shortest_over(free: Any, start: tuple[int, int], goal: tuple[int, int]) -> float:
-    """Return the length in cells of a shortest way over free cells, worked out by networkx."""
+    """Return the length in cells of a shortest way over free nodes, worked out by networkx."""
+    nodes = {(int(i), int(j)) for i, j in np.argwhere(free)}
     graph = networkx.Graph()
-    cells = {(int(i), int(j)) for i, j in np.argwhere(free)}
-    graph.add_nodes_from(cells)
-    passed = {
-        (2, 1): [(1, 0), (1, 1)],
-        (1, 2): [(0, 1), (1, 1)],
-        (2, -1): [(1, 0), (1, -1)],
-        (1, -2): [(0, -1), (1, -1)],
-    }
-    for i, j in cells:
-        for di, dj in [(1, 0), (0, 1), (1, 1), (1, -1), *passed]:
-            if {(i + a, j + b) for a, b in [(di, dj), *passed.get((di, dj), [])]} <= cells:
+    for i, j in nodes:
+        for di, dj in [(1, 0), (0, 1), (1, 1), (1, -1)]:
+            if (i + di, j + dj) in nodes:
                 graph.add_edge((i, j), (i + di, j + dj), weight=math.hypot(di, dj))
     return float(networkx.dijkstra_path_length(graph, start, goal))
 
@@ -231,57 +243,109 @@ def test_a_star_finds_the_shortest_way_over_cells() -> None:
     here = world(
         BLOCK, {**WALL, "state": [3, 0, 0]}, {"shape": {"name": "circle", "radius": 0.9}, "state": [2.5, 6, 0]}
     )
-    cells = here.get_map(0.25)
-    way = AStarPlanner(cells).planning(here.robot.state, [8.4, 4.1], show_animation=True)
-    assert way is not None
-    assert (way[:, 0].tolist(), way[:, -1].tolist()) == ([8.4, 4.1], [1, 1])  # from the goal back, as IR-SIM's
-    steps = (way[:, 1:-1].T - 0.125) / 0.25
-    assert np.allclose(steps, np.round(steps))
-    start, goal = tuple(map(int, np.round(steps[-1]))), tuple(map(int, np.round(steps[0])))
-    assert (start, goal) == ((4, 4), (33, 16))
-    found = shortest_over(~cells.occupied, (4, 4), (33, 16))
-    assert length(steps) == pytest.approx(found)
-    free = shapely.union_all([shapely.box(i, j, i + 1, j + 1) for i, j in np.argwhere(~cells.occupied)])
-    assert free.buffer(1e-6).contains(shapely.LineString(way.T / 0.25))
-    assert JPSPlanner is AStarPlanner
+    way = AStarPlanner(here.get_map(0.25)).planning(here.robot.state, [8.4, 4.1], show_animation=True)
+    assert (way[:, 0].tolist(), way[:, -1].tolist()) == ([8.5, 4.0], [1, 1])  # from the goal back, as IR-SIM's
+    bodies = shapely.union_all([body.geometry for body in here.obstacles])
+    free = np.zeros((40, 40), bool)
+    for i in range(1, 40):  # the squares around nodes of index 0 lie partly outside
+        for j in range(1, 40):
+            x, y = 0.25 * i, 0.25 * j
+            free[i, j] = not shapely.box(x - 0.125, y - 0.125, x + 0.125, y + 0.125).intersects(bodies)
+    nodes = way.T / 0.25
+    assert free[tuple(nodes.astype(int).T)].all()
+    assert np.abs(np.diff(nodes, axis=0)).max() == 1.0
+    assert length(nodes) == pytest.approx(shortest_over(free, (4, 4), (34, 16)))
+    jumps = JPSPlanner(here.get_map(0.25)).planning(here.robot.state, [8.4, 4.1])
+    assert jumps is not None
+    assert free[tuple((jumps / 0.25).astype(int))].all()
+    assert length(nodes) <= length(jumps.T / 0.25) + 1e-9
 
 
-def test_a_star_says_none_where_there_is_no_way() -> None:
+def test_planners_without_a_way() -> None:
+    """A* then returns the goal alone, and jump point search None, as IR-SIM's do."""
     cells = world(BLOCK).get_map(0.25)
-    planner = AStarPlanner(cells)
-    assert planner.planning([1, 1], [5, 4]) is None
-    assert planner.planning([5, 4], [1, 1]) is None
-    assert planner.planning([1, 1], [11, 1]) is None
-    cells.grid[:, 20] = 100
-    assert planner.planning([1, 1], [1, 9]) is None
-    cells.grid[39, 20] = 0
-    assert planner.planning([1, 1], [1, 9]) is not None
+    for start, goal in ([1, 1], [5, 4]), ([1, 1], [11, 1]), ([1, 1], [1, 1]):
+        assert AStarPlanner(cells).planning(start, goal).T.tolist() == [goal]
+        assert JPSPlanner(cells).planning(start, goal) is None
+    assert JPSPlanner(cells).planning([5, 4], [1, 1]) is None
     with pytest.raises(ValueError, match="goal_pose must be x and y"):
-        planner.planning([1, 1], [9])
+        AStarPlanner(cells).planning([1, 1], [9])
+    with pytest.raises(AttributeError, match=r"a planner has no 'motion': planning\(start, goal\)"):
+        AStarPlanner(cells).motion  # noqa: B018
+    cells.resolution = 1e-4
+    with pytest.raises(ValueError, match="too small"):
+        AStarPlanner(cells).planning([1, 1], [9, 9])
 
 
-def test_a_star_takes_as_long_a_way_as_irsims(tmp_path: Any) -> None:
-    """IR-SIM's steps are those to the eight cells around, so its way is as long or longer, but not by much."""
+def test_a_grid_may_be_written_into() -> None:
+    cells = world(obstacle_map=np.zeros((40, 40)).tolist()).get_map(0.25)
+    cells.grid[:, 20] = 100
+    assert AStarPlanner(cells).planning([1, 1], [1, 9]).shape == (2, 1)
+    assert JPSPlanner(cells).planning([1, 1], [1, 9]) is None
+    cells.grid[38:, 20] = 0  # a node needs both cells beside it
+    assert JPSPlanner(cells).planning([1, 1], [1, 9]) is not None
+    assert AStarPlanner(cells).planning([1, 1], [1, 9]).shape[1] > 40
+
+
+YARDS = {
+    "bodies": """
+world: {height: 6, width: 7.3, offset: [-1.5, 2.25]}
+obstacle:
+  - {shape: {name: circle, radius: 0.75}, state: [1, 4, 0.3]}
+  - {shape: {name: rectangle, length: 1.5, width: 0.5}, state: [3, 5.5, 1.5707963267948966]}
+  - shape: {name: polygon, vertices: [[-0.5, -0.5], [1, -0.25], [0.2, 0.5]]}
+    state: [4, 7, 0.8]
+    kinematics: {name: diff}
+  - {shape: {name: linestring, vertices: [[0, 0], [0.7, 0.7], [1.4, 0]]}, state: [0, 6, 0]}
+  - shape: {name: compound, parts: [{name: circle, radius: 0.4}, {name: rectangle, length: 1.2, width: 0.2}]}
+    state: [2.5, 3, 0.4]
+""",
+    "map": """
+world: {height: 6, width: 5.5, obstacle_map: {name: perlin, resolution: 0.1, seed: 6, complexity: 0.12, fill: 0.1}}
+obstacle: [{shape: {name: rectangle, length: 1, width: 0.3}, state: [3, 3, 0.5]}]
+""",
+    "coarse map": """
+world: {height: 6, width: 6, obstacle_map: {name: perlin, resolution: 0.5, seed: 8, complexity: 0.2, fill: 0.2}}
+""",
+}
+
+
+@pytest.mark.parametrize("yard", YARDS)
+@pytest.mark.filterwarnings("ignore")  # IR-SIM warns of resolutions, and so does irsim_gym
+def test_maps_and_ways_are_irsims(yard: str, tmp_path: Path) -> None:
+    """Grids, collisions and the ways of both planners, in installed ir-sim and here, on the same file."""
     irsim = pytest.importorskip("irsim")
-    from irsim.lib.path_planners import AStarPlanner as Theirs
+    from irsim.lib import path_planners
 
-    file = tmp_path / "planned.yaml"
-    file.write_text(
-        "world: {height: 10, width: 10}\n"
-        "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0], goal: [9, 9, 0]}\n"
-        "obstacle:\n"
-        "  - {shape: {name: rectangle, length: 1.1, width: 6.3}, state: [3, 3.1, 0]}\n"
-        "  - {shape: {name: rectangle, length: 1.1, width: 6.3}, state: [6.5, 6.9, 0]}\n"
-    )
-    env = irsim.make(str(file), display=False, disable_all_plot=True)
-    theirs = Theirs(env.get_map(0.2)).planning(env.get_robot_state(), [9.0, 9.0], show_animation=False)
-    env.end(0)
+    file = tmp_path / "yard.yaml"
+    file.write_text(YARDS[yard] + "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.1}}\n")
+    env = irsim.make(str(file), headless=True, log_level="CRITICAL")
     here = irsim_gym.load(file)
-    ours = AStarPlanner(here.get_map(0.2)).planning(here.get_robot_state(), [9.0, 9.0], show_animation=False)
-    assert ours is not None
-    assert ours[:, 0].tolist() == theirs[:, 0].tolist()
-    assert ours[:, -1].tolist() == pytest.approx(theirs[:, -1].tolist())
-    assert 0.92 * length(theirs.T) <= length(ours.T) <= 1.03 * length(theirs.T)
+    rng = np.random.default_rng(5)
+    found = 0
+    for resolution in [(), (0.4,), (0.25,)]:
+        theirs, ours = env.get_map(*resolution), here.get_map(*resolution)
+        for name in ("width", "height", "resolution", "world_offset", "grid_resolution"):
+            assert getattr(ours, name) == getattr(theirs, name), name
+        assert (ours.grid is None) == (theirs.grid is None)
+        if theirs.grid is not None:
+            np.testing.assert_array_equal(ours.occupied, theirs.grid > 50)
+        low, size = np.array(ours.world_offset), np.array([ours.width, ours.height])
+        for x, y in low + rng.uniform(-0.05, 1.05, (60, 2)) * size:
+            x, y = np.round([x, y], 1) if rng.uniform() < 0.5 else (x, y)  # also exactly on edges
+            shape = shapely.Point(x, y).buffer(0.2) if rng.uniform() < 0.5 else shapely.box(x, y, x + 0.3, y + 0.1)
+            assert ours.is_collision(shape) == theirs.is_collision(shape), shape
+            assert ours.grid_occupied(x, y, 0.1, 0.3) == theirs.grid_occupied(x, y, 0.1, 0.3)
+        for name in ("AStarPlanner", "JPSPlanner") if resolution else ():
+            for ends in low + rng.uniform(0.05, 0.95, (3, 2, 2)) * size:
+                expected = getattr(path_planners, name)(theirs).planning(*ends, show_animation=False)
+                way = getattr(irsim_gym.irsim, name)(ours).planning(*ends)
+                assert (way is None) == (expected is None)
+                if expected is not None:
+                    np.testing.assert_allclose(way, expected, rtol=0, atol=1e-9)
+                    found += way.shape[1] > 3
+    env.end()
+    assert found > 2
 
 
 def test_planners_that_sample_say_what_to_use() -> None:
