@@ -93,15 +93,15 @@ class GridMap:
         low, high = np.array(self.world_offset), np.add(self.world_offset, (self.width, self.height))
         touched = np.asarray((bounds[:, :2] < low).any(axis=1) | (bounds[:, 2:] >= high).any(axis=1))
         if self.grid is not None:
-            touched[self._on_cells(shapes, bounds - np.tile(low, 2))] = True
+            touched[self._on_cells(self.grid > OCCUPIED, shapes, bounds - np.tile(low, 2))] = True
         touched[self._obstacles().query(shapes, "intersects")[0]] = True
         return touched
 
-    def _on_cells(self, shapes: Any, bounds: Floats) -> Any:
+    def _on_cells(self, occupied: Flags, shapes: Any, bounds: Floats) -> Any:
         """Return the geometries, by index, on occupied cells; their bounds are relative to the corner of the world."""
         import shapely
 
-        cells, size = np.argwhere(self.occupied), np.array(self.grid_resolution)
+        cells, size = np.argwhere(occupied), np.array(self.grid_resolution)
         centers = shapely.points(self.world_offset + (cells + 0.5) * size)
         chosen, cell = shapely.STRtree(centers).query(shapes, "dwithin", distance=0.5 * size.max())
         # IR-SIM asks only the cells under the bounding box of the geometry.

@@ -18,8 +18,6 @@ from irsim_gym.live.path_planner import point
 Node = tuple[int, int]
 """Column and row of a point whose coordinates are multiples of the resolution."""
 Step = tuple[int, int]
-AT_ONCE = 1 << 17
-"""Number of nodes whose squares are in memory at the same time."""
 STRAIGHT: tuple[Step, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
 DIAGONAL: tuple[Step, ...] = ((-1, -1), (-1, 1), (1, -1), (1, 1))
 # Of ways of equal length, the order of these decides which one is found.
@@ -35,28 +33,23 @@ class _Nodes:
         self._origin = env_map.world_offset
         self._side = env_map.resolution if env_map.grid_resolution is None else env_map.grid_resolution[0]
         over_world = n_cells(env_map.width, env_map.height, self._side)
-        self.shape = over_world if env_map.grid is None else env_map.grid.shape
-        n_columns, self._n_rows = map(max, over_world, self.shape)
-        columns, rows = np.divmod(np.arange(n_columns * self._n_rows), self._n_rows)
-        half, free = self._side / 2, []
-        for part in range(0, len(columns), AT_ONCE):
-            x = columns[part : part + AT_ONCE] * self._side + self._origin[0]
-            y = rows[part : part + AT_ONCE] * self._side + self._origin[1]
-            free.append(~env_map.collisions(shapely.box(x - half, y - half, x + half, y + half)))
-        self._free = np.concatenate(free).reshape(-1, self._n_rows).tolist()
+        self.shape: tuple[int, ...] = over_world if env_map.grid is None else env_map.grid.shape
+        n_columns, n_rows = map(max, over_world, self.shape)
+        nodes = np.stack(np.divmod(np.arange(n_columns * n_rows), n_rows), axis=1)
+        corners = np.hstack([self._place(nodes) - self._side / 2, self._place(nodes) + self._side / 2])
+        self.free = set(map(tuple, nodes[~env_map.collisions(shapely.box(*corners.T))].tolist()))
+
+    def _place(self, nodes: ArrayLike) -> Floats:
+        return np.asarray(np.asarray(nodes) * self._side + self._origin, np.float64)
 
     def at(self, values: ArrayLike, name: str) -> Node:
         """Return the node that is nearest to a point."""
         x, y = point(values, name)
         return round((x - self._origin[0]) / self._side), round((y - self._origin[1]) / self._side)
 
-    def is_free(self, column: int, row: int) -> bool:
-        """Return whether a node is in the world and free."""
-        return 0 <= column < len(self._free) and 0 <= row < self._n_rows and bool(self._free[column][row])
-
     def places(self, nodes: Iterable[Node]) -> Floats:
         """Return x and y of nodes [m], shape ``(2, n)``."""
-        return (np.array(list(nodes)) * self._side + self._origin).T
+        return self._place(list(nodes)).T
 
 
 def _search(
@@ -140,7 +133,7 @@ class AStarPlanner:
         def successors(node: Node, _: Step) -> Iterable[tuple[Node, Step, float]]:
             for dx, dy in (*STRAIGHT, *DIAGONAL):
                 other = node[0] + dx, node[1] + dy
-                if nodes.is_free(*other):
+                if other in nodes.free:
                     yield other, (dx, dy), math.sqrt(2) if dx and dy else 1.0
 
         return nodes.places(_search(start, goal, successors, math.hypot) or [goal])
@@ -179,7 +172,7 @@ class JPSPlanner:
         nodes = _Nodes(self.env_map)
         start, goal = nodes.at(start_pose, "start_pose"), nodes.at(goal_pose, "goal_pose")
         jumps = _Jumps(nodes, goal)
-        if not (jumps.is_free(*start) and jumps.is_free(*goal)):
+        if not {start, goal} <= jumps.free:
             return None
         way = _search(start, goal, jumps.successors, _octile)
         if not way:
@@ -201,38 +194,35 @@ class _Jumps:
     """Jump points on the way to a goal: where a straight or diagonal run over free nodes has to turn."""
 
     def __init__(self, nodes: _Nodes, goal: Node) -> None:
-        self._nodes, self._goal = nodes, goal
+        self._shape, self._goal = nodes.shape, goal
+        self.free = {node for node in nodes.free if self._is_inside(*node)}
 
     def _is_inside(self, column: int, row: int) -> bool:
-        return 0 <= column < self._nodes.shape[0] and 0 <= row < self._nodes.shape[1]
-
-    def is_free(self, column: int, row: int) -> bool:
-        return self._is_inside(column, row) and self._nodes.is_free(column, row)
+        return 0 <= column < self._shape[0] and 0 <= row < self._shape[1]
 
     def successors(self, node: Node, arrival: Step) -> Iterable[tuple[Node, Step, float]]:
         """Yield the jump points that follow a node, with the step towards each and its distance [cells]."""
         x, y = node
         around = [step for beside, step in _turns(arrival) if self._is_blocked(node, beside)]
         for dx, dy in (*_onward(arrival), *around):
-            point = self._jump(x, y, dx, dy)
-            if point is not None:
-                yield point, (dx, dy), math.hypot(point[0] - x, point[1] - y)
+            other = self._jump(x, y, dx, dy)
+            if other is not None:
+                yield other, (dx, dy), math.hypot(other[0] - x, other[1] - y)
 
     def _is_blocked(self, node: Node, beside: Step) -> bool:
         place = node[0] + beside[0], node[1] + beside[1]
-        return self._is_inside(*place) and not self._nodes.is_free(*place)
+        return self._is_inside(*place) and place not in self.free
 
     def _jump(self, x: int, y: int, dx: int, dy: int) -> Node | None:
         """Return the next jump point in a direction, None if the run ends at the first node."""
-        while True:
-            x, y = x + dx, y + dy
-            if not self.is_free(x, y):
-                return None
-            is_turn = (x, y) == self._goal or any(self._is_blocked((x, y), beside) for beside, _ in _turns((dx, dy)))
+        while (node := (x + dx, y + dy)) in self.free:
+            x, y = node
+            is_turn = node == self._goal or any(self._is_blocked(node, beside) for beside, _ in _turns((dx, dy)))
             if is_turn or (dx and dy and (self._jump(x, y, dx, 0) or self._jump(x, y, 0, dy)) is not None):
-                return x, y
-            if not self.is_free(x + dx, y + dy):  # IR-SIM stops in front of a wall
-                return x, y
+                return node
+            if (x + dx, y + dy) not in self.free:  # IR-SIM stops in front of a wall
+                return node
+        return None
 
 
 def _onward(arrival: Step) -> tuple[Step, ...]:

@@ -218,12 +218,13 @@ class Population:
         Args:
             range_low: Minimum x, y, heading [m, m, rad].
             range_high: Maximum x, y, heading [m, m, rad].
-            ids: Numbers or names of bodies (default: all obstacles except the map).
+            ids: Numbers or names of obstacles (default: all except the map).
             non_overlapping: Whether the places must be clear of all other bodies.
 
         Raises:
             PlacementError: There is no clear place for one of them; none has moved.
-            ValueError: One of them is the obstacle map.
+            UnknownNameError: There is no such body.
+            ValueError: One of them is the obstacle map, or a robot.
         """
         roster, simulation = self._session.roster, self._session.simulation
         bodies = [roster.index(reference) for reference in (roster.present(OBSTACLE) if ids is None else ids)]
@@ -231,6 +232,8 @@ class Population:
             bodies = [b for b in bodies if not body_info.is_map(simulation, b)]
         for b in bodies:
             body_info.refuse_map(simulation, b)
+            if simulation.model.role[b] != OBSTACLE:
+                raise ValueError(f"'{simulation.parts.names[b]}' is no obstacle: set_state moves a robot")
         moves.scatter(simulation, bodies, range_low, range_high, apart=non_overlapping)
         self._status.refresh()
 

@@ -186,8 +186,14 @@ def test_the_map_stays_the_last_body_until_it_is_removed() -> None:
     here.step([0.0, 0.0])
     assert here.robot.hit == here["obstacle_2"]
     here.random_obstacle_position([7, 7, 0], [8, 8, 1])
+    robot_1 = here.robots[1].state.tolist()
     with pytest.raises(ValueError, match="its cells stay"):
         here.random_obstacle_position(ids=["obstacle_3", "obstacle_2"])
+    with pytest.raises(ValueError, match="'robot_1' is no obstacle: set_state moves a robot"):
+        here.random_obstacle_position(ids=["obstacle_3", 1])
+    with pytest.raises(UnknownNameError, match="no body number 9"):
+        here.random_obstacle_position(ids=["obstacle_3", 9])
+    assert here.robots[1].state.tolist() == robot_1
     with pytest.raises(ValueError, match="its cells stay"):
         here["obstacle_2"].set_state([1, 1, 0])
     here.remove("obstacle_2")
