@@ -11,7 +11,7 @@ from irsim_gym.scenario.notes import notes
 from irsim_gym.scenario.parameters import describe_parameters
 from irsim_gym.tasks import Task
 from irsim_gym.tasks.sight import unseen
-from irsim_gym.training.inspection import fitting_task, team_error
+from irsim_gym.training.inspection import blocked_start, fitting_task, team_error
 from irsim_gym.training.trial import ReadOptions, try_files
 
 Read = tuple[Scenario, Task | None, ScenarioError | None]
@@ -35,6 +35,10 @@ def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bo
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
     failures |= try_files(list(read), reading) if read else {}
+    for file, (scenario, *_) in read.items():
+        if file in failures and not team and (blocked := blocked_start(scenario)):
+            del failures[file]
+            read[file] = scenario, None, blocked
     for file in files:
         if file in failures:
             print(failures[file], file=sys.stderr)

@@ -88,6 +88,16 @@ def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, Scenar
         return None, error
 
 
+def blocked_start(scenario: Scenario) -> ScenarioError | None:
+    """Return why a scenario without a task is no environment, though it can be run: a robot starts in an obstacle."""
+    try:
+        if not scenario.task:
+            compile(scenario)
+    except ScenarioError as error:
+        return error
+    return None
+
+
 def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: str | None = None) -> Simulation:
     """Return one world at the start of a level, with the learners of its task, if any.
 

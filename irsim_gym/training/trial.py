@@ -121,10 +121,12 @@ def run_briefly(file: str, reading: ReadOptions) -> None:
     Raises:
         IrsimGymError: If the file is invalid, or its level cannot be generated.
     """
+    from irsim_gym.engine import compile
     from irsim_gym.scenario import load_scenario
 
     scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
     _take_steps(_by_itself(scenario))
+    compile(scenario)  # refuses robots that start in obstacles
     with suppress(ScenarioError):  # no robot can learn there
         _take_steps(_with_a_learner(scenario))
     with suppress(ScenarioError):
@@ -144,7 +146,7 @@ def _take_steps(steps: Iterator[None]) -> None:
 def _by_itself(scenario: Scenario) -> Iterator[None]:
     from irsim_gym.engine import compile
 
-    simulation = compile(scenario)
+    simulation = compile(scenario, check_starts=False)
     simulation.reset()
     while True:
         simulation.step()

@@ -102,6 +102,15 @@ def test_check_takes_a_file_that_is_made_to_be_run_but_not_one_whose_task_does_n
     assert run(monkeypatch, "check", "--team", file) == 1
     file.write_text("robot: {kinematics: {name: diff}}\ntask: {max_steps: 5}\n")
     assert run(monkeypatch, "check", file) == 1
+    blocked = "robot: {kinematics: {name: diff}, state: [5, 5, 0], goal: [9, 9]}\nobstacle: {state: [5, 5]}\n"
+    file.write_text(blocked)  # it runs, too, and is no environment either
+    assert run(monkeypatch, "check", file) == 0
+    said = capsys.readouterr().out
+    assert f"{file}: fine to run (robots: 1, obstacles: 1, no robot that can learn)" in said
+    assert f"{file}:1   robot_0: the start lies in 'obstacle_1' (line 2)" in said
+    for arguments in (["--team", file], [file]):
+        assert run(monkeypatch, "check", *arguments) == 1
+        file.write_text(blocked + "task: {max_steps: 5}\n")
 
 
 SHAKY = """
