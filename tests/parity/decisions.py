@@ -309,8 +309,8 @@ DECISIONS = {
     ),
     "no_window": Decision(
         "make opens a window by default; log_level and others are arguments",
-        "a window opens on request (`render_mode='human'`, `display=True`); an unsupported name is an error that "
-        "says what to use",
+        "a window opens on request (`render_mode='human'`, `display=True`; the latter warns once where there is no "
+        "screen); an unsupported name is an error that says what to use",
         "most worlds run without a viewer; a silently ignored call costs its author hours",
         "section 12.5",
     ),
