@@ -15,6 +15,7 @@ from shapely.geometry import LineString, Point, Polygon
 from small_world import DIFF, SCENARIO, WALL, world
 
 import irsim_gym.irsim as ours
+from irsim_gym import families
 from irsim_gym.errors import ScenarioError
 
 SHAPES: list[dict[str, Any]] = [
@@ -271,7 +272,10 @@ def test_rvo_as_a_function(mode: str) -> None:
         _ = still.config_rvo
 
 
-def test_a_behaviour_that_calls_dash() -> None:
+def test_a_behaviour_that_calls_dash(monkeypatch: pytest.MonkeyPatch) -> None:
+    families.load()
+    monkeypatch.setattr(families.BEHAVIORS, "_entries", dict(families.BEHAVIORS._entries))
+
     @ours.register_behavior("diff", "half_speed_dash")
     def half_speed_dash(ego_object: Any, external_objects: list[Any], **kwargs: Any) -> Any:
         assert ego_object._state.shape == (3, 1)
