@@ -35,7 +35,7 @@ class GridMap:
     width: float = 10.0
     height: float = 10.0
     resolution: float = 0.1
-    obstacle_list: Sequence[IrSimReadings] = ()
+    obstacle_list: Sequence[IrSimReadings] | None = None
     grid: Floats | None = None
     world_offset: tuple[float, float] = (0.0, 0.0)
     _placed: tuple[Any, Any] = field(default=(None, None), init=False, repr=False)
@@ -112,9 +112,10 @@ class GridMap:
         """Return a tree of the obstacles' geometries, made anew when one of them has moved."""
         import shapely
 
-        poses = [tuple(np.ravel(body.state)) for body in self.obstacle_list]
+        bodies = self.obstacle_list or ()
+        poses = [tuple(np.ravel(body.state)) for body in bodies]
         if self._placed[0] != poses:
-            self._placed = poses, shapely.STRtree([body.geometry for body in self.obstacle_list])
+            self._placed = poses, shapely.STRtree([body.geometry for body in bodies])
         return self._placed[1]
 
 
