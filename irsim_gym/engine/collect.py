@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import field_of_view
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.fog import lay_fog
@@ -22,7 +22,7 @@ from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.level_checks import n_goals_drawn
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.world.group import Group, WorldContext
-from irsim_gym.world.model import LOOP, Model
+from irsim_gym.world.model import LOOP, WANDER, Model
 from irsim_gym.world.outline import Outline
 
 Member = tuple[int, Any]
@@ -49,7 +49,7 @@ def collect_parts(
     names = tuple(body.name for _, body in bodies)
     context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
-    placements = _placements(scenario, model, n_slots)
+    placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
         group.names, group.context = names, context
     for group in (*behaviors, *kinematics):
@@ -73,7 +73,8 @@ def collect_parts(
         maps=_maps(scenario, model, n_slots),
         placements=placements,
         levels=lay_levels(scenario, n_slots),
-        free=[group for group in placements if not given_bodies(scenario)[group.members].all()],
+        free=[group for group in placements if not given[group.members].all()],
+        promised=_promised(placements, given, model),
         sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
@@ -199,6 +200,21 @@ def _placements(scenario: Scenario, model: Model, n_slots: int) -> list[Group]:
             )
         groups.append(group)
     return groups
+
+
+def _promised(placements: Sequence[Group], given: Flags, model: Model) -> list[Group]:
+    """Return the bodies whose ways have to be proved again, since bodies that stand are placed after them."""
+    keeps_goal = model.has_goal & ((model.goal_renewal != WANDER) | model.wandering["keeps_first"])
+    found, followed = [], False
+    for group in reversed(placements):
+        chosen = []
+        for k, b in reversed(list(enumerate(group.members))):
+            if followed and keeps_goal[b] and not given[b]:
+                chosen.append(k)
+            followed = followed or bool(model.stands[b] and not model.unobstructed[b] and not given[b])
+        if chosen and group.options[0].ensures_way and hasattr(group.kind, "confirm"):
+            found.append(group.select(np.array(chosen[::-1])))
+    return found[::-1]
 
 
 def _turn(spec: PlacementSpec) -> int:

@@ -30,6 +30,7 @@ class Parts:
         placements: Entries of the file, in the order in which they are placed.
         levels: Levels that a file gives; None where they are drawn.
         free: Entries with bodies that no file of levels places.
+        promised: Bodies whose placement ensures a way, and after which bodies that stand are placed, by entry.
         sensors: Sensors, by kind and beams.
         movers: Bodies that can move.
         fixed: Bodies that cannot.
@@ -57,6 +58,7 @@ class Parts:
     placements: list[Group]
     levels: LevelTable | None
     free: list[Group]
+    promised: list[Group]
     sensors: list[Group]
     movers: Ints
     fixed: Ints

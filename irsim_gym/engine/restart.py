@@ -149,6 +149,8 @@ def draw_level(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     for group in parts.placements:
         group.kind.draw(group, model, state, shard, failed)
         outlines.place(group.members, model, state, shard)
+    for group in parts.promised:
+        group.kind.confirm(group, model, state, shard, failed)
     path_checks.check(parts.ways, model, state, shard, failed)
 
 
@@ -162,6 +164,8 @@ def take_level(parts: Parts, levels: LevelTable, model: Model, state: State, sha
     for group in parts.free:
         group.kind.draw(group, model, state, shard, state.failed)
     outlines.place(parts.everyone, model, state, shard)
+    for group in parts.promised:
+        group.kind.confirm(group, model, state, shard, state.failed)
 
 
 @kernel
