@@ -16,6 +16,8 @@ from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlin
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
+from irsim_gym.engine.patience import find_patient
+from irsim_gym.engine.swept import lay_sweep
 from irsim_gym.engine.traits import collect_traits
 from irsim_gym.engine.turns import take_turns
 from irsim_gym.errors import Problem, ScenarioError
@@ -27,6 +29,7 @@ from irsim_gym.world.outline import Outline
 
 Member = tuple[int, Any]
 
+_EXTERNAL = "swept needs step_mode: internal; with external, bodies move between the steps"
 _OTHER_BEAMS = "its group reads scans, so the first range sensor of each member must be of one kind with the same beams"
 
 
@@ -59,6 +62,10 @@ def collect_parts(
     external = scenario.world.step_mode == "external"
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
+    is_swept, patience = scenario.world.collision_check == "swept", find_patient(scenario, model, agents)
+    if is_swept and external:
+        problem = scenario.problem(("world", "collision_check"), _EXTERNAL)
+        raise ScenarioError(scenario.file or scenario.name, [problem])
     n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for _, body in bodies]
     # With one goal, a loop goes back to the start; with several, it goes on with the first.
     single = np.array([count <= 1 for count in n_goals], np.bool_)
@@ -86,6 +93,8 @@ def collect_parts(
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
+        sweep=lay_sweep(model, movers, patience and patience.free) if is_swept else None,
+        patience=patience,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
