@@ -29,7 +29,6 @@ from irsim_gym.world.outline import Outline
 
 Member = tuple[int, Any]
 
-_EXTERNAL = "swept needs step_mode: internal; with external, bodies move between the steps"
 _OTHER_BEAMS = "its group reads scans, so the first range sensor of each member must be of one kind with the same beams"
 
 
@@ -62,13 +61,7 @@ def collect_parts(
     external = scenario.world.step_mode == "external"
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
-    is_swept, patience = scenario.world.collision_check == "swept", find_patient(scenario, model, agents)
-    if is_swept and external:
-        problem = scenario.problem(("world", "collision_check"), _EXTERNAL)
-        raise ScenarioError(scenario.file or scenario.name, [problem])
-    n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for _, body in bodies]
-    # With one goal, a loop goes back to the start; with several, it goes on with the first.
-    single = np.array([count <= 1 for count in n_goals], np.bool_)
+    patience = find_patient(scenario, model, agents)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
@@ -90,14 +83,21 @@ def collect_parts(
         measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
         traits=collect_traits(scenario, model),
-        loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
+        loop_returns=_loop_returns(scenario, model),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
-        sweep=lay_sweep(model, movers, patience and patience.free) if is_swept else None,
+        sweep=lay_sweep(scenario, model, movers, patience and patience.free),
         patience=patience,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def _loop_returns(scenario: Scenario, model: Model) -> Ints:
+    """Return the bodies that loop between a single goal and their start; with several goals, a loop leaves it out."""
+    n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for body in scenario.bodies]
+    single = np.array([count <= 1 for count in n_goals], np.bool_)
+    return np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal)
 
 
 def _place(scenario: Scenario, body: BodySpec) -> str:

@@ -12,11 +12,13 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.engine.pairs import note_contact
+from irsim_gym.errors import ScenarioError
 from irsim_gym.geometry.angles import wrap, wrap_from
 from irsim_gym.geometry.overlap import capsule_meets_outline, outline_distance
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.geometry.world_maps import capsule_meets_map, outline_map_distance
 from irsim_gym.jit import kernel
+from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
@@ -31,6 +33,7 @@ DEPTH = 1e-9
 FINEST, MOST = 1e-3, 1000
 """Outlines that turn or are no discs are tested along their way every so many metres, or so often in all."""
 NEVER = 2.0
+EXTERNAL = "swept needs step_mode: internal; with external, bodies move between the steps"
 
 
 @dataclass(repr=False)
@@ -57,8 +60,17 @@ class SweptMotion(Struct):
     free: Flags
 
 
-def lay_sweep(model: Model, movers: Ints, free: Flags | None) -> SweptMotion:
-    """Return memory for the ways of a step."""
+def lay_sweep(scenario: Scenario, model: Model, movers: Ints, free: Flags | None) -> SweptMotion | None:
+    """Return memory for the ways of a step; None where only its end is tested.
+
+    Raises:
+        ScenarioError: Bodies move between the steps.
+    """
+    if scenario.world.collision_check != "swept":
+        return None
+    if scenario.world.step_mode == "external":
+        problem = scenario.problem(("world", "collision_check"), EXTERNAL)
+        raise ScenarioError(scenario.file or scenario.name, [problem])
     shape = model.present.shape
     poses = [np.zeros((*shape, 3)) for _ in range(3)]
     free = np.zeros(shape, np.bool_) if free is None else free
