@@ -253,6 +253,6 @@ class Reports(Protocol):
 DRIVE = Contract(DriveKind, (Steers,))
 BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins, Appears))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
-PLACEMENT = Contract(PlacementKind)
+PLACEMENT = Contract(PlacementKind, (Confirms,))
 MAP = Contract(MapKind, (DrawsMaps,))
 SENSOR = Contract(SensorKind, (Begins, Reports))
