@@ -42,8 +42,8 @@ def make_vec_env(
     """Make the worlds of a scenario for Stable-Baselines3.
 
     Of the keywords of Stable-Baselines3's own ``make_vec_env``, those for single environments are refused. As in its
-    ``DummyVecEnv``, ``seed`` and ``set_options`` of the environment count for the next ``reset()``, which training calls
-    where it starts, but not where a world resets itself: ``env_method("choose_level", number)`` counts there too.
+    ``DummyVecEnv``, ``seed`` and ``set_options`` of the environment count for the next ``reset()``, not where a world
+    resets itself after an episode; ``env_method("choose_level", number)`` counts there too.
 
     Args:
         scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
