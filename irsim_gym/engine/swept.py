@@ -12,6 +12,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.engine.pairs import note_contact
+from irsim_gym.engine.patience import Patience
 from irsim_gym.errors import ScenarioError
 from irsim_gym.geometry.angles import wrap, wrap_from
 from irsim_gym.geometry.overlap import capsule_meets_outline, outline_distance
@@ -60,7 +61,7 @@ class SweptMotion(Struct):
     free: Flags
 
 
-def lay_sweep(scenario: Scenario, model: Model, movers: Ints, free: Flags | None) -> SweptMotion | None:
+def lay_sweep(scenario: Scenario, model: Model, movers: Ints, patience: Patience | None) -> SweptMotion | None:
     """Return memory for the ways of a step; None where only its end is tested.
 
     Raises:
@@ -72,9 +73,10 @@ def lay_sweep(scenario: Scenario, model: Model, movers: Ints, free: Flags | None
         problem = scenario.problem(("world", "collision_check"), EXTERNAL)
         raise ScenarioError(scenario.file or scenario.name, [problem])
     shape = model.present.shape
-    poses = [np.zeros((*shape, 3)) for _ in range(3)]
-    free = np.zeros(shape, np.bool_) if free is None else free
-    return SweptMotion(movers, *poses, np.zeros(shape), np.zeros(shape, np.bool_), free)
+    start, end, change = np.zeros((3, *shape, 3))
+    goes = np.zeros(shape, np.bool_)
+    free = np.zeros_like(goes) if patience is None else patience.free
+    return SweptMotion(movers, start, end, change, np.zeros(shape), goes, free)
 
 
 def sweep_bodies(sweep: SweptMotion, model: Model, state: State, shard: Shard) -> None:
@@ -129,18 +131,19 @@ def begin_sweep(w: int, sweep: SweptMotion, model: Model, state: State) -> None:
     """Write the ways of world w, and put its bodies back to the start.
 
     Reads: sweep (change, end, goes, movers, start), model (disc_count, disc_start, local_discs, local_segments,
-        present, segment_count, segment_start, solid), state (discs, pose, segments).
+        movable, present, segment_count, segment_start, solid), state (discs, pose, segments).
     Writes: sweep (change, end, goes, since, start), state (discs, pose, segments).
     """
     sweep.goes[w, :], sweep.since[w, :] = False, 0.0
     for b in range(sweep.since.shape[1]):
         for axis in range(3):
             sweep.end[w, b, axis] = state.pose[w, b, axis]
+            # Bodies that cannot move have no other start.
+            if not model.movable[b] or np.isnan(sweep.start[w, b, axis]):
+                sweep.start[w, b, axis] = state.pose[w, b, axis]
     for b in sweep.movers:
         start, end, change = sweep.start[w, b], sweep.end[w, b], sweep.change[w, b]
         for axis in range(3):
-            if np.isnan(start[axis]):
-                start[axis] = end[axis]
             change[axis] = end[axis] - start[axis]
         change[2] = wrap(change[2])
         is_turned = change[2] != 0.0 and not is_centred(w, b, model)
@@ -196,20 +199,28 @@ def next_contact(
 
     With ``stopping`` False: note all contacts that stop neither.
 
-    Reads: sweep (change, end, free, goes, movers, since, start), model (collision_mode, disc_count, disc_start,
-        local_discs, local_segments, map_frame, movable, present, reach, role, segment_count, segment_start, solid,
-        unobstructed), state (discs, hit, pose, segments).
+    Reads: sweep (change, free, goes, movers, since, start), model (collision_mode, disc_count, disc_start, local_discs,
+        local_segments, map_frame, movable, present, reach, role, segment_count, segment_start, solid, unobstructed),
+        state (discs, hit, pose, segments).
     Writes: state (collided, discs, hit, pose, segments).
     """
     best, first, second, own = NEVER, -1, -1, model.map_frame[0].body
+    start, change, reaches = sweep.start[w], sweep.change[w], model.reach[row_of(model.reach, w)]
     for b in sweep.movers:
         if not sweep.goes[w, b] or model.unobstructed[b]:
             continue
-        for q in range(sweep.goes.shape[1]):
+        for q in range(start.shape[0]):
+            near = reaches[b] + reaches[q] + DEPTH
+            x, dx = start[b, 0] - start[q, 0], change[b, 0] - change[q, 0]
+            y, dy = start[b, 1] - start[q, 1], change[b, 1] - change[q, 1]
+            # Origins whose distance exceeds both reaches, all along the way. The boxes tell most of them.
+            is_far = max(abs(x) - abs(dx), abs(y) - abs(dy)) > near
+            if q != own and (is_far or point_segment_distance2(0.0, 0.0, x, y, x + dx, y + dy) > near * near):
+                continue
             if q == b or not model.present[w, q] or (model.unobstructed[q] and q != own):
                 continue
             # One test for each pair: of two that move, the one with the lower number makes it.
-            if (sweep.goes[w, q] and q < b) or not is_near(w, b, q, sweep, model):
+            if sweep.goes[w, q] and q < b:
                 continue
             if (stops_at(w, b, q, sweep, model) or stops_at(w, q, b, sweep, model)) != stopping:
                 continue
@@ -219,21 +230,6 @@ def next_contact(
             elif time < NEVER and not stopping:
                 note_contact(w, b, q, state)
     return best, first, second
-
-
-@kernel
-def is_near(w: int, b: int, q: int, sweep: SweptMotion, model: Model) -> bool:
-    """Return whether bodies b and q may touch within the step, judged by how far they reach.
-
-    Reads: sweep (change, end, start), model (map_frame, movable, reach).
-    """
-    if q == model.map_frame[0].body:
-        return True
-    there, reaches = sweep.start if model.movable[q] else sweep.end, model.reach[row_of(model.reach, w)]
-    x, y = sweep.start[w, b, 0] - there[w, q, 0], sweep.start[w, b, 1] - there[w, q, 1]
-    dx, dy = sweep.change[w, b, 0] - sweep.change[w, q, 0], sweep.change[w, b, 1] - sweep.change[w, q, 1]
-    near = reaches[b] + reaches[q] + DEPTH
-    return bool(point_segment_distance2(0.0, 0.0, x, y, x + dx, y + dy) <= near * near)
 
 
 @kernel
@@ -332,4 +328,4 @@ def outline_time(
         time += max(gap, FINEST, most / MOST) / most
     put(w, b, 0.0, sweep, model, state)
     put(w, q, 0.0, sweep, model, state)
-    return found
+    return float(found)

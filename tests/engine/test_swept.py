@@ -77,8 +77,8 @@ def test_cells_of_a_map_are_met(radius: float | None, x: float) -> None:
     # Twenty cells of 0.5 m a row; the occupied column reaches from 4.75 to 5.25, its discs stand at x = 5, y = 5, ...
     cells = np.zeros((20, 20), int)
     cells[9] = 100
-    cells = {"name": "array", "cells": cells.tolist()} | ({} if radius is None else {"disc_radius": radius})
-    sim = after(begun(obstacle_map=cells, offset=[0.25, 0.25], robot=driving(vel_max=[5, 1])), 2)
+    table: dict[str, Any] = {"name": "array", "cells": cells.tolist(), "disc_radius": radius}
+    sim = after(begun(obstacle_map=table, offset=[0.25, 0.25], robot=driving(vel_max=[5, 1])), 2)
     assert sim.state.pose[0, 0, 0] == pytest.approx(x, abs=2e-9)
     assert sim.state.hit[0].tolist() == [1, 0]
 
@@ -126,7 +126,7 @@ def test_boxes_stop_within_a_millimetre_and_the_turn_counts() -> None:
     bar |= {"state": [5, 5, 0], "vel_max": [1, 1, 2], "vel_min": [-1, -1, -2], "behavior": None}
     point = {"shape": {"name": "circle", "radius": 0.01}, "state": [5 + 0.9 * np.cos(0.5), 5 + 0.9 * np.sin(0.5), 0]}
     sim = begun(point, robot=bar)
-    sim.step([[0, 0, 2]], bodies=[0])
+    sim.step([0, 0, 2], bodies=[0])
     # Side and disc touch where the disc is 0.02 m from the bar's middle line.
     assert sim.state.pose[0, 0, 2] == pytest.approx(0.5 - np.arcsin(0.02 / 0.9), abs=1.5e-3)
 
