@@ -238,10 +238,11 @@ def is_centred(w: int, b: int, model: Model) -> bool:
 
     Reads: model (disc_count, disc_start, local_discs, segment_count).
     """
-    if model.segment_count[row_of(model.segment_count, w), b] != 0:
+    n_discs = model.disc_count[row_of(model.disc_count, w), b]
+    if model.segment_count[row_of(model.segment_count, w), b] != 0 or n_discs != 1:
         return False
     disc = model.local_discs[row_of(model.local_discs, w), model.disc_start[b]]
-    return bool(model.disc_count[row_of(model.disc_count, w), b] == 1 and disc[0] == 0.0 and disc[1] == 0.0)
+    return bool(disc[0] == 0.0 and disc[1] == 0.0)
 
 
 @kernel
