@@ -95,9 +95,9 @@ BY_HAND: dict[str, dict[str, Any]] = {
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
     "contacts within a step": {
         "world": {**SHORT, "collision_mode": "stop", "collision_check": "swept", "obstacle_map": PERLIN},
-        "robot": leaving(3, ["dash", "rvo"]),
+        "robot": leaving(3, ["dash"]),
         "obstacle": [
-            {**FAST, "number": 4, "distribution": {"name": "random"}, "behavior": PATIENT, "shape": shape}
+            {**FAST, "number": 2, "distribution": {"name": "random"}, "behavior": PATIENT, "shape": shape}
             for shape in ({"name": "rectangle", "length": 0.5, "width": 0.2}, {"name": "circle", "radius": 0.1})
         ],
         "task": GOES_ON,
