@@ -289,7 +289,7 @@ def disc_time(w: int, b: int, q: int, sweep: SweptMotion, cells: CellMaps | None
         if k == 0 and not meets:
             return NEVER
         if k == 1 and meets:
-            return begin
+            return float(begin)
         if meets:
             high = time
         else:

@@ -41,7 +41,7 @@ def make_vec_env(
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
 
-    Keywords of Stable-Baselines3's own for single environments are refused. As in ``DummyVecEnv``, a seed or options set
+    Keywords of Stable-Baselines3's own for single environments are refused. As in ``DummyVecEnv``, seed and options set
     later count in the next ``reset()``, not where a world resets itself: use ``env_method("choose_level", number)``.
 
     Args:
