@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import field_of_view
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.fog import lay_fog
@@ -16,13 +16,15 @@ from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlin
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
+from irsim_gym.engine.patience import find_patient
+from irsim_gym.engine.swept import lay_sweep
 from irsim_gym.engine.traits import collect_traits
 from irsim_gym.engine.turns import take_turns
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.level_checks import n_goals_drawn
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.world.group import Group, WorldContext
-from irsim_gym.world.model import LOOP, Model
+from irsim_gym.world.model import LOOP, WANDER, Model
 from irsim_gym.world.outline import Outline
 
 Member = tuple[int, Any]
@@ -49,7 +51,7 @@ def collect_parts(
     names = tuple(body.name for _, body in bodies)
     context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
-    placements = _placements(scenario, model, n_slots)
+    placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
         group.names, group.context = names, context
     for group in (*behaviors, *kinematics):
@@ -59,9 +61,7 @@ def collect_parts(
     external = scenario.world.step_mode == "external"
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
-    n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for _, body in bodies]
-    # With one goal, a loop goes back to the start; with several, it goes on with the first.
-    single = np.array([count <= 1 for count in n_goals], np.bool_)
+    patience = find_patient(scenario, model, agents)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
@@ -73,7 +73,8 @@ def collect_parts(
         maps=_maps(scenario, model, n_slots),
         placements=placements,
         levels=lay_levels(scenario, n_slots),
-        free=[group for group in placements if not given_bodies(scenario)[group.members].all()],
+        free=[group for group in placements if not given[group.members].all()],
+        promised=_promised(placements, given, model),
         sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
@@ -82,12 +83,21 @@ def collect_parts(
         measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
         traits=collect_traits(scenario, model),
-        loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
+        loop_returns=_loop_returns(scenario, model),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
+        sweep=lay_sweep(scenario, model, movers, patience),
+        patience=patience,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def _loop_returns(scenario: Scenario, model: Model) -> Ints:
+    """Return the bodies that loop between a single goal and their start; with several goals, a loop leaves it out."""
+    n_goals = [n_goals_drawn(scenario.placements[body.entry]) or len(body.goal) for body in scenario.bodies]
+    single = np.array([count <= 1 for count in n_goals], np.bool_)
+    return np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal)
 
 
 def _place(scenario: Scenario, body: BodySpec) -> str:
@@ -199,6 +209,21 @@ def _placements(scenario: Scenario, model: Model, n_slots: int) -> list[Group]:
             )
         groups.append(group)
     return groups
+
+
+def _promised(placements: Sequence[Group], given: Flags, model: Model) -> list[Group]:
+    """Return the bodies whose ways have to be proved again, since bodies that stand are placed after them."""
+    keeps_goal = model.has_goal & ((model.goal_renewal != WANDER) | model.wandering["keeps_first"])
+    found, followed = [], False
+    for group in reversed(placements):
+        chosen = []
+        for k, b in reversed(list(enumerate(group.members))):
+            if followed and keeps_goal[b] and not given[b]:
+                chosen.append(k)
+            followed = followed or bool(model.stands[b] and not model.unobstructed[b] and not given[b])
+        if chosen and group.options[0].ensures_way and hasattr(group.kind, "confirm"):
+            found.append(group.select(np.array(chosen[::-1])))
+    return found[::-1]
 
 
 def _turn(spec: PlacementSpec) -> int:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Record
+from irsim_gym.engine import body_buckets
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
 from irsim_gym.engine.pairs import note_contact
+from irsim_gym.engine.swept import SweptMotion, sweep_bodies
 from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
@@ -22,9 +24,12 @@ SURE = 1e-6
 """Safety margin by which the ``room`` of a disc is reduced [m]. Rounding errors are far smaller."""
 
 
-def find(movers: Ints, model: Model, state: State, shard: Shard) -> None:
-    """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
+def find(movers: Ints, model: Model, state: State, shard: Shard, sweep: SweptMotion | None = None) -> None:
+    """Write ``state.collided``, ``state.hit`` and ``state.stopped``, with ``sweep`` of contacts within a step too."""
     begin_contacts(shard.worlds, model, state)
+    if sweep is not None:
+        sweep_bodies(sweep, model, state, shard)
+        body_buckets.refresh(movers, model, state, shard)
     _find_pairs(movers, False, model, state, shard)
     stop_bodies(shard.worlds, model, state)
 

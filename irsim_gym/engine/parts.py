@@ -10,6 +10,8 @@ from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.engine.fog import FogMap
 from irsim_gym.engine.level_table import LevelTable
 from irsim_gym.engine.path_checks import ReachabilityCheck
+from irsim_gym.engine.patience import Patience
+from irsim_gym.engine.swept import SweptMotion
 from irsim_gym.engine.turns import Turn
 from irsim_gym.world.group import Group
 
@@ -30,6 +32,7 @@ class Parts:
         placements: Entries of the file, in the order in which they are placed.
         levels: Levels that a file gives; None where they are drawn.
         free: Entries with bodies that no file of levels places.
+        promised: Bodies whose placement ensures a way, and after which bodies that stand are placed, by entry.
         sensors: Sensors, by kind and beams.
         movers: Bodies that can move.
         fixed: Bodies that cannot.
@@ -42,6 +45,8 @@ class Parts:
         loop_returns: Bodies that loop between a single goal and their start.
         ways: Agents whose path to the goal is checked when a level is drawn.
         fog: What the robots have explored; None unless the file asks for it.
+        sweep: Memory for contacts within a step; None where only its end is tested.
+        patience: Wandering bodies that go on after a collision; None without any.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
     """
@@ -57,6 +62,7 @@ class Parts:
     placements: list[Group]
     levels: LevelTable | None
     free: list[Group]
+    promised: list[Group]
     sensors: list[Group]
     movers: Ints
     fixed: Ints
@@ -68,6 +74,8 @@ class Parts:
     loop_returns: Ints
     ways: ReachabilityCheck
     fog: FogMap | None
+    sweep: SweptMotion | None
+    patience: Patience | None
     names: tuple[str, ...]
     places: tuple[str, ...]
 

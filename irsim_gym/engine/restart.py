@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Words
-from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks, traits
+from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks, patience, traits
 from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.level_table import LevelTable, copy_levels, copy_maps
@@ -79,6 +79,8 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Begin the episode where the bodies stand: clocks, flags, goals and first readings."""
     if parts.fog is not None:
         fog.cover(parts.fog, shard)
+    if parts.patience is not None:
+        patience.begin_patience(shard.worlds, parts.patience)
     body_buckets.empty(model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
@@ -149,6 +151,8 @@ def draw_level(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     for group in parts.placements:
         group.kind.draw(group, model, state, shard, failed)
         outlines.place(group.members, model, state, shard)
+    for group in parts.promised:
+        group.kind.confirm(group, model, state, shard, failed)
     path_checks.check(parts.ways, model, state, shard, failed)
 
 
@@ -162,6 +166,8 @@ def take_level(parts: Parts, levels: LevelTable, model: Model, state: State, sha
     for group in parts.free:
         group.kind.draw(group, model, state, shard, state.failed)
     outlines.place(parts.everyone, model, state, shard)
+    for group in parts.promised:
+        group.kind.confirm(group, model, state, shard, state.failed)
 
 
 @kernel

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import arrival, body_buckets, command_limits, contact, fog, outlines
+from irsim_gym.engine import arrival, body_buckets, command_limits, contact, fog, outlines, patience, swept
 from irsim_gym.engine.guide import decide
 from irsim_gym.engine.parts import Parts
 from irsim_gym.jit import kernel
@@ -46,6 +46,8 @@ class Orders:
 
 def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
+    if parts.sweep is not None:
+        swept.note_starts(shard.worlds, parts.sweep, model, state)
     for group in parts.group_behaviors:
         decide(group, model, state, shard)
     arrival.renew_goals(shard.worlds, parts.goal_bodies, parts.loop_returns, model, state)
@@ -67,7 +69,9 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
         body_buckets.refresh(parts.everyone, model, state, shard)
     # ``tick`` comes last, so ``state.step`` is still the number of the step before.
     let_appear(parts, model, state, shard, ahead=1)
-    contact.find(parts.movers, model, state, shard)
+    contact.find(parts.movers, model, state, shard, parts.sweep)
+    if parts.patience is not None:
+        patience.let_go(shard.worlds, parts.patience, model, state)
     arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
     sense(parts, model, state, shard)
     if parts.fog is not None:

@@ -41,7 +41,8 @@ def make_vec_env(
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
 
-    Of the keywords of Stable-Baselines3's own ``make_vec_env``, those for single environments are refused.
+    Keywords of Stable-Baselines3's own for single environments are refused. As in ``DummyVecEnv``, seed and options set
+    later count in the next ``reset()``, not where a world resets itself: use ``env_method("choose_level", number)``.
 
     Args:
         scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
@@ -51,8 +52,7 @@ def make_vec_env(
         max_steps: Time limit [steps]; None for the task's.
         max_episode_steps: Another time limit, as ``gymnasium.make`` takes it; the smaller one counts.
         num_threads: Threads that share the worlds.
-        critic: Observations are dicts that hold what the task's ``critic_observations`` show too, for
-            ``AsymmetricPolicy``.
+        critic: Observations are dicts with the task's ``critic_observations`` too, for ``AsymmetricPolicy``.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.

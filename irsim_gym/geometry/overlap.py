@@ -91,6 +91,26 @@ def disc_meets_outline(centre: Point, radius: float, outline: BodyOutline) -> bo
 
 
 @kernel(inlined=True)
+def capsule_meets_outline(start: Point, end: Point, radius: float, outline: BodyOutline) -> bool:
+    """Return whether a disc [m] touches an outline somewhere on the straight way between two points [m]."""
+    ax, ay, bx, by = start[0], start[1], end[0], end[1]
+    segments, discs, radius2 = outline.segments, outline.discs, radius * radius
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        reach = radius + discs[d, 2]
+        if point_segment_distance2(discs[d, 0], discs[d, 1], ax, ay, bx, by) <= reach * reach:
+            return True
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        cx, cy, dx, dy = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
+        # The boxes around both are a cheaper lower bound.
+        if gap2(ax, ay, bx, by, cx, cy, dx, dy) > radius2:
+            continue
+        if segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy) <= radius2:
+            return True
+    # If no side comes near, the whole way is inside of the area or outside: its start decides.
+    return outline.solid and holds_point(outline, start)
+
+
+@kernel(inlined=True)
 def line_is_out(x: float, y: float, ax: float, ay: float, bx: float, by: float, out2: float) -> bool:
     """Return whether the line through a and b lies farther from a point than the root of ``out2`` [m2]."""
     dx, dy = bx - ax, by - ay

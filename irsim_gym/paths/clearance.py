@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Point
-from irsim_gym.geometry.overlap import point_outline_distance
-from irsim_gym.geometry.polygons import holds_point
-from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
+from irsim_gym.geometry.overlap import capsule_meets_outline, point_outline_distance
 from irsim_gym.geometry.world_maps import capsule_meets_map, map_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.points import PointMap, capsule_meets_points, points_distance
@@ -63,25 +61,11 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
         end: Where it ends [m].
     """
     ax, ay, bx, by = start[0], start[1], end[0], end[1]
-    blocks, radius2 = obstacles.blocks, radius * radius
-    for b in range(blocks.shape[0]):
-        if not blocks[b]:
+    for b in range(obstacles.blocks.shape[0]):
+        if not obstacles.blocks[b]:
             continue
         outline = outline_of(obstacles.model, obstacles.state, obstacles.w, b)
-        segments, discs = outline.segments, outline.discs
-        for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
-            reach = radius + discs[d, 2]
-            if point_segment_distance2(discs[d, 0], discs[d, 1], ax, ay, bx, by) <= reach * reach:
-                return False
-        for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
-            cx, cy, dx, dy = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
-            # The boxes around both are a cheaper lower bound.
-            if gap2(ax, ay, bx, by, cx, cy, dx, dy) > radius2:
-                continue
-            if segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy) <= radius2:
-                return False
-        # No side comes near, so the whole way is inside of the area or outside: its start decides.
-        if outline.solid and holds_point(outline, start):
+        if capsule_meets_outline(start, end, radius, outline):
             return False
     if capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius):
         return False

@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.placements.free_space import (
     WayGrids,
+    confirm_ways,
     has_way_of_length,
     is_goal_free,
     is_start_free,
@@ -120,6 +121,13 @@ class CellPlacement:
         tables, grids = group.tables
         cells: Any = model.cells
         draw_in_cells(shard.worlds, shard.slot, tables, grids.of_slot(shard.slot), model, state, cells, failed)
+
+    @staticmethod
+    def confirm(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
+        """Set ``failed`` where bodies that were placed later block a member's way, or make it too long."""
+        tables, grids = group.tables
+        grids = grids.of_slot(shard.slot)
+        confirm_ways(shard.worlds, group.members, tables.limits, grids, model, state, model.cells, failed)
 
 
 @kernel

@@ -249,6 +249,31 @@ def has_way_of_length(
 
 
 @kernel
+def confirm_ways(
+    worlds: Ints,
+    bodies: Ints,
+    limits: Floats,
+    grids: WayGrids,
+    model: Model,
+    state: State,
+    cells: CellMaps | None,
+    failed: Ints,
+) -> None:
+    """Set ``failed`` to body + 1 where a body has no way through its goals within ``limits`` [m] any more.
+
+    Bodies that were placed after it may stand in its way.
+
+    Reads: model (drawn_goals, present, reach, stands, waypoints), state (placed, pose).
+    Writes: grids, failed.
+    """
+    for w in worlds:
+        for b in bodies:
+            for k in range(model.drawn_goals[b] if model.present[w, b] else 0):
+                if failed[w] == 0 and not has_way_of_length(w, b, k, limits, grids, model, state, cells):
+                    failed[w] = b + 1
+
+
+@kernel
 def way_length(search: WaySearch | None, obstacles: Obstacles, radius: float, start: Point, goal: Point) -> float:
     """Return the length of the shortest path found [m]: inf without a path, 0 if lengths are not measured.
 

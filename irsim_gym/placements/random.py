@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.paths.grid import Grid
-from irsim_gym.placements.free_space import length_option, length_problems, way_grids
+from irsim_gym.placements.free_space import confirm_ways, length_option, length_problems, way_grids
 from irsim_gym.placements.manual import world_box
 from irsim_gym.placements.random_draws import DrawTables, draw_members
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
@@ -138,6 +138,13 @@ class RandomPlacement:
         tables, grids = group.tables
         grids = grids.of_slot(shard.slot)
         draw_members(shard.worlds, tables, grids, model, state, model.cells, failed)
+
+    @staticmethod
+    def confirm(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
+        """Set ``failed`` where bodies that were placed later block a member's way, or make it too long."""
+        tables, grids = group.tables
+        grids = grids.of_slot(shard.slot)
+        confirm_ways(shard.worlds, group.members, tables.limits, grids, model, state, model.cells, failed)
 
 
 def _has_room(count: int, low: Floats, high: Floats) -> bool:

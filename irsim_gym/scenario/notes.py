@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 from irsim_gym.errors import IgnoredKeyWarning, Problem, ScenarioWarning, warn_caller
 from irsim_gym.families import KINEMATICS
+from irsim_gym.scenario.body_checks import speed_count
 from irsim_gym.scenario.shorthand import split_entries
 from irsim_gym.scenario.source import ROLES, Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
@@ -69,10 +71,46 @@ def _in_order(found: Iterable[Problem]) -> tuple[Problem, ...]:
 
 def _world_notes(scenario: Scenario) -> Iterator[Problem]:
     world = scenario.world
+    if world.collision_check == "swept":
+        return
+    yield from _passing_notes(scenario)
     if world.step_time > LONGEST_STEP:
         yield scenario.problem(
             ("world", "step_time"), f"{world.step_time:g} s is a long step: bodies may jump through walls"
         )
+
+
+def _passing_notes(scenario: Scenario) -> Iterator[Problem]:
+    """Yield a remark if a step can take a body past another one, or past a cell of the map, without a contact."""
+    world, widths, excess = scenario.world, dict[int, float](), []
+    for b, body in enumerate(scenario.bodies):
+        n_speeds = 0 if body.static else speed_count(body.kinematics)
+        stride = max(map(abs, (*body.vel_max[:n_speeds], *body.vel_min[:n_speeds])), default=0.0) * world.step_time
+        if id(body.shape) not in widths:  # bodies of an entry share their shape
+            widths[id(body.shape)] = _thickness(body.shape.outline())
+        width = widths[id(body.shape)]
+        if scenario.occupied is not None and b == len(scenario.bodies) - 1:
+            columns, rows = scenario.occupied.shape
+            width = min(world.width / columns, world.height / rows)
+        if not body.unobstructed:
+            excess.append((stride - width, stride, body))
+    # Two pass each other in a step if both strides together exceed both widths: if any do, those of the largest excess.
+    excess.sort(key=lambda row: -row[0])
+    first = next((row for row in excess if row[1] > 0.0), None)
+    second = next((row for row in excess if row is not first), None)
+    if first is not None and second is not None and first[0] + second[0] > 0.0:
+        message = f"a step of {first[1]:g} m may jump over '{second[2].name}': reduce step_time, or set collision_check"
+        yield Problem(first[2].line, first[2].name, f"{message}: swept in world")
+
+
+def _thickness(outline: Any) -> float:
+    """Return the least width of an outline [m]: that of its thinnest disc, or across one of its sides."""
+    widths = [2.0 * float(disc[2]) for disc in outline.discs]
+    corners = outline.segments.reshape(-1, 2)
+    for x0, y0, x1, y1 in outline.segments if outline.solid else ():
+        across = ((y1 - y0) * corners[:, 0] - (x1 - x0) * corners[:, 1]) / max(math.hypot(x1 - x0, y1 - y0), 1e-12)
+        widths.append(float(across.max() - across.min()))
+    return min(widths, default=0.0)
 
 
 def _view_notes(scenario: Scenario) -> Iterator[Problem]:

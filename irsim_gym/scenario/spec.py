@@ -38,9 +38,7 @@ class WorldSpec:
         meaning="Size of the world in x.",
         consequence="Only pictures, maps, default placements and left_world use it; bodies may leave the world.",
     )
-    height: float = option(
-        10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="Same as width."
-    )
+    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
     step_time: float = option(
         0.1,
         gt=0.0,
@@ -67,6 +65,11 @@ class WorldSpec:
         meaning="Which bodies stop at a collision: all, none, or robots only.",
         consequence="With stop, bodies that touch stand still until one of them is removed.",
     )
+    collision_check: Literal["step_end", "swept"] = option(
+        "step_end",
+        meaning="Where contacts are looked for: where each step ends, or all along its way (swept).",
+        consequence="With step_end, bodies pass what is thinner than a step is long. swept takes time.",
+    )
     status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
         "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
@@ -79,8 +82,7 @@ class WorldSpec:
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option(
         "internal",
-        meaning="What moves the bodies: the step (internal), or the caller with set_state (external; "
-        "not for learners).",
+        meaning="What moves the bodies: the step, or the caller with set_state (external; not for learners).",
     )
     fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it does not affect the simulation.")
     fog_map_resolution: float | None = option(
@@ -205,9 +207,7 @@ class BodyOptions:
         consequence="Others walk into a body that they do not see. Sensors and observations are not concerned.",
     )
     speed_range: tuple[float, float] | None = option(
-        None,
-        unit="m/s",
-        meaning="Bounds of the body's maximum speed, which each level draws; it replaces the speeds of vel_max.",
+        None, unit="m/s", meaning="Bounds of the maximum speed, which each level draws in place of those of vel_max."
     )
     party: int = option(
         1,
@@ -350,8 +350,7 @@ class Scenario:
         custom: The section ``custom``, unchanged.
         source: The data that it was read from, with lines.
         root: Path of the wrapper key around all sections; empty without one.
-        occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
-            bottom; None without a map. The map is the last body.
+        occupied: Cells of the obstacle map, ``(columns, rows)``, from the lower left; None without. It is the last.
         levels: Levels from a file (``levels``); None if they are drawn.
         doubts: Remarks on suspicious values, found while reading.
         ignored: Unused keys that were ignored.

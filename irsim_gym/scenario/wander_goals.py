@@ -29,4 +29,12 @@ class WanderGoals:
         meaning="At multiples of this time a body gives up its goal for a new one, with the probability chance; in "
         "whole steps. It has no effect on learners.",
     )
+    patience: float | None = option(
+        None,
+        gt=0.0,
+        unit="s",
+        meaning="A body that a collision with one that can move has held so long gets a new goal, and drives on "
+        "through such bodies until it touches nothing. Default: it stands for as long as they touch. No effect on "
+        "learners.",
+    )
     chance: float = option(1.0, ge=0.0, le=1.0, meaning="Probability of a new goal at each interval.")

@@ -34,7 +34,8 @@ def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bo
             read[file] = scenario, *fitting_task(scenario, team=team)
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
-    failures |= try_files(list(read), reading) if read else {}
+    played = try_files(list(read), reading) if read else {}
+    failures |= {file: failure for file, (failure, _) in played.items() if failure}
     for file, (scenario, *_) in read.items():
         if file in failures and not team and (blocked := blocked_start(scenario)):
             del failures[file]
@@ -43,12 +44,12 @@ def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bo
         if file in failures:
             print(failures[file], file=sys.stderr)
         else:
-            _describe(file, read[file], team=team)
+            _describe(file, read[file], played[file][1], team=team)
     return not failures
 
 
-def _describe(file: str, read: Read, *, team: bool) -> None:
-    """Print that a file is valid, with its learners, parameters and notes."""
+def _describe(file: str, read: Read, remark: str, *, team: bool) -> None:
+    """Print that a file is valid, with its learners, parameters and notes; ``remark`` is on its wandering bodies."""
     scenario, task, unfit = read
     refused = None if team or unfit else team_error(scenario)
     robots = len(scenario.robots)
@@ -64,7 +65,8 @@ def _describe(file: str, read: Read, *, team: bool) -> None:
         print("\n".join(f"  {line}" for line in str(refused).splitlines()))
     for line in describe_parameters(scenario.source, scenario.parameters):
         print(f"  {line}")
-    found = (*notes(scenario), *_blind_spots(scenario, task))
+    standing = [Problem(body.line, body.name, remark) for body in scenario.bodies if remark and body.wanders]
+    found = (*notes(scenario), *_blind_spots(scenario, task), *standing[:1])
     for note in found:
         print(f"  {file}:{note.line}   {note.path}: {note.message}")
     if found:

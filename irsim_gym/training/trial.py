@@ -33,8 +33,10 @@ WAIT_MESSAGE_S = 5.0
 """Time after which a message reports what the command is waiting for [s]."""
 PACKAGE = str(Path(__file__).parents[1])
 
-Failures = dict[str, str]
-"""Error messages by file."""
+Outcomes = dict[str, tuple[str, str]]
+"""Error message and remark by file; empty strings where there is none."""
+STANDING_S, WATCHED_S = 10.0, 60.0
+"""Bodies that a collision has held for so long count as standing, after a trial of so long [s]."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +54,11 @@ class ReadOptions:
     strict: bool = True
 
 
-def try_files(files: Sequence[str], reading: ReadOptions) -> Failures:
-    """Run scenarios for a few steps in a child process, and return the error messages of those that fail.
+def try_files(files: Sequence[str], reading: ReadOptions) -> Outcomes:
+    """Run scenarios for a few steps in a child process, and return what is to be said of them.
 
     Each scenario begins a level and takes some steps without learners, with a single learner, and as a team, if
-    possible.
+    possible. A scenario with wandering bodies plays a minute without learners.
 
     Args:
         files: Scenarios, as ``load_scenario`` takes them.
@@ -65,14 +67,15 @@ def try_files(files: Sequence[str], reading: ReadOptions) -> Failures:
     if not end:
         return found
     if len(files) == 1:
-        return {files[0]: f"{files[0]}: {end}"}
-    alone = [try_files([file], reading) for file in files]
-    errors = {file: message for one in alone for file, message in one.items()}
-    return errors or {files[0]: f"{', '.join(files)}, one after the other: {end}"}
+        return {files[0]: (f"{files[0]}: {end}", "")}
+    alone = {name: said for file in files for name, said in try_files([file], reading).items()}
+    if not any(failure for failure, _ in alone.values()):
+        alone[files[0]] = f"{', '.join(files)}, one after the other: {end}", ""
+    return alone
 
 
-def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Failures, str]:
-    """Return the error messages by file, and how the process failed; an empty string if it did not."""
+def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Outcomes, str]:
+    """Return the outcomes by file, and how the process failed; an empty string if it did not."""
     with tempfile.TemporaryDirectory(prefix="irsim_gym-") as folder:
         plan, results, crash = (Path(folder) / name for name in ("plan", "results", "crash"))
         plan.write_text(json.dumps({"files": list(files), "reading": asdict(reading)}), encoding="utf-8")
@@ -88,10 +91,9 @@ def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Failures,
             child.kill()
             child.wait()
         lines = results.read_text(encoding="utf-8").splitlines() if results.is_file() else []
-        reported = dict(json.loads(line) for line in lines)
+        reported = {file: (failure, remark) for file, failure, remark in map(json.loads, lines)}
         trace = crash.read_text(encoding="utf-8", errors="replace") if crash.is_file() else ""
-    failures = {file: message for file, message in reported.items() if message}
-    return failures, "" if status == 0 and len(reported) == len(files) else _end(status, trace)
+    return reported, "" if status == 0 and len(reported) == len(files) else _end(status, trace)
 
 
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
@@ -115,8 +117,11 @@ def _end(status: int, trace: str) -> str:
     )
 
 
-def run_briefly(file: str, reading: ReadOptions) -> None:
+def run_briefly(file: str, reading: ReadOptions) -> str:
     """Begin a level of a scenario and take some steps: without learners, with one, and as a team, if possible.
+
+    Returns:
+        A remark on wandering bodies that stand for good; an empty string if there are none.
 
     Raises:
         IrsimGymError: If the file is invalid, or its level cannot be generated.
@@ -131,6 +136,7 @@ def run_briefly(file: str, reading: ReadOptions) -> None:
         _take_steps(_with_a_learner(scenario))
     with suppress(ScenarioError):
         _take_steps(_as_a_team(scenario) if len(scenario.robots) > 1 else iter(()))
+    return _standing(scenario)
 
 
 def _take_steps(steps: Iterator[None]) -> None:
@@ -141,6 +147,30 @@ def _take_steps(steps: Iterator[None]) -> None:
         next(steps, None)
         if time.perf_counter() - begun > LONGEST_S:
             return
+
+
+def _standing(scenario: Scenario) -> str:
+    """Return a remark on wandering bodies that collisions have stopped for good, after a minute or ``LONGEST_S``."""
+    import numpy as np
+
+    from irsim_gym.engine import compile
+
+    wanderers = [b for b, body in enumerate(scenario.bodies) if body.wanders and not body.static]
+    if not wanderers or scenario.world.collision_mode == "unobstructed":
+        return ""
+    simulation, begun, step_time = compile(scenario), time.perf_counter(), scenario.world.step_time
+    simulation.reset()
+    held, state = np.zeros(len(wanderers)), simulation.state
+    while state.time[0] < WATCHED_S and time.perf_counter() - begun < LONGEST_S:
+        simulation.step()
+        held = np.where(state.stopped[0, wanderers], held + step_time, 0.0)
+    count = int((held >= STANDING_S).sum())
+    if not count:
+        return ""
+    return (
+        f"{count} of {len(wanderers)} wandering bodies stand after {state.time[0]:.0f} s, since they touch: "
+        "wander_goals: {patience: 5} lets them go on, and collision_mode says whom a collision stops"
+    )
 
 
 def _by_itself(scenario: Scenario) -> Iterator[None]:
@@ -179,19 +209,19 @@ def _as_a_team(scenario: Scenario) -> Iterator[None]:
         yield
 
 
-def _failure(file: str, reading: ReadOptions) -> str:
-    """Run a scenario briefly, and return the error message; an empty string if there is no error."""
+def _outcome(file: str, reading: ReadOptions) -> tuple[str, str]:
+    """Run a scenario briefly, and return error message and remark; empty strings if there is nothing to say."""
     try:
-        run_briefly(file, reading)
+        return "", run_briefly(file, reading)
     except (IrsimGymError, OSError) as error:
-        return "\n".join([str(error), *getattr(error, "__notes__", ())])
+        return "\n".join([str(error), *getattr(error, "__notes__", ())]), ""
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
         lines = traceback.format_exception_only(error)
         place = f"  in {own[-1].filename}:{own[-1].lineno}"
-        return "\n".join([f"{file}: it could not be played: {lines[0].strip()}", *map(_indented, lines[1:]), place])
-    return ""
+        told = [f"{file}: it could not be played: {lines[0].strip()}", *map(_indented, lines[1:]), place]
+        return "\n".join(told), ""
 
 
 def _indented(line: str) -> str:
@@ -199,7 +229,7 @@ def _indented(line: str) -> str:
 
 
 def main(folder: Path) -> None:
-    """Run the files of the plan in a folder, and write a line with the error message of each file to ``results``."""
+    """Run the files of the plan in a folder, and write a line with the outcome of each file to ``results``."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent process reports Ctrl-C
     os.dup2(2, 1)  # output of behaviours does not belong to the output of the command
     plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
@@ -214,7 +244,7 @@ def main(folder: Path) -> None:
 
         import_modules(list(reading.modules))
         for file in plan["files"]:
-            print(json.dumps([file, _failure(file, reading)]), file=results, flush=True)
+            print(json.dumps([file, *_outcome(file, reading)]), file=results, flush=True)
 
 
 if __name__ == "__main__":

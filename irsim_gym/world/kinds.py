@@ -156,6 +156,15 @@ class PlacementKind(Protocol):
         """
 
 
+@runtime_checkable
+class Confirms(Protocol):
+    """A placement with ``ensures_way`` that proves the ways again once the level's last body is placed."""
+
+    @staticmethod
+    def confirm(group: Group, model: Model, state: State, shard: Shard, failed: Ints) -> None:
+        """Set ``failed[w]`` to b + 1 where the way of a member b does not exist any more; the level is drawn anew."""
+
+
 class MapKind(Protocol):
     """Which cells of the world are occupied: one map for all worlds, or one that each level draws."""
 
@@ -244,6 +253,6 @@ class Reports(Protocol):
 DRIVE = Contract(DriveKind, (Steers,))
 BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins, Appears))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
-PLACEMENT = Contract(PlacementKind)
+PLACEMENT = Contract(PlacementKind, (Confirms,))
 MAP = Contract(MapKind, (DrawsMaps,))
 SENSOR = Contract(SensorKind, (Begins, Reports))

@@ -90,6 +90,20 @@ def test_check_tells_what_a_team_would_be_refused_for(
 
 
 @pytest.mark.usefixtures("played_here")
+def test_check_counts_wandering_bodies_that_stand(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    # Two that overlap at the start never part; the third has nobody to touch.
+    file = tmp_path / "stuck.yaml"
+    poses = "[[2, 2, 0], [2.1, 2, 0], [8, 8, 0]]"
+    wander = "behavior: {name: dash, wander: true, range_low: [7, 7, -3], range_high: [9, 9, 3]}"
+    file.write_text(f"obstacle:\n  - {{number: 3, kinematics: {{name: omni}}, state: {poses}, {wander}}}\n")
+    assert run(monkeypatch, "check", file) == 0
+    told = f"{file}:2   obstacle_0: 2 of 3 wandering bodies stand after 60 s, since they touch: wander_goals"
+    assert told in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("played_here")
 def test_check_takes_a_file_that_is_made_to_be_run_but_not_one_whose_task_does_not_fit(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -67,6 +67,7 @@ def map_by_level(obstacle_map: dict[str, Any]) -> dict[str, Any]:
 PERLIN = {"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}
 ONE_BEAM = [{"name": "lidar2d", "number": 1}]
 LOOP = {"name": "dash", "loop": True}
+PATIENT = {"name": "dash", "wander": True, "wander_goals": {"patience": 1}}
 BY_HAND: dict[str, dict[str, Any]] = {
     "loop between what is drawn": {
         "robot": {**FAST, "number": 2, "distribution": {"name": "circle"}, "behavior": LOOP}
@@ -92,6 +93,15 @@ BY_HAND: dict[str, dict[str, Any]] = {
     },
     **{f"map by level: {one['name']}": map_by_level(one) for one in MAPS_BY_LEVEL},
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
+    "contacts within a step": {
+        "world": {**SHORT, "collision_mode": "stop", "collision_check": "swept", "obstacle_map": PERLIN},
+        "robot": leaving(3, ["dash"]),
+        "obstacle": [
+            {**FAST, "number": 2, "distribution": {"name": "random"}, "behavior": PATIENT, "shape": shape}
+            for shape in ({"name": "rectangle", "length": 0.5, "width": 0.2}, {"name": "circle", "radius": 0.1})
+        ],
+        "task": GOES_ON,
+    },
     "crowd that dashes": crowd("behavior", "dash"),
     "crowd that avoids": crowd("behavior", "rvo"),
     "crowd of forces": crowd("behavior", "sfm"),

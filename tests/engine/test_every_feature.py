@@ -24,6 +24,7 @@ world:
   offset: [-2, 1]
   step_time: 0.1
   collision_mode: unobstructed_obstacles
+  collision_check: swept
   obstacle_map: {name: perlin, resolution: 0.5, fill: 0.06, seed: 4}
   fog_map: true
 robot:
@@ -74,7 +75,7 @@ obstacle:
       wander: true
       range_low: [0, 2, -3]
       range_high: [20, 22, 3]
-      wander_goals: {keep_first: true, radius: 8, jitter: 1, interval: 0.5, chance: 0.5}
+      wander_goals: {keep_first: true, radius: 8, jitter: 1, interval: 0.5, chance: 0.5, patience: 0.5}
   - number: 2
     kinematics: {name: omni}
     vel_min: [-2, -2]

@@ -10,6 +10,7 @@ import shapely
 
 import irsim_gym as ig
 from irsim_gym.errors import PlacementError, ScenarioError
+from irsim_gym.paths.queries import free_path_length
 from irsim_gym.tasks import Episodes, load_task
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
@@ -64,6 +65,45 @@ def test_all_given_goals_stay_free_and_can_be_reached() -> None:
             all(part.contains(shapely.Point(point)) for point in ((1, 1), (9, 1), (9, 9)))
             for part in shapely.get_parts(free)
         )
+
+
+def ways(sim: ig.Simulation, bodies: tuple[int, ...]) -> list[bool]:
+    """Return for each world and body whether start and goal lie in one part of what walls and standing discs leave."""
+    stands, joined = np.flatnonzero(sim.model.stands & ~sim.model.unobstructed), []
+    for w in range(len(sim.state.pose)):
+        blocks = [shapely.Point(*disc[:2]).buffer(disc[2] + 0.3, quad_segs=64) for disc in sim.state.discs[w, stands]]
+        if sim.model.cells is not None:
+            cells = np.argwhere(sim.model.map_squares[w, 0] == 0).tolist()
+            blocks += [shapely.box(i, j, i + 1, j + 1).buffer(0.3) for i, j in cells]
+        parts = shapely.get_parts(shapely.box(*sim.model.bounds).difference(shapely.union_all(blocks)))
+        for b in bodies:
+            ends = shapely.MultiPoint([sim.state.pose[w, b, :2], sim.model.waypoints[w, b, 0, :2]])
+            joined.append(any(part.covers(ends) for part in parts))
+    return joined
+
+
+def test_ways_lead_past_standing_bodies_that_are_placed_later() -> None:
+    # There is room for 22 discs of 0.6 m, but in one of ten levels they close a way that was proved before.
+    shape = {"name": "circle", "radius": 0.3}
+    moving = {**DIFF, "shape": shape, "number": 2, "behavior": {"name": "dash"}, "distribution": RANDOM}
+    assert all(ways(begun({"obstacle": [moving, discs(22, 0.6)]}, n_worlds=50, agents=()), (0, 1)))
+
+
+def test_ways_keep_their_length_past_bodies_that_are_placed_later() -> None:
+    limits = {"name": "random", "range_low": [1, 1, 0], "range_high": [9, 9, 0], "max_way_length": 5}
+    moving = {**DIFF, "behavior": {"name": "dash"}, "distribution": limits}
+    sim = begun({"obstacle": [moving, discs(20, 0.6)]}, n_worlds=60, agents=())
+    ends = [(sim.state.pose[w, 0, :2], sim.model.waypoints[w, 0, 0, :2]) for w in range(60)]
+    lengths = [free_path_length(sim.model, sim.state, w, 0.2, *ends[w]) for w in range(60)]
+    assert max(lengths) <= 5 * 1.03
+
+
+def test_cells_are_joined_past_standing_bodies_that_are_placed_later() -> None:
+    # A robot that stands in a corridor closes it, and without loops there is no way around.
+    world = {"width": 9, "height": 9, "obstacle_map": {"name": "maze", "resolution": 1, "loops": 0}}
+    robot = {**DIFF, "number": 2, "shape": {"name": "circle", "radius": 0.3}, "distribution": {"name": "cells"}}
+    sim = begun({"world": world, "robot": robot})
+    assert all(ways(sim, (0,)))
 
 
 def test_a_level_that_no_draw_can_make_passable_is_an_error() -> None:

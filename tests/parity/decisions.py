@@ -333,7 +333,7 @@ DECISIONS = {
         "documentation of static",
     ),
     "warnings": Decision(
-        "degrees in place of radians, steps of more than 1 s and goals that a step may jump over pass silently",
+        "degrees in place of radians, steps of more than 1 s, goals and bodies that a step may jump over pass silently",
         "a ScenarioWarning names each with its line when a file is loaded",
         "such a run looks right and is not",
         "reference page",

@@ -111,6 +111,19 @@ def test_each_row_has_all_cells() -> None:
         ("world:\n  step_time: 2", 2, "long step"),
         ("robot:\n  - {}\n  - {state: [1, 2, 90]}", 3, "a heading of 90 is more than a turn"),
         ("robot:\n  kinematics: {name: diff}\n  goal: [1, 2, 180]", 1, "a heading of 180"),
+        # Strides of 3 m and 0.5 m in all, widths of 0.4 m and 2 m in all.
+        (
+            "world: {step_time: 1}\nrobot:\n  - {kinematics: {name: diff}, vel_max: [3, 1]}\n"
+            "obstacle: {shape: {name: rectangle, length: 2, width: 5}, kinematics: {name: omni}, vel_min: [-0.5, 0]}",
+            3,
+            "a step of 3 m may jump over 'obstacle_1'",
+        ),
+        (
+            "world: {obstacle_map: {name: array, cells: [[0, 0], [0, 100]]}}\nrobot:\n"
+            "  - {kinematics: {name: omni}, vel_min: [0, -54.1], shape: {name: circle, radius: 0.2}}",
+            3,
+            "a step of 5.41 m may jump over",
+        ),
         ("robot: {fov: 120, fov_radius: 3}", 1, "fov of 120"),
         ("robot: {sensors: [{angle_range: 270}]}", 1, "angle_range of 270"),
         (
@@ -143,6 +156,19 @@ def test_values_that_are_hardly_ever_meant(text: str, line: int, words: str, tmp
     assert note.line == line
     assert words in note.message
     assert f"{file}:{line}   " in str(warning.message)
+
+
+@pytest.mark.parametrize(
+    ("speed", "world", "shape"),
+    [
+        (4.4, "", "{name: rectangle, length: 5, width: 0.05}"),  # 0.44 m in a step; the disc and the wall are 0.45 m
+        (9, "collision_check: swept", "{name: linestring, vertices: [[5, 0], [5, 9]]}"),
+        (4, "", "{name: linestring, vertices: [[5, 0], [5, 9]]}"),
+    ],
+)
+def test_strides_that_jump_over_nothing_are_not_noted(speed: float, world: str, shape: str, load: Load) -> None:
+    robot = f"{{kinematics: {{name: diff}}, vel_max: [{speed}, 1], vel_min: [-{speed}, -1]}}"
+    assert load(f"world: {{{world}}}\nrobot: {robot}\nobstacle: {{shape: {shape}}}").doubts == ()
 
 
 def test_a_body_without_a_goal_is_noted_only(load: Load) -> None:
