@@ -16,7 +16,9 @@ from irsim_gym.scenario.options import option_fields
 families.load()
 LEFT_OUT = frozenset({"recorded", "image", "array"})
 """Kinds that need a file or a list of cells."""
-CONFLICTING = frozenset({"lookahead_max", "lateral", "clear_to", "fill_from", "range_min", "alpha"})
+CONFLICTING = frozenset(
+    {"lookahead_max", "lateral", "clear_to", "fill_from", "range_min", "alpha", "seed", "radius", "center"}
+)
 """Options whose values depend on others."""
 FACTORS = (0.0, 0.25, 0.5, 2.0, 4.0)
 MOST = 24
@@ -29,7 +31,7 @@ def some_options(rng: Random, family: Any, name: str, share: float = 0.3) -> dic
     fields = option_fields(family.entry(name).kind)
     for key, field in fields.items():
         if field.is_required() and key == "resolution":
-            found[key] = rng.choice((0.4, 1.0))
+            found[key] = 0.5
         elif rng.random() < share and not field.is_required() and key not in CONFLICTING:
             value = some_value(rng, field)
             if value is not None:
@@ -82,8 +84,11 @@ def some_world(rng: Random) -> dict[str, Any]:
     if rng.random() < 0.35:
         name = rng.choice([name for name in families.MAPS.names() if name not in LEFT_OUT])
         world["obstacle_map"] = some_options(rng, families.MAPS, name)
+        world["obstacle_map"]["resolution"] = rng.choice((0.4, 1.0)) if side > 3 else 0.25
         if "disc_radius" in world["obstacle_map"]:
             world["obstacle_map"]["disc_radius"] = 0.1
+        if name == "shelves":
+            world["obstacle_map"] |= {"shelf": [1.0, 0.5], "aisle": 0.5}
     if rng.random() < 0.15:
         world["offset"] = [-3.0, 7.5]
     return world
@@ -179,9 +184,10 @@ def add_places(rng: Random, body: dict[str, Any], world: dict[str, Any]) -> None
         body["number"] = rng.choice((1, 2, 3))
         name = rng.choice(("random", "random", "circle", *(("cells",) if has_map else ())))
         body["distribution"] = some_options(rng, families.PLACEMENTS, name, 0.2)
-        body["distribution"].pop("center", None)
-        for key in ("range_low", "range_high", "goal_low", "goal_high"):
-            body["distribution"].pop(key, None)
+        if "kinematics" not in body or body.get("behavior", {}).get("wander"):
+            body["distribution"].pop("goals", None)
+        if "jitter" in body["distribution"]:
+            body["distribution"]["jitter"] = 0.2
     else:
         body["state"] = pose()
         if "kinematics" in body:

@@ -18,7 +18,7 @@ SEEDS = (5, 90, 5)
 """Each seed begins other levels in the same worlds; the last are those of the first again."""
 
 
-class OutOfSpace(AssertionError):
+class OutOfSpaceError(AssertionError):
     """A value is not in its space."""
 
 
@@ -101,25 +101,20 @@ def look(batch: Batch, observation: Any) -> None:
             own = {key: part[w, a] for key, part in observation.items()} if isinstance(observation, dict) else None
             own = observation[w, a] if own is None else own
             if not batch.observation_space.contains(own):
-                raise OutOfSpace(f"world {w}, agent {a}: {strays(batch, w, a)}")
+                told = strays(batch.observation_space, own)
+                raise OutOfSpaceError(f"world {w}, agent {a}: {told}; {batch.worlds.episodes.observation_terms}")
     state = batch.state()
     if not ((state >= -1.0) & (state <= 1.0)).all():
-        raise OutOfSpace(f"the state of the team: {state}")
+        raise OutOfSpaceError(f"the state of the team: {state}")
 
 
-def strays(batch: Batch, w: int, a: int) -> list[str]:
-    """Return the names of the terms whose values are outside of their bounds, with these values."""
-    episodes = batch.worlds.episodes
-    told, rows = [], {"": episodes.view.observation, "critic": episodes.view.critic.get("critic")}
-    for who, terms in (("", episodes.observation_terms), ("critic", episodes.critic_terms)):
-        column = 0
-        for name, low, high in terms:
-            own = rows[who][w, a, column : column + low.size]  # type: ignore[index]
-            wrong = np.flatnonzero(~((own >= low) & (own <= high)))
-            if wrong.size:
-                k = wrong[0]
-                told.append(f"{who}{name}[{k}] is {own[k]!r}, not from {low[k]!r} to {high[k]!r}")
-            column += low.size
+def strays(space: Any, own: Any) -> list[str]:
+    """Return which numbers of an observation are outside of its space, with their bounds."""
+    parts = {"": (space, own)} if not isinstance(own, dict) else {key: (space[key], own[key]) for key in own}
+    told = []
+    for name, (box, values) in parts.items():
+        wrong = np.flatnonzero(~((values >= box.low) & (values <= box.high)))
+        told += [f"{name}[{k}] is {values[k]!r}, not from {box.low[k]!r} to {box.high[k]!r}" for k in wrong[:3]]
     return told
 
 
