@@ -33,7 +33,7 @@ def outcome(seed: int, steps: int) -> dict[str, Any]:
     import mixed
     import within_spaces
 
-    from irsim_gym.errors import IrsimGymError
+    from irsim_gym.errors import IrsimGymError, PlacementError
 
     ways: list[str] = []
     begun = time.process_time()
@@ -41,7 +41,9 @@ def outcome(seed: int, steps: int) -> dict[str, Any]:
     try:
         ways += within_spaces.check(mixed.mixed(seed), steps)
     except IrsimGymError as error:
-        told["refused" if "spaces" not in ways else "error"] = f"{type(error).__name__}: {error}"
+        # A world that can be played may be too full for a body that begins anew; all else was accepted before.
+        is_full = isinstance(error, PlacementError)
+        told["refused" if is_full or "spaces" not in ways else "error"] = f"{type(error).__name__}: {error}"
     except Exception:
         told["error"] = traceback.format_exc()
     return {**told, "ways": ways, "seconds": round(time.process_time() - begun, 2)}

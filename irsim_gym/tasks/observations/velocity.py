@@ -59,9 +59,8 @@ class Velocity:
         words = term.components[agent]
         if model.drive[term.agents[agent]] == OMNI_WORLD:
             words, ends = AHEAD_AND_LEFT, np.repeat(np.hypot(ends[:, :1], ends[:, 1:2]), 3, axis=1)
-        columns = [
-            Columns(name, _scale(*most, unit)) for (name, unit), most in zip(words, ends.T.tolist(), strict=False)
-        ]
+        pairs = zip(words, ends.T.tolist(), strict=False)
+        columns = [Columns(name, _scale(least, most, unit)) for (name, unit), (least, most) in pairs]
         return [*columns, *[Columns("unused")] * (term.action_size - len(columns))]
 
     def mirrored(self, term: Term) -> Mirrored:
