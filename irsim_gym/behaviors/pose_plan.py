@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Floats, Record, Records
+from irsim_gym.arraytypes import BodyOutline, Floats, Pose, Record, Records
 from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap, cost_without_obstacles
 from irsim_gym.behaviors.pose_moves import MOST_MOVES, lay_moves
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
-from irsim_gym.behaviors.pose_search import PoseTask, move_to, search_poses
+from irsim_gym.behaviors.pose_search import LAST_CELLS, PoseTask, move_to, search_poses
 from irsim_gym.behaviors.pose_tables import (
     AHEAD,
     GEAR,
@@ -24,10 +24,10 @@ from irsim_gym.behaviors.pose_tables import (
 )
 from irsim_gym.behaviors.pursuit_motion import Moving
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.geodesic import search_ways
-from irsim_gym.paths.grid import Search
-from irsim_gym.paths.outline_room import PoseShape, room_at_pose
+from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.paths.outline_room import PoseShape, largest_disc, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
 from irsim_gym.world.outline import own_outline
 from irsim_gym.world.rows import row_of
@@ -38,7 +38,7 @@ PADDING = 0.02
 TIGHT = 0.999
 """Share of its distance from an obstacle that a body keeps if it starts closer."""
 ATTEMPTS = 2
-"""Number of cell sizes that are tried, each half of the previous one, until a path is found."""
+"""Number of cell sizes that are tried, each half of the previous one, until a path is found or the memory is full."""
 
 
 @kernel
@@ -87,6 +87,8 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     if not (turns(moving) or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
         return
     grid = tables.grid
+    if not may_arrive(obstacles, aim, start, largest_disc(model, w, b), grid.grid, tables.cell[m]):
+        return
     search = Search(grid.blocked[slot], grid.field[slot], grid.queue[slot])
     # The field is that of the body's inner disc less half a cell's diagonal: wherever the body fits, that disc fits at
     # the centre of the cell. `radius` makes it the disc that mark_blocked tests there, see paths.grid.
@@ -114,10 +116,35 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
             costs_cell, beyond, grid.grid, search.field, options,
         )  # fmt: skip
         end = search_poses(task, start, nodes)
-        if end != NOBODY:
+        if end >= 0:
             write_way(task, nodes, end, tables, w, m)
+        # Finer cells, or more of them, take more memory still.
+        if end != NOBODY:
             return
         cell *= 0.5
+
+
+@kernel
+def may_arrive(obstacles: Obstacles, aim: Aim, start: Pose, inner: float, grid: Grid, cell: float) -> bool:
+    """Return whether a body may arrive at a goal. False is a proof that it cannot, where a search would take long.
+
+    Args:
+        obstacles: What stands in the way.
+        aim: The goal.
+        start: Where the body is.
+        inner: Radius of a disc about its origin within it [m].
+        grid: The grid of the world.
+        cell: Side of the cells of a search [m].
+    """
+    # Wherever the body arrives, its inner disc covers one about the goal, whose radius is less by the tolerance.
+    goal, covered = (aim.x, aim.y), inner - aim.radius
+    if covered > 0.0 and not way_is_free(obstacles, covered, goal, goal):
+        return False
+    # A search stays within the world, but for a last move; cells may reach beyond the world's edge by one.
+    beyond_x = max(grid.origin_x - aim.x, aim.x - grid.origin_x - grid.columns * grid.cell, 0.0)
+    beyond_y = max(grid.origin_y - aim.y, aim.y - grid.origin_y - grid.rows * grid.cell, 0.0)
+    dx, dy, last = aim.x - start[0], aim.y - start[1], (LAST_CELLS + 2.0) * cell + aim.radius
+    return bool(min(beyond_x * beyond_x + beyond_y * beyond_y, dx * dx + dy * dy) <= last * last)
 
 
 @kernel

@@ -17,8 +17,8 @@ PLACES = 262_139
 """Places of the table of cells that are done: a prime, twice as many as are ever taken."""
 SCATTER = 7919
 """Distance between the entries of neighbouring cells."""
-NOBODY = -1
-"""No pose, move or cell."""
+NOBODY, GAVE_UP = -1, -2
+"""No pose, move or cell; no pose, since the memory was full before one was found."""
 UNKNOWN = -1.0
 """Distance from obstacles on a move that has not been tested."""
 

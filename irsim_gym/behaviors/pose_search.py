@@ -16,6 +16,7 @@ from irsim_gym.behaviors.pose_costs import Aim, aim_gap, cost_without_obstacles,
 from irsim_gym.behaviors.pose_last import lay_last
 from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
 from irsim_gym.behaviors.pose_queue import (
+    GAVE_UP,
     MOST_CLOSED,
     NOBODY,
     UNKNOWN,
@@ -173,7 +174,9 @@ def look_at(task: PoseTask, nodes: PoseNodes, node: int) -> bool:
 
 @kernel
 def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
-    """Return the number of a pose at the goal, from which ``nodes.parent`` leads back to the start; -1 without a way.
+    """Return the number of a pose at the goal, from which ``nodes.parent`` leads back to the start.
+
+    It is ``NOBODY`` if there is no way, and ``GAVE_UP`` if none was found before the memory was full.
 
     Writes: nodes.
 
@@ -215,7 +218,7 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
             note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
             size = push(nodes, size, nodes.cost[count] + GREED * cost_to_go(task, there), count)
             count += 1
-    return -1
+    return NOBODY if size == 0 else GAVE_UP
 
 
 @kernel

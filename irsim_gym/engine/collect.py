@@ -72,7 +72,7 @@ def collect_parts(
         footprints=_footprints(scenario, model),
         maps=_maps(scenario, model, n_slots),
         placements=placements,
-        levels=lay_levels(scenario, n_slots),
+        levels=lay_levels(scenario, model, n_slots),
         free=[group for group in placements if not given[group.members].all()],
         promised=_promised(placements, given, model),
         sensors=scanners,

@@ -26,7 +26,8 @@ class LevelTable(Struct):
         bodies: Body of each column, shape ``(n,)``.
         shaped: Whether its outline is the file's, shape ``(n,)``.
         start: Poses [m, m, rad], shape ``(n_levels, n, 3)``.
-        goal: Goals in order [m, m, rad], shape ``(n_levels, n, n_goals, 3)``; NaN for none.
+        goal: Goals in order [m, m, rad], shape ``(n_levels, n, n_goals, 3)``: the file's, else the scenario's own; NaN
+            for none.
         present: Bodies that the level has, shape ``(n_levels, n)``.
         segments: Sides of outlines [m], shape ``(n_segments, 4)``.
         segment_rows: First row of each body's segments and the row after the last, shape ``(n_levels, n, 2)``.
@@ -53,19 +54,29 @@ class LevelTable(Struct):
     no_ranges: Ints
 
 
-def lay_levels(scenario: Scenario, n_slots: int) -> LevelTable | None:
-    """Return the levels of a scenario's file; None where levels are drawn. Bodies that are gone are left out."""
+def lay_levels(scenario: Scenario, model: Model, n_slots: int) -> LevelTable | None:
+    """Return the levels of a scenario's file; None where levels are drawn. Bodies that are gone are left out.
+
+    Args:
+        scenario: The scenario.
+        model: Its constants, with the goals that the scenario itself gives.
+        n_slots: Number of slots.
+    """
     levels = scenario.levels
     is_mapped = levels is not None and levels.cells is not None and scenario.occupied is not None
     if levels is None:
         return None
     number = {body.name: b for b, body in enumerate(scenario.bodies)}
     here = np.array([k for k, name in enumerate(levels.bodies) if name in number], np.int64)
+    bodies = np.array([number[levels.bodies[k]] for k in here], np.int64)
+    # Each level writes the goals of all bodies, so that those of the level before never stay.
+    own = model.waypoints[0, bodies, : levels.goal.shape[2]]
+    given = levels.goal[:, here, : own.shape[1]]
     return LevelTable(
-        bodies=np.array([number[levels.bodies[k]] for k in here], np.int64),
+        bodies=bodies,
         shaped=levels.shaped[here],
         start=np.ascontiguousarray(levels.start[:, here]),
-        goal=np.ascontiguousarray(levels.goal[:, here]),
+        goal=np.where(np.isnan(given[..., :1]), own, given),
         present=np.ascontiguousarray(levels.present[:, here]),
         segments=levels.segments,
         segment_rows=_rows(levels.segment_start, here),
@@ -158,10 +169,8 @@ def copy_levels(worlds: Ints, levels: LevelTable, model: Model, state: State) ->
             for axis in range(3):
                 state.pose[w, b, axis] = levels.start[row, k, axis]
             for i in range(levels.goal.shape[2]):
-                # Levels with fewer goals than others are filled up with NaN: those rows keep what the scenario gives.
-                if not np.isnan(levels.goal[row, k, i, 0]):
-                    for axis in range(3):
-                        model.waypoints[w, b, i, axis] = levels.goal[row, k, i, axis]
+                for axis in range(3):
+                    model.waypoints[w, b, i, axis] = levels.goal[row, k, i, axis]
             if levels.shaped[k]:
                 copy_outline(w, b, levels.segment_rows[row, k], levels.disc_rows[row, k], levels, model)
 

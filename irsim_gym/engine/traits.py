@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Records
+from irsim_gym.arraytypes import Floats, Ints, Records
 from irsim_gym.jit import kernel
 from irsim_gym.rng import mix, uniform
 from irsim_gym.scenario.body_checks import speed_count
@@ -43,6 +43,27 @@ def collect_traits(scenario: Scenario, model: Model) -> Records:
         row["n_axes"] = 0 if body.kinematics is None else speed_count(body.kinematics)
         row["least"][: row["n_axes"]] = model.velocity_min[0, b, : row["n_axes"]]
     return traits
+
+
+def limits_at_ends(traits: Records, model: Model, body: int) -> tuple[Floats, Floats]:
+    """Return a body's velocity limits in levels with the least and the greatest speed that may be drawn.
+
+    Args:
+        traits: What levels draw, see ``collect_traits``.
+        model: Constants.
+        body: The body.
+
+    Returns:
+        Lower and upper limits [m/s or rad/s], shape ``(2, 3)`` each; equal rows where no speed is drawn.
+    """
+    low, high = (np.stack([limit[0, body]] * 2) for limit in (model.velocity_min, model.velocity_max))
+    for drawn in traits[(traits["body"] == body) & ~np.isnan(traits["low"])]:
+        n = int(drawn["n_axes"])
+        # Close to 0, a speed has limits in the proportions of any other; 0 itself has none.
+        ends = np.maximum([drawn["low"], drawn["high"]], [min(np.finfo(np.float64).tiny, drawn["high"]), 0.0])
+        high[:, :n] = ends[:, None]
+        low[:, :n] = np.maximum(drawn["least"][:n], -ends[:, None])
+    return low, high
 
 
 @kernel

@@ -102,7 +102,9 @@ class _LevelCollector:
         worlds = np.arange(count)
         model, chosen = self._simulation.model, np.ix_(worlds, self._bodies)
         present = model.present[chosen]
-        has_goal = present & model.has_goal[self._bodies] & (model.waypoint_count[chosen] == self._n_goals)
+        # Where several goals are given, a level cannot change them; where one is drawn, a loop adds the way back.
+        may_have = (model.waypoint_count[chosen] == self._n_goals) | (model.drawn_goals[self._bodies] > 0)
+        has_goal = present & model.has_goal[self._bodies] & may_have
         rows = np.arange(self._n_goals.max(initial=1))
         has_goals = has_goal[:, :, None] & (rows < self._n_goals[:, None])
         self._rows["present"].append(present)

@@ -256,6 +256,29 @@ def test_no_way_no_command(drive: str) -> None:
     assert simulation.state.pose[0, 0].tolist() == [3.0, 5.0, 0.3]
 
 
+@pytest.mark.parametrize("goal", [[5.0, 5.05], [5.0, 12.0]])
+def test_no_search_for_a_goal_within_a_wall_or_outside_of_the_world(goal: list[float]) -> None:
+    robot = {**LONG, "kinematics": {"name": "omni"}, "state": [3.0, 5.0, 0.3], "goal": goal}
+    simulation = begun(robot, [[4.5, 5.0], [6.0, 5.0]])
+    run(simulation, 3)
+    assert simulation.state.pose[0, 0].tolist() == [3.0, 5.0, 0.3]
+    assert not simulation.parts.behaviors[0].tables.nodes.closed.any()  # a search begins by clearing its cells to -1
+
+
+def test_a_search_whose_memory_is_full_is_the_last() -> None:
+    """All poses are those of the first search, whose moves lead out of cells of 0.15 m, and not of finer ones."""
+    robot = {**LONG, "kinematics": {"name": "omni"}, "state": [3.0, 5.0, 0.3], "goal": [8.0, 5.0]}
+    simulation = begun(robot, [[2.0, 4.0], [4.0, 4.0], [4.0, 6.0], [2.0, 6.0], [2.0, 4.0]])
+    tables, room = simulation.parts.behaviors[0].tables, 60
+    small = {name: getattr(tables.nodes, name)[:, :room] for name in ("pose", "cost", "room", "parent", "move")}
+    tables.nodes = tables.nodes._replace(**{name: part.copy() for name, part in small.items()})
+    simulation.step()
+    pose, parent = tables.nodes.pose[0, 1:20], tables.nodes.parent[0, 1:20]
+    lengths = np.hypot(*(pose - tables.nodes.pose[0, parent])[:, :2].T)
+    assert tables.cell[0] == pytest.approx(0.15)
+    assert lengths.max() >= 0.15
+
+
 DRIVES: dict[str, dict[str, Any]] = {
     "diff": {"vel_min": [-0.5, -1.0], "acce": [1.0, 2.0]},
     "omni": {"kinematics": {"name": "omni"}, "vel_max": [1, 1], "vel_min": [-1, -1]},

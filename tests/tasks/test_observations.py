@@ -237,6 +237,32 @@ def test_velocity_is_what_was_executed() -> None:
     assert high.tolist() == [1, 1]
 
 
+@pytest.mark.parametrize(
+    ("speeds", "least", "low"),
+    [
+        # At most 0.3 m/s, a robot that may back with 0.5 m/s backs with 0.3: all of its speed. With 0.9, 0.5 of 0.9.
+        ([0.3, 0.9], -0.5, -1.0),
+        ([0.8, 2.0], -0.4, -0.5),
+        ([0.0, 2.0], -0.4, -1.0),
+        ([0.5, 2.0], 0.0, 0.0),
+        ([0.5, 2.0], 0.2, 0.0),
+        ([0.0, 0.0], -0.4, 0.0),
+    ],
+)
+def test_velocities_stay_in_bounds_that_hold_for_every_drawn_speed(
+    speeds: list[float], least: float, low: float
+) -> None:
+    robot = {"speed_range": speeds, "vel_min": [least, -1.5]}
+    episodes = play(robot, task=only("velocity"), n_worlds=40)
+    ((_, lows, highs),) = episodes.observation_terms
+    assert lows.tolist() == [low, -1.0]
+    assert highs.tolist() == [float(speeds[1] > 0.0), 1.0]
+    for ahead in (1.0, -1.0):
+        drive(episodes, ahead, 1.0)
+        seen = episodes.view.observation[:, 0]
+        assert ((seen >= lows) & (seen <= highs)).all()
+
+
 # --- nearest_bodies
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.engine import Shard
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.engine.traits import limits_at_ends
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.episode_state import EpisodeState
@@ -31,16 +33,18 @@ class Velocity:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return each agent's limits with the least and the greatest speed of any level, ``(n_agents, 2, 3)``."""
+        ends = [limits_at_ends(simulation.parts.traits, simulation.model, int(b)) for b in agents]
+        return {"slowest": np.stack([low for low, _ in ends]), "fastest": np.stack([high for _, high in ends])}
+
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
-        """Return the scaled velocity limits, extended to include 0."""
-        low = np.zeros(term.action_size, np.float32)
-        high = np.zeros(term.action_size, np.float32)
-        for c in range(term.action_size):
-            slowest, fastest = model.velocity_min[:, term.agents, c], model.velocity_max[:, term.agents, c]
-            largest = np.maximum(np.abs(slowest), np.abs(fastest))
-            scale = np.where(largest > 0.0, largest, 1.0)
-            low[c] = min(0.0, np.min(slowest / scale))
-            high[c] = max(0.0, np.max(fastest / scale))
+        """Return the scaled velocity limits of any level, extended to include 0."""
+        slowest, fastest = (term.arrays[name][..., : term.action_size] for name in ("slowest", "fastest"))
+        largest = np.maximum(np.abs(slowest), np.abs(fastest))
+        scale = np.where(largest > 0.0, largest, 1.0)
+        low = np.min(slowest / scale, axis=(0, 1), initial=0.0).astype(np.float32)
+        high = np.max(fastest / scale, axis=(0, 1), initial=0.0).astype(np.float32)
         if np.any(model.drive[term.agents] == OMNI_WORLD):
             low[:2], high[:2] = -1.0, 1.0
         return low, high
@@ -51,14 +55,12 @@ class Velocity:
 
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns; components that an agent lacks are 0."""
-        body = term.agents[agent]
-        largest = np.maximum(np.abs(model.velocity_min), np.abs(model.velocity_max)).max(axis=0)[body]
+        ends = np.maximum(np.abs(term.arrays["slowest"][agent]), np.abs(term.arrays["fastest"][agent]))
         words = term.components[agent]
-        if model.drive[body] == OMNI_WORLD:
-            words, largest = AHEAD_AND_LEFT, np.full(3, np.hypot(*largest[:2]))
-        columns = [
-            Columns(name, f"v / {most:.4g} {unit}".strip()) for (name, unit), most in zip(words, largest, strict=False)
-        ]
+        if model.drive[term.agents[agent]] == OMNI_WORLD:
+            words, ends = AHEAD_AND_LEFT, np.repeat(np.hypot(ends[:, :1], ends[:, 1:2]), 3, axis=1)
+        pairs = zip(words, ends.T.tolist(), strict=False)
+        columns = [Columns(name, _scale(least, most, unit)) for (name, unit), (least, most) in pairs]
         return [*columns, *[Columns("unused")] * (term.action_size - len(columns))]
 
     def mirrored(self, term: Term) -> Mirrored:
@@ -69,6 +71,12 @@ class Velocity:
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the velocity."""
         write_velocity(shard.worlds, term.agents, term.column, term.action_size, model, state, episode)
+
+
+def _scale(least: float, most: float, unit: str) -> str:
+    """Return the formula of a component whose larger limit is drawn from ``least`` to ``most``, as text."""
+    drawn = f"{most:.4g}" if least == most else f"the level's limit, {round(least, 6):g} to {most:.4g}"
+    return f"v / {drawn} {unit}".strip()
 
 
 @kernel
