@@ -20,7 +20,6 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.atomics import load
 from irsim_gym.jit import Calls, Kernel, config, hooks, kernel
 from irsim_gym.jit.layout import COUNT, WORLDS
 from irsim_gym.structs import NotPackableError, Struct, Words, words_of
@@ -188,16 +187,18 @@ def _words(kind: Any, value: Any) -> Words:
         raise NotRecordableError(str(error)) from error
 
 
-def _enter(context: Any, entry: Any, words: Any, where: Any, count: Any) -> Any:
-    """Call the packed entry at the address ``entry``, all int64, within a kernel; returns Numba's status."""
+def _enter(context: Any, entry: Any, where: Any, count: Any) -> Any:
+    """Make the call whose row of the table is at the address ``entry``, all int64; returns Numba's status."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
-        address, packed, *rest = arguments
+        row, *rest = arguments
+        table = build.inttoptr(row, WORD.as_pointer())
+        address, packed = (build.load(build.gep(table, [ir.Constant(WORD, k)])) for k in (0, 1))
         made = ir.FunctionType(STATUS, [WORD.as_pointer(), WORD, WORD])
         pointer = build.inttoptr(packed, WORD.as_pointer())
         return build.call(build.inttoptr(address, made.as_pointer()), [pointer, *rest])
 
-    return types.int32(types.int64, types.int64, types.int64, types.int64), generate
+    return types.int32(types.int64, types.int64, types.int64), generate
 
 
 enter: Any = intrinsic(_enter)
@@ -226,8 +227,7 @@ def call_all(entries: int, n_calls: int, worlds: int, total: int, block: int) ->
     for first in range(0, total, block):
         where, count = worlds + 8 * first, min(block, total - first)
         for k in range(n_calls):
-            entry = entries + 16 * k
-            status = enter(load(entry), load(entry + 8), where, count)
+            status = enter(entries + 16 * k, where, count)
             if status != OK and status != OK_NONE:
                 return k + 1
     return 0

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 import pytest
 from hypothesis import settings
 
-from irsim_gym.engine import shards, timing
+from irsim_gym.engine import shards
 from irsim_gym.errors import ScenarioWarning
 from irsim_gym.training import trial
 
@@ -38,7 +38,6 @@ def logs_of_learners(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
 def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Worlds are shared among threads however little there is to do, and threads get something of it."""
     monkeypatch.setattr(shards, "WORTH_S", 0.0)
-    monkeypatch.setattr(timing, "REST", 0)
     monkeypatch.setattr(shards, "HEAD_START_S", 1e-4)
 
 

@@ -8,7 +8,7 @@ and may repeat one of them for the worlds in which it failed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -26,26 +26,6 @@ def only_kernels(kinds: Iterable[object]) -> bool:
     A kind declares it with ``only_kernels = True`` in its own body: a class derived from it may do other things.
     """
     return all(vars(kind).get("only_kernels", False) for kind in kinds)
-
-
-class Programs:
-    """The programs of several slots, which differ in their scratch memory alone.
-
-    Attributes:
-        addresses: Address of each slot's calls.
-        n_calls: How many these are.
-        n_slots: How many slots there are.
-    """
-
-    def __init__(self, programs: Sequence[Program]) -> None:
-        self._programs = programs
-        self.addresses = np.array([program.address for program in programs], np.int64)
-        self.n_calls, self.n_slots = programs[0].n_calls, len(programs)
-
-    def check(self, failed: int) -> None:
-        """Raise an error if a call has failed; calls are counted from 1."""
-        if failed:
-            self._programs[0].check(failed)
 
 
 class Fused:
@@ -73,7 +53,6 @@ class Fused:
         self._on_trial: dict[int, Program] = {}
         self._trials = 0 if promise is None else CALLS
         self._left: dict[int, Ints] = {}
-        self._of_slots: Programs | None = None
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
@@ -136,20 +115,9 @@ class Fused:
             kept: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
             kept[slot] = program
 
-    def of_slots(self, n_slots: int) -> Programs | None:
-        """Return the programs of all slots, recorded now if need be; None where it runs as it is."""
-        if not self.is_fusable:
-            return None
-        if self._of_slots is None or self._of_slots.n_slots != n_slots:
-            found = [self._program(slot) for slot in range(n_slots)]
-            programs = [program for program in found if program is not None]
-            self._of_slots = Programs(programs) if len(programs) == n_slots else None
-        return self._of_slots
-
     def forget(self) -> None:
         """Record again in the next call, because an array or a number was replaced."""
         self.programs.clear()
-        self._of_slots = None
         self._on_trial.clear()
 
     def _record(self, slot: int) -> Program | None:
@@ -194,7 +162,7 @@ class Fused:
 
     def __getstate__(self) -> dict[str, object]:
         # Recorded calls hold addresses, which mean nothing in another process.
-        return {**self.__dict__, "programs": {}, "_on_trial": {}, "_left": {}, "_of_slots": None}
+        return {**self.__dict__, "programs": {}, "_on_trial": {}, "_left": {}}
 
 
 @kernel

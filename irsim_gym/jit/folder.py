@@ -21,7 +21,7 @@ from irsim_gym.jit.trust import make_private_folder
 
 config: Any = numba.config
 PACKAGE = Path(__file__).parents[1]
-GENERATORS = ("jit/*.py", "structs.py", "replay.py", "atomics.py")
+GENERATORS = ("jit/*.py", "structs.py", "replay.py")
 """Sources that say how kernels are compiled, or generate code: each change of them compiles all anew."""
 KEPT_FOLDERS = 4
 KEPT_S = 3600.0

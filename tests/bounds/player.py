@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.engine import compile, shards, timing
+from irsim_gym.engine import compile, shards
 from irsim_gym.envs.batch import make_batch
 from irsim_gym.envs.vector import WorldVectorEnv
 from irsim_gym.errors import PlacementError, ScenarioError
@@ -43,7 +43,7 @@ def look_coarsely() -> None:
 
 def share_among_threads() -> None:
     """Let worlds be shared among threads however little there is to do: each has scratch memory of its own."""
-    shards.WORTH_S, shards.HEAD_START_S, timing.REST = 0.0, 1e-4, 0
+    shards.WORTH_S, shards.HEAD_START_S = 0.0, 1e-4
 
 
 def alone(scenario: Scenario, steps: int) -> None:

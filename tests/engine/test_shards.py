@@ -20,7 +20,6 @@ import pytest
 from irsim_gym.engine import shards
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.shards import Shards
-from irsim_gym.engine.timing import Timing
 from irsim_gym.world.group import Shard
 
 N = 7
@@ -67,8 +66,7 @@ def test_little_work_stays_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_least_time_so_far_says_how_many_work(worth: float, workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "WORTH_S", worth)
     made = Shards(N, 3)
-    made._timings["Work"] = Timing()
-    made._timings["Work"].least_s = 0.003  # 0.021 s for all worlds
+    made._least_s["Work"] = 0.003  # 0.021 s for all worlds
     work = type("Work", (Visits,), {})()
     made.run(work)
     assert work.slots <= set(range(workers))
@@ -76,17 +74,16 @@ def test_the_least_time_so_far_says_how_many_work(worth: float, workers: int, mo
 
 
 def test_the_caller_is_told_what_stays_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is not timed yet has to be run; 6 us for all worlds are too little, and so is what is resting."""
+    """What is not timed yet has to be run; 7 us for all worlds are too little for a thread, 0.7 ms are not."""
     made, work = Shards(N, 3), Fused(lambda shard: None)
-    found = [Shards(N, 1).is_alone(work, N), made.is_alone(work, N)]
-    monkeypatch.setattr(shards, "WORTH_S", 1.0)
-    made._timings[work.__qualname__] = timing = Timing()
+    assert Shards(N, 1).is_alone(work, N)
+    monkeypatch.setattr(shards, "WORTH_S", 1e-4)
+    assert not made.is_alone(work, N)
+    alone = []
     for least_s in (0.0, 1e-6, 1e-4):
-        timing.least_s = least_s
-        found.append(made.is_alone(work, N))
-    timing._rest = 2
-    assert found == [True, False, False, True, False]
-    assert [made.is_alone(work, N) for _ in range(3)] == [True, True, False]
+        made._least_s[work.__qualname__] = least_s
+        alone.append(made.is_alone(work, N))
+    assert alone == [False, True, False]
 
 
 def test_the_first_time_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -77,7 +77,7 @@ def page(facts: dict[str, Any]) -> str:
         "",
         "An equivalent mutant changes nothing that can be seen; the last column leaves those out. Operators that leave",
         "no program which may run, such as `<<` between floats, are not used (`mutants.py`); statements left out are",
-        "added. Tests ran in plain Python, those of `shared_job`, `direct` and `fused` compiled; each test that killed",
+        "added. Tests ran in plain Python, those of `direct` and `fused` compiled; each test that killed",
         "a mutant has passed without one in the same way.",
         "",
         "| folder | mutants | killed | equivalent | alive | killed of all | killed of those that can be |",

@@ -44,9 +44,8 @@ DECLARED = (
 """Tests of what kinds declare, which their modules say when they are imported."""
 
 COMPILED = {
-    "irsim_gym/engine/shared_job.py": ("tests/engine/test_shared_job.py",),
     "irsim_gym/engine/direct.py": ("tests/envs/test_alone.py",),
-    "irsim_gym/engine/fused.py": ("tests/engine/test_shared_job.py", "tests/engine/test_fused.py"),
+    "irsim_gym/engine/fused.py": ("tests/engine/test_shared_programs.py", "tests/engine/test_fused.py"),
 }
 """What nobody reaches in plain Python, where nothing is recorded: files, and the tests that reach them compiled."""
 
