@@ -65,6 +65,7 @@ def check(
     team: Annotated[
         bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
     ] = False,
+    task: Task = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -79,7 +80,7 @@ def check(
     from irsim_gym.training.check import check_files
     from irsim_gym.training.trial import ReadOptions
 
-    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient), team=team):
+    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient, task, team)):
         raise typer.Exit(1)
 
 

@@ -46,10 +46,9 @@ def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 def played_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let ``check`` play files in this process: another one takes seconds to start, and has tests of its own."""
 
-    def play(files: Sequence[str], reading: trial.ReadOptions) -> tuple[trial.Failures, str]:
+    def play(files: Sequence[str], reading: trial.ReadOptions) -> tuple[dict[str, trial.Played], str]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ScenarioWarning)
-            found = {file: trial._failure(file, reading) for file in files}
-        return {file: message for file, message in found.items() if message}, ""
+            return {file: trial._played(file, reading) for file in files}, ""
 
     monkeypatch.setattr(trial, "_in_a_process", play)

@@ -26,16 +26,20 @@ from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import (
     MissingScenarioError,
+    Problem,
+    ScenarioWarning,
     SeveralAgentsError,
     UnknownKeywordError,
     UnknownNameError,
     several,
     suggestion,
+    warn_caller,
 )
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.ids import ANY, SOURCES
 from irsim_gym.scenario.parameters import given_as_keywords
-from irsim_gym.tasks import Episodes, load_task
+from irsim_gym.tasks import Episodes, Task, load_task
+from irsim_gym.tasks.sight import all_of, idle_robots
 
 TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
@@ -93,6 +97,8 @@ class Worlds:
                 f"{self.episodes.n_agents}: name one robot in 'task.agents', or use parallel_env, make_batch or "
                 "sb3.make_multi_agent_vec_env, on the command line --team"
             )
+        if not team:
+            _warn_of_idle_robots(self.scenario, self.task)
         self.n_worlds = n_worlds
         self.pictures = Pictures(self.scenario, self.episodes, render_mode)
         self.observation_space = observation_space(self.episodes)
@@ -309,6 +315,16 @@ class Worlds:
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""
         self.pictures.close()
+
+
+def _warn_of_idle_robots(scenario: Scenario, task: Task) -> None:
+    """Warn of robots that neither learn nor have a behaviour."""
+    idle = idle_robots(scenario, task)
+    if idle:
+        ways = "parallel_env, make_batch, sb3.make_multi_agent_vec_env and, on the command line, --team"
+        body = scenario.bodies[task.agents[0]]
+        problem = Problem(body.line, body.name, f"{idle}: {ways} train {all_of(scenario)}")
+        warn_caller(ScenarioWarning(scenario.source.title, [problem]))
 
 
 def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:

@@ -16,12 +16,14 @@ from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.tables import PLAIN, print_table
 from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
+from irsim_gym.scenario.notes import doubts, notes
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.folders import evaluation_folder, has_results
 from irsim_gym.training.inputs import check_folder, check_inputs
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
+from irsim_gym.training.level_survey import survey
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import as_trained
 from irsim_gym.training.request_checks import check_level_files, check_request
@@ -101,6 +103,11 @@ def _notes(settings: Settings) -> Iterator[str]:
     starts = wanted.arguments.get("learning_starts", 0)
     if starts >= wanted.n_timesteps:
         yield f"the run learns nothing: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
+    for part in settings.parts():
+        scenario, task = part.load_task()
+        warned = set(doubts(scenario)) | set(scenario.ignored)
+        found = [note for note in notes(scenario) if note not in warned]
+        yield from (f"{note.path}: {note.message}" for note in (*found, *survey(scenario, task)))
 
 
 def _team_size(settings: Settings) -> int:
