@@ -19,7 +19,9 @@ from irsim_gym.cli_options import (
     Imports,
     Lenient,
     Levels,
+    PolicyOption,
     Reference,
+    ReplaceFile,
     Scenario,
     Seed,
     Split,
@@ -32,7 +34,7 @@ from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new
 from irsim_gym.cli_suite import suite
-from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
+from irsim_gym.cli_tools import one_policy, print_options, print_shipped, read_parameters
 from irsim_gym.cli_train import sweep, train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
@@ -89,8 +91,13 @@ def describe(
     scenario: Scenario,
     task: Task = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    picture: Annotated[
-        Path | None, typer.Option(help="Draw the observed sectors into this .png, .pdf or .svg file.")
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "--picture",
+            help="Draw the observed sectors into this .png, .pdf or .svg file, and replace it if it exists.",
+        ),
     ] = None,
     team: Annotated[
         bool, typer.Option("--team", help="Describe the team: all robots learn (or those that the task names).")
@@ -104,18 +111,20 @@ def describe(
     from irsim_gym.training.scenario_request import ScenarioRequest
 
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    describe_scenario(asked, as_json=as_json, picture=picture)
+    describe_scenario(asked, as_json=as_json, picture=out)
 
 
 @app.command()
 def options(
     name: Annotated[
         str | None,
-        typer.Argument(help="Section or kind such as world or rvo, or a Markdown file whose tables to update."),
+        typer.Argument(
+            help="Family such as reward, section or kind such as world or rvo, or a Markdown file with tables to update."
+        ),
     ] = None,
     modules: Imports = None,
 ) -> None:
-    """Print the reference of all options, or of one kind, or update the tables of a Markdown page."""
+    """Print the kinds of a family, the options of one kind or of all, or update the tables of a Markdown page."""
     from irsim_gym.scenario.option_tables import markdown, rewritten
 
     if name is None:
@@ -196,8 +205,10 @@ def record(
     split: Split = "test",
     task: Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on).")
+        Path | None,
+        typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on, numbered)."),
     ] = None,
+    overwrite: ReplaceFile = False,
     html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
     sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
     strobe: Annotated[
@@ -220,7 +231,7 @@ def record(
     if len(kinds) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0])
+    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 
 @app.command()
@@ -241,12 +252,21 @@ def demo(
 @app.command()
 def rollout(
     scenario: Scenario,
-    policy: Reference = "dash",
+    policy: Reference = None,
     levels: Levels = 4,
     split: Split = "dev",
     task: Task = None,
-    frames: Annotated[Path | None, typer.Option(help="Write a film to this .mp4 or .gif file.")] = None,
-    record: Annotated[Path | None, typer.Option(help="Write demonstrations to this .npz file.")] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--out",
+            "--frames",
+            "--record",
+            help="File to write: a film (.mp4, .gif) or demonstrations (.npz); may be repeated.",
+        ),
+    ] = None,
+    overwrite: ReplaceFile = False,
+    named: PolicyOption = None,
     team: Team = False,
     given: Given = None,
     lenient: Lenient = False,
@@ -257,7 +277,8 @@ def rollout(
     from irsim_gym.training.scenario_request import ScenarioRequest
 
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    run_rollout(asked, policy, levels=levels, split=split, frames=frames, record=record)
+    chosen = one_policy(policy, named) or "dash"
+    run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
 
 
 app.command("run")(run_by_itself)
@@ -268,15 +289,17 @@ app.command()(doctor)
 @app.command()
 def play(
     scenario: Scenario,
-    record: Annotated[
-        Path | None, typer.Option(help="Write demonstrations to this .npz file; append if it exists.")
+    policy: Watched = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "--record", help="Write demonstrations to this .npz file; append if it exists."),
     ] = None,
     task: Task = None,
     level: Annotated[int, typer.Option("--level", "--seed", min=0, max=LAST_LEVEL, help="First level.")] = 0,
     split: Split = "train",
     robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
-    policy: Watched = None,
+    named: PolicyOption = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -286,7 +309,8 @@ def play(
     from irsim_gym.training.manual_play import play as play_by_hand
 
     parameters = read_parameters(given)
-    settings = PlaySettings(scenario, task, robot, level, split, parameters, record, speed, policy, not lenient)
+    watched = one_policy(policy, named)
+    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, watched, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:
@@ -299,7 +323,9 @@ def draw(
     level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Number of the level.")] = 0,
     split: Split = "dev",
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
+    ] = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -361,6 +387,9 @@ def _guarded(command: typer.Typer) -> None:
     except IrsimGymError as error:
         print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         sys.exit(128 + error.signal if hasattr(error, "signal") else 1)
+    except MemoryError as error:
+        print(error or "there is not enough memory", file=sys.stderr)
+        sys.exit(1)
     except OSError as error:
         if error.filename is None:
             raise

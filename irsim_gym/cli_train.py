@@ -37,6 +37,7 @@ from irsim_gym.cli_options import (
     WorldsPerWorker,
 )
 from irsim_gym.cli_tools import read_parameters
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
 
@@ -74,6 +75,8 @@ def train(
     from irsim_gym.training.mixture_file import requested_mixture
     from irsim_gym.training.training_request import TrainingRequest
 
+    if resume and out is not None and not any((*out.glob("config.json"), *out.glob("seed_*/config.json"))):
+        raise IrsimGymError(f"--resume: {out} holds no run; without --resume the same command begins one there")
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
         scenario[0],

@@ -74,6 +74,7 @@ def make_vec_env(
         return make_vec_env(scenario, n_envs, seed, **given)
     checked_mode(render_mode)
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
+    kwargs["worlds_are"] = "n_envs"
     worlds = Worlds(scenario, n_envs, task=task, critic=critic, parameters=parameters, **kwargs, **shown)
     spec = spec_of(scenario, {**asked, **shown})
     numbers = range(start_index, start_index + n_envs)

@@ -12,14 +12,15 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.engine import compile
-from irsim_gym.engine.given import LEVELS
+from irsim_gym.engine import Simulation, compile
+from irsim_gym.engine.given import LEVELS, check_worlds
 from irsim_gym.envs.action_masks import ActionMasks
 from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.level_options import checked_choice, read_options
 from irsim_gym.envs.limits import agreed_limit
+from irsim_gym.envs.memory import check_memory
 from irsim_gym.envs.mirror import Mirror, mirror_of
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
@@ -63,8 +64,10 @@ class Worlds:
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
         strict: A key that nobody reads, in the scenario's file or its section ``task``, is an error; False: it is
             ignored, with an ``IgnoredKeyWarning``.
+        worlds_are: What the caller calls the number of worlds, for messages.
 
     Raises:
+        MemoryError: There is too little memory for so many worlds.
         UnknownKeywordError: The scenario has no such parameter; the message lists those that it has.
         MissingScenarioError: There is no scenario.
         ScenarioError: The scenario or its task cannot be used, or a parameter cannot have such a value.
@@ -84,11 +87,14 @@ class Worlds:
         critic: bool = False,
         parameters: Mapping[str, object] | None = None,
         strict: bool = True,
+        worlds_are: str = "n_worlds",
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
         loaded = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         self.task = loaded if critic else replace(loaded, critic_observations=())
-        self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
+        check_worlds(n_worlds, worlds_are)
+        check_memory(lambda count: Episodes(self._compiled(count, 1), self.task), n_worlds)
+        self.simulation = self._compiled(n_worlds, num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)
         if self.episodes.n_agents != 1 and not team:
@@ -111,6 +117,9 @@ class Worlds:
         self._goal_reward: GoalReward | None = None
         self._masks: ActionMasks | None = None
         self._mirror: Mirror | None = None
+
+    def _compiled(self, n_worlds: int, num_threads: int) -> Simulation:
+        return compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
 
     def __repr__(self) -> str:
         return f"<Worlds {self.summary}>"

@@ -55,7 +55,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (
             ("rollout", "cluttered_rom", "--policy", "dsah", *WORLD, "--frames", "a.avi", "--record", "file.txt"),
-            (SCENARIO, TASK, POLICY, SPLIT, "ends in .mp4 or .gif", "must be .npz files"),
+            (SCENARIO, TASK, POLICY, SPLIT, "ends in .mp4 or .gif or .npz, got 'a.avi'", ".npz, got 'file.txt'"),
         ),
         (
             ("draw", "cluttered_rom", *WORLD, "--out", "file.txt"),

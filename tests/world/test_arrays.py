@@ -90,9 +90,9 @@ def test_records_hold_numbers_choices_and_pairs() -> None:
 
 def test_more_worlds_than_there_is_memory_for_are_refused_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
     """One world of these takes some kilobytes; the system would grant far more than there is, and kill later."""
-    monkeypatch.setattr(arrays, "_memory", lambda: 10**8)
+    monkeypatch.setattr(arrays, "total_memory", lambda: 10**8)
     State.allocate({**SIZES, "world": 100})
     with pytest.raises(MemoryError, match=r"10,000,000 worlds .* need at least [\d.,]+ GB .* has 0\.1 GB"):
         State.allocate({**SIZES, "world": 10_000_000})
-    monkeypatch.setattr(arrays, "_memory", lambda: None)
+    monkeypatch.setattr(arrays, "total_memory", lambda: None)
     State.allocate(SIZES)
