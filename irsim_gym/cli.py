@@ -32,9 +32,9 @@ from irsim_gym.cli_options import (
 )
 from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
-from irsim_gym.cli_start import doctor, new
+from irsim_gym.cli_start import doctor, new, options, schema
 from irsim_gym.cli_suite import suite
-from irsim_gym.cli_tools import one_policy, print_options, print_shipped, read_parameters
+from irsim_gym.cli_tools import one_policy, print_shipped, read_parameters
 from irsim_gym.cli_train import sweep, train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
@@ -114,37 +114,8 @@ def describe(
     describe_scenario(asked, as_json=as_json, picture=out)
 
 
-@app.command()
-def options(
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            help="Family such as reward, section or kind such as world or rvo, or a Markdown file with tables to update."
-        ),
-    ] = None,
-    modules: Imports = None,
-) -> None:
-    """Print the kinds of a family, the options of one kind or of all, or update the tables of a Markdown page."""
-    from irsim_gym.scenario.option_tables import markdown, rewritten
-
-    if name is None:
-        print(markdown())
-    elif (page := Path(name)).suffix == ".md" and page.is_file():
-        page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
-    else:
-        print_options(name)
-
-
-@app.command()
-def schema() -> None:
-    """Write the JSON Schema of scenario files, for editors."""
-    import json
-
-    from irsim_gym.scenario.schema import json_schema
-
-    print(json.dumps(json_schema(), indent=2))
-
-
+app.command()(options)
+app.command()(schema)
 app.command()(train)
 app.command()(tune)
 app.command()(sweep)

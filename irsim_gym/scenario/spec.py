@@ -390,19 +390,6 @@ class Scenario:
         """Numbers of the robots."""
         return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
 
-    @property
-    def levels_differ(self) -> bool:
-        """Whether anything is drawn for each level, or several levels come from a file; noise does not count."""
-        return (self.levels is not None and self.levels.count > 1) or any(
-            body.shape.is_random
-            or self.placements[body.entry].kind.is_random
-            or self.placements[body.entry].number_range is not None
-            or body.wanders
-            or body.speed_range is not None
-            or body.unyielding > 0.0
-            for body in self.bodies
-        )
-
     def problem(self, place: Place, message: str) -> Problem:
         """Return a problem with its line.
 

@@ -73,9 +73,8 @@ def run_training(
     remarks = list(_notes(settings))
     what = f"{settings.algorithm.upper()} on {scenario_title(settings)}, seed {settings.seed}"
     after = "" if settings.origin is None else f", from {settings.origin['policy']}"
-    console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
-    for note in remarks:
-        console.print(f"note: {note}", **PLAIN)
+    for line in (f"training {what}{after}, in {run.folder}", *(f"note: {note}" for note in remarks)):
+        console.print(line, **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
     how["address"] = address
     how["log"] = request.log

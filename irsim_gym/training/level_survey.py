@@ -22,6 +22,7 @@ from irsim_gym.paths.queries import (
     free_path_length,
     standing_bodies,
 )
+from irsim_gym.scenario.level_checks import levels_differ
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes, Task
 from irsim_gym.world.model import UNOBSTRUCTED, WANDER, Model
@@ -41,11 +42,11 @@ def survey(scenario: Scenario, task: Task) -> list[Problem]:
     Raises:
         ScenarioError: If a goal of a learner lies so deep in an obstacle that it can never arrive.
     """
-    n_worlds = max(2, LEVELS // len(task.agents)) if scenario.levels_differ else 1
+    n_worlds = max(2, LEVELS // len(task.agents)) if levels_differ(scenario) else 1
     episodes = Episodes(compile(scenario, n_worlds, agents=task.agents), task)
     worlds = np.arange(n_worlds)
     episodes.begin(worlds, worlds, "train")
-    found = [] if scenario.levels_differ else [scenario.problem(("world",), ONE_LEVEL)]
+    found = [] if levels_differ(scenario) else [scenario.problem(("world",), ONE_LEVEL)]
     if not any(term.needs_goal for term in (*task.endings, *task.rewards)):
         return found
     _refuse_blocked_goals(episodes)
@@ -124,7 +125,7 @@ def _way_notes(episodes: Episodes) -> Iterator[Problem]:
     for flags, cure in ((no_way, "no way wide enough for it leads to its goal"), (late, _late(task))):
         if flags.any():
             spec = scenario.bodies[int(simulation.agents[np.flatnonzero(flags.any(axis=0))[0]])]
-            advice = "" if flags is late else f": {CURES[not scenario.levels_differ]}"
+            advice = "" if flags is late else f": {CURES[not levels_differ(scenario)]}"
             yield Problem(spec.line, spec.name, f"{_levels(scenario, flags)}{cure}{advice}")
 
 
@@ -134,7 +135,7 @@ def _late(task: Task) -> str:
 
 def _levels(scenario: Scenario, flags: Flags) -> str:
     """Return in how many levels something was found, as the beginning of a sentence."""
-    if not scenario.levels_differ:
+    if not levels_differ(scenario):
         return ""
     return f"in {int(flags.any(axis=1).sum())} of the first {len(flags)} levels, "
 
