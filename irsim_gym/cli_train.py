@@ -103,8 +103,7 @@ def train(
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         log=tuple(log or ()),
     )
-    if mixed is not None:
-        request = mixed.request(request)
+    request = request if mixed is None else mixed.request(request)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     from irsim_gym.training.seed_runs import run_seeds
 
