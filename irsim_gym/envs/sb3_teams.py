@@ -75,7 +75,6 @@ def make_multi_agent_vec_env(
         critic=critic,
         parameters=parameters,
         strict=strict,
-        worlds_are="num_envs",
     )
     env = TeamVecEnv(Batch(worlds, respawn=respawn, world_steps=world_steps))
     if seed is not None:

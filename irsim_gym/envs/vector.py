@@ -82,7 +82,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
             render_mode=render_mode,
             parameters=parameters,
             strict=strict,
-            worlds_are="num_envs",
         )
         self.worlds = worlds
         self.num_envs = num_envs

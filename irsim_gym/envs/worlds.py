@@ -87,7 +87,7 @@ class Worlds:
         critic: bool = False,
         parameters: Mapping[str, object] | None = None,
         strict: bool = True,
-        worlds_are: str = "n_worlds",
+        worlds_are: str = "num_envs",
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
         loaded = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
