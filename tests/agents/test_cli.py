@@ -1,3 +1,4 @@
+import importlib.abc
 import json
 import re
 import runpy
@@ -9,6 +10,7 @@ import pytest
 from command_line import run
 
 import irsim_gym
+import irsim_gym.__main__
 from irsim_gym import cli, families
 from irsim_gym.envs.level_options import read_options
 from irsim_gym.scenario.option_tables import MARKER
@@ -33,6 +35,44 @@ def test_the_module_is_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pyte
         runpy.run_module("irsim_gym", run_name="__main__")
     assert end.value.code == 0
     assert capsys.readouterr().out == f"irsim_gym {irsim_gym.__version__}\n"
+
+
+def test_ctrl_c_while_packages_are_loaded_is_a_word(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Interrupted(importlib.abc.MetaPathFinder):
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "irsim_gym.cli":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "irsim_gym.cli")
+    monkeypatch.delattr(irsim_gym, "cli", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Interrupted(), *sys.meta_path])
+    with pytest.raises(SystemExit) as end:
+        irsim_gym.__main__.main()
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "stopped\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds", "line"),
+    [
+        ("reward", "rewards", "collision    Penalty"),
+        ("behaviours", "behavior", "dash          Drive straight at the goal"),
+        ("obstacle_map", "obstacle map", "maze      Corridors between walls"),
+        ("sensors", "sensor", "lidar2d       A scanner with"),
+    ],
+)
+def test_a_family_is_listed_with_a_line_for_each_kind(
+    name: str, kinds: str, line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "options", name) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (family,) = (one for one in families.every() if one.family == kinds.removesuffix("s"))
+    assert [one.split()[0] for one in lines] == list(family.names())
+    assert any(one.startswith(line) for one in lines)
+    assert run(monkeypatch, "options", kinds) == 0
+    assert capsys.readouterr().out.splitlines() == lines
 
 
 def test_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -255,8 +295,20 @@ def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 
 def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
-    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film) == 0
-    assert "level 0: success after" in capsys.readouterr().out
+    demos = tmp_path / "demos.npz"
+    assert run(monkeypatch, "rollout", "empty_goal", "dash", "--levels", 1, "--out", film, "--out", demos) == 0
+    said = capsys.readouterr().out
+    assert "level 0: success after" in said
+    assert f"{demos}: 1 episodes" in said
+    assert film.read_bytes().startswith(b"GIF")
+    assert run(monkeypatch, "rollout", "empty_goal", "dash", "--policy", "random") == 1
+    assert "one policy drives: dash, or random" in capsys.readouterr().err
+    film.write_bytes(b"kept")
+    for command in (("rollout", "empty_goal"), ("record", "empty_goal", "dash"), ("run", "empty_goal")):
+        assert run(monkeypatch, *command, "--out", film) == 1
+        assert f"{film} exists: choose another name with --out" in capsys.readouterr().err
+    assert film.read_bytes() == b"kept"
+    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film, "--overwrite") == 0
     assert film.read_bytes().startswith(b"GIF")
     assert run(monkeypatch, "draw", "empty_goal", "--level", 3, "--out", picture) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -277,7 +329,7 @@ def test_train_resume_evaluate_and_record(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    train = ["train", "empty_goal", "--steps", "16384", "--dev-levels", "3"]
+    train = ["train", "empty_goal", "--steps", "16384", "--dev-levels", "3", "--algorithm", "PPO"]
     assert run(monkeypatch, *train) == 0
     folder = tmp_path / "runs" / "empty_goal-ppo-steps=16384-0"
     assert {file.name for file in folder.glob("curve.*")} == {"curve.csv", "curve.json", "curve.png"}
@@ -295,6 +347,11 @@ def test_train_resume_evaluate_and_record(
     assert "empty_goal: 5 test levels" in table
     assert run(monkeypatch, "record", "empty_goal", folder, "dash", "--level", 2, "--out", "film.mp4") == 0
     assert b"ftyp" in Path("film.mp4").read_bytes()[:16]
+    assert run(monkeypatch, "train", "empty_goal", "--resume", "--out", "nope") == 1
+    assert "--resume: nope holds no run" in capsys.readouterr().err
+    (folder / "policy.zip").unlink()
+    assert run(monkeypatch, "rollout", "empty_goal", folder, "--levels", 1) == 0
+    assert f"{folder} is not finished: its checkpoint after 16,384 of 16,384 steps plays" in capsys.readouterr().err
 
 
 def test_demo_twice(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
