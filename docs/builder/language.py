@@ -30,7 +30,7 @@ def pages() -> dict[str, str]:
     for key in made:
         family = find_family(key)
         if family is not None:
-            made[key].append(table(("kind", "what it is"), _kinds(kind_summaries(family))))
+            made[key].append(table(("kind", "what it is"), _kinds(kind_summaries(family))) + "\n")
     for title, text in _tables():
         made[page_of(title)].append(text.replace(f"### {title}", f"## {title}", 1))
     return {f"options/{key.replace(' ', '_')}.md": "\n".join(parts) for key, parts in made.items()}
