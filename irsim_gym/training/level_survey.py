@@ -8,12 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.engine import compile
 from irsim_gym.engine.level_table import given_bodies, varied_outlines
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.evaluation.optimum import stops, straight_distance
 from irsim_gym.evaluation.teams import top_speed
+from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.paths.queries import (
     COARSE,
     FINE,
@@ -92,21 +93,9 @@ def inner_radius(model: Model, world: int, body: int) -> float:
     discs = model.local_discs[row, disc : disc + model.disc_count[row, body]]
     lines = model.local_segments[row, segment : segment + model.segment_count[row, body]]
     inside = float(np.max(discs[:, 2] - np.hypot(discs[:, 0], discs[:, 1]), initial=0.0))
-    if not len(lines) or not model.solid[body] or len(discs):
+    if not len(lines) or len(discs) or not model.solid[body] or not contains_point(lines, 0, len(lines), (0.0, 0.0)):
         return inside
-    start, along = lines[:, :2], lines[:, 2:] - lines[:, :2]
-    length2 = np.maximum((along**2).sum(axis=1), 1e-18)
-    share = np.clip(-(start * along).sum(axis=1) / length2, 0.0, 1.0)
-    nearest = start + share[:, None] * along
-    return float(np.hypot(nearest[:, 0], nearest[:, 1]).min()) if _holds_origin(lines) else 0.0
-
-
-def _holds_origin(lines: Floats) -> bool:
-    """Return whether a closed outline of segments ``(n, 4)`` contains the origin."""
-    ax, ay, bx, by = lines.T
-    crosses = (ay > 0.0) != (by > 0.0)
-    slope = np.where(crosses, by - ay, 1.0)
-    return bool(np.sum(crosses & (ax - ay * (bx - ax) / slope > 0.0)) % 2)
+    return math.sqrt(min(point_segment_distance2(0.0, 0.0, *line) for line in lines.tolist()))
 
 
 def _way_notes(episodes: Episodes) -> Iterator[Problem]:
@@ -122,22 +111,13 @@ def _way_notes(episodes: Episodes) -> Iterator[Problem]:
             straight, length = straight_distance(episodes, w, a), _way_length(episodes, w, a, threshold)
             no_way[w, a] = length == math.inf
             late[w, a] = (straight if no_way[w, a] or math.isnan(length) else length) > limit * speed + threshold
-    for flags, cure in ((no_way, "no way wide enough for it leads to its goal"), (late, _late(task))):
+    cures = CURES[not levels_differ(scenario)]
+    late_note = f"the way to its goal takes longer than max_steps ({task.max_steps}) at full speed: raise max_steps"
+    for flags, note in ((no_way, f"no way wide enough for it leads to its goal: {cures}"), (late, late_note)):
         if flags.any():
             spec = scenario.bodies[int(simulation.agents[np.flatnonzero(flags.any(axis=0))[0]])]
-            advice = "" if flags is late else f": {CURES[not levels_differ(scenario)]}"
-            yield Problem(spec.line, spec.name, f"{_levels(scenario, flags)}{cure}{advice}")
-
-
-def _late(task: Task) -> str:
-    return f"the way to its goal takes longer than max_steps ({task.max_steps}) at full speed: raise max_steps"
-
-
-def _levels(scenario: Scenario, flags: Flags) -> str:
-    """Return in how many levels something was found, as the beginning of a sentence."""
-    if not levels_differ(scenario):
-        return ""
-    return f"in {int(flags.any(axis=1).sum())} of the first {len(flags)} levels, "
+            count = f"in {int(flags.any(axis=1).sum())} of the first {len(flags)} levels, "
+            yield Problem(spec.line, spec.name, f"{count if levels_differ(scenario) else ''}{note}")
 
 
 def _way_length(episodes: Episodes, w: int, a: int, threshold: float) -> float:

@@ -11,12 +11,13 @@ import yaml
 from command_line import run
 
 import irsim_gym
+from irsim_gym.engine import compile
 from irsim_gym.errors import ScenarioError, ScenarioWarning
 from irsim_gym.scenario import library, load_scenario
 from irsim_gym.scenario.notes import notes
 from irsim_gym.tasks import load_task
 from irsim_gym.tasks.sight import idle_robots
-from irsim_gym.training.level_survey import survey
+from irsim_gym.training.level_survey import inner_radius, survey
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.verdict import verdict
 
@@ -65,6 +66,16 @@ def test_a_goal_is_not_refused_where_a_robot_can_arrive() -> None:
     passing = world(ROBOT, BOX)
     passing["world"]["collision_mode"] = "unobstructed"
     assert len(told(passing)) == 1  # it drives through
+
+
+def test_the_largest_disc_within_an_outline() -> None:
+    """A car of 2 m by 1 m whose origin is 0.3 m before its rear, a triangle beside its origin, and two discs."""
+    car = {"name": "polygon", "vertices": [[-0.3, -0.5], [1.7, -0.5], [1.7, 0.5], [-0.3, 0.5]]}
+    beside = {"name": "polygon", "vertices": [[1, 0], [2, 0], [2, 1]]}
+    parts = {"name": "compound", "shapes": [{"name": "circle", "radius": 0.4}, {"name": "circle", "radius": 0.2}]}
+    robots = [{**ROBOT, "shape": shape} for shape in ({"name": "circle", "radius": 0.25}, car, beside, parts)]
+    model = compile(load_scenario(world(robots))).model
+    assert [inner_radius(model, 0, b) for b in range(4)] == pytest.approx([0.25, 0.3, 0.0, 0.4])
 
 
 def test_a_goal_that_walls_shut_in_is_noted() -> None:
