@@ -72,7 +72,7 @@ def test_the_largest_disc_within_an_outline() -> None:
     """A car of 2 m by 1 m whose origin is 0.3 m before its rear, a triangle beside its origin, and two discs."""
     car = {"name": "polygon", "vertices": [[-0.3, -0.5], [1.7, -0.5], [1.7, 0.5], [-0.3, 0.5]]}
     beside = {"name": "polygon", "vertices": [[1, 0], [2, 0], [2, 1]]}
-    parts = {"name": "compound", "shapes": [{"name": "circle", "radius": 0.4}, {"name": "circle", "radius": 0.2}]}
+    parts = {"name": "compound", "parts": [{"name": "circle", "radius": 0.4}, {"name": "circle", "radius": 0.2}]}
     robots = [{**ROBOT, "shape": shape} for shape in ({"name": "circle", "radius": 0.25}, car, beside, parts)]
     model = compile(load_scenario(world(robots))).model
     assert [inner_radius(model, 0, b) for b in range(4)] == pytest.approx([0.25, 0.3, 0.0, 0.4])
