@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -330,6 +331,8 @@ def run(command: Callable[..., object]) -> None:
 
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
     _guarded(app)

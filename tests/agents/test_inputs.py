@@ -152,7 +152,10 @@ def test_unknown_and_wrong_parameters_are_told_together(
 ) -> None:
     assert run(monkeypatch, "describe", "circle_swap", "--set", "n_robot=8", "--set", "jitter=9") == 1
     told = capsys.readouterr().err
-    assert "has no parameter 'n_robot' (did you mean 'n_robots'?); 'jitter' must be a number from 0 to 0.5" in told
+    assert (
+        "circle_swap has no parameter 'n_robot' (did you mean 'n_robots'?); 'jitter' must be a number from 0 to 0.5"
+        in told
+    )
     assert "keyword argument" not in told
 
 
