@@ -7,7 +7,16 @@ PettingZoo when somebody imports that; everything else is loaded when used.
 from __future__ import annotations
 
 import importlib
+import os
+import signal
+import sys
 from typing import TYPE_CHECKING, Any
+
+if (
+    sys.orig_argv[1:3] == ["-m", "irsim_gym"] or os.path.basename(sys.argv[0]) == "irsim-gym"  # noqa: PTH119
+) and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    # While a command loads its packages, Ctrl-C ends it without a traceback, until ``cli.main`` takes over.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 from irsim_gym import errors
 from irsim_gym.envs.registration import make, make_vec, register, register_scenarios

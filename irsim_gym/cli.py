@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +20,9 @@ from irsim_gym.cli_options import (
     Imports,
     Lenient,
     Levels,
+    PolicyOption,
     Reference,
+    ReplaceFile,
     Scenario,
     Seed,
     Split,
@@ -30,9 +33,9 @@ from irsim_gym.cli_options import (
 )
 from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_run import run_by_itself
-from irsim_gym.cli_start import doctor, new
+from irsim_gym.cli_start import doctor, new, options, schema
 from irsim_gym.cli_suite import suite
-from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
+from irsim_gym.cli_tools import one_policy, print_shipped, read_parameters
 from irsim_gym.cli_train import sweep, train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
@@ -65,6 +68,7 @@ def check(
     team: Annotated[
         bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
     ] = False,
+    task: Task = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -79,7 +83,7 @@ def check(
     from irsim_gym.training.check import check_files
     from irsim_gym.training.trial import ReadOptions
 
-    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient), team=team):
+    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient, task, team)):
         raise typer.Exit(1)
 
 
@@ -88,8 +92,13 @@ def describe(
     scenario: Scenario,
     task: Task = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    picture: Annotated[
-        Path | None, typer.Option(help="Draw the observed sectors into this .png, .pdf or .svg file.")
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "--picture",
+            help="Draw the observed sectors into this .png, .pdf or .svg file, and replace it if it exists.",
+        ),
     ] = None,
     team: Annotated[
         bool, typer.Option("--team", help="Describe the team: all robots learn (or those that the task names).")
@@ -103,38 +112,11 @@ def describe(
     from irsim_gym.training.scenario_request import ScenarioRequest
 
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    describe_scenario(asked, as_json=as_json, picture=picture)
+    describe_scenario(asked, as_json=as_json, picture=out)
 
 
-@app.command()
-def options(
-    name: Annotated[
-        str | None,
-        typer.Argument(help="Section or kind such as world or rvo, or a Markdown file whose tables to update."),
-    ] = None,
-    modules: Imports = None,
-) -> None:
-    """Print the reference of all options, or of one kind, or update the tables of a Markdown page."""
-    from irsim_gym.scenario.option_tables import markdown, rewritten
-
-    if name is None:
-        print(markdown())
-    elif (page := Path(name)).suffix == ".md" and page.is_file():
-        page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
-    else:
-        print_options(name)
-
-
-@app.command()
-def schema() -> None:
-    """Write the JSON Schema of scenario files, for editors."""
-    import json
-
-    from irsim_gym.scenario.schema import json_schema
-
-    print(json.dumps(json_schema(), indent=2))
-
-
+app.command()(options)
+app.command()(schema)
 app.command()(train)
 app.command()(tune)
 app.command()(sweep)
@@ -195,8 +177,10 @@ def record(
     split: Split = "test",
     task: Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on).")
+        Path | None,
+        typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on, numbered)."),
     ] = None,
+    overwrite: ReplaceFile = False,
     html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
     sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
     strobe: Annotated[
@@ -219,7 +203,7 @@ def record(
     if len(kinds) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0])
+    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 
 @app.command()
@@ -240,12 +224,21 @@ def demo(
 @app.command()
 def rollout(
     scenario: Scenario,
-    policy: Reference = "dash",
+    policy: Reference = None,
     levels: Levels = 4,
     split: Split = "dev",
     task: Task = None,
-    frames: Annotated[Path | None, typer.Option(help="Write a film to this .mp4 or .gif file.")] = None,
-    record: Annotated[Path | None, typer.Option(help="Write demonstrations to this .npz file.")] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--out",
+            "--frames",
+            "--record",
+            help="File to write: a film (.mp4, .gif) or demonstrations (.npz); may be repeated.",
+        ),
+    ] = None,
+    overwrite: ReplaceFile = False,
+    named: PolicyOption = None,
     team: Team = False,
     given: Given = None,
     lenient: Lenient = False,
@@ -256,7 +249,8 @@ def rollout(
     from irsim_gym.training.scenario_request import ScenarioRequest
 
     asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    run_rollout(asked, policy, levels=levels, split=split, frames=frames, record=record)
+    chosen = one_policy(policy, named) or "dash"
+    run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
 
 
 app.command("run")(run_by_itself)
@@ -267,15 +261,17 @@ app.command()(doctor)
 @app.command()
 def play(
     scenario: Scenario,
-    record: Annotated[
-        Path | None, typer.Option(help="Write demonstrations to this .npz file; append if it exists.")
+    policy: Watched = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "--record", help="Write demonstrations to this .npz file; append if it exists."),
     ] = None,
     task: Task = None,
     level: Annotated[int, typer.Option("--level", "--seed", min=0, max=LAST_LEVEL, help="First level.")] = 0,
     split: Split = "train",
     robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
-    policy: Watched = None,
+    named: PolicyOption = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -285,7 +281,8 @@ def play(
     from irsim_gym.training.manual_play import play as play_by_hand
 
     parameters = read_parameters(given)
-    settings = PlaySettings(scenario, task, robot, level, split, parameters, record, speed, policy, not lenient)
+    watched = one_policy(policy, named)
+    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, watched, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:
@@ -298,7 +295,9 @@ def draw(
     level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Number of the level.")] = 0,
     split: Split = "dev",
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
+    ] = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -332,6 +331,8 @@ def run(command: Callable[..., object]) -> None:
 
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
     _guarded(app)
@@ -360,6 +361,9 @@ def _guarded(command: typer.Typer) -> None:
     except IrsimGymError as error:
         print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         sys.exit(128 + error.signal if hasattr(error, "signal") else 1)
+    except MemoryError as error:
+        print(error or "there is not enough memory", file=sys.stderr)
+        sys.exit(1)
     except OSError as error:
         if error.filename is None:
             raise

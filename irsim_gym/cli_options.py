@@ -57,19 +57,20 @@ Seeds = Annotated[
 ]
 TestLevels = Annotated[int, typer.Option(min=1, help="Number of test levels for the summary of --seeds.")]
 Reference = Annotated[
-    str,
-    typer.Option(
-        help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.",
+    str | None,
+    typer.Argument(
+        help="random, a behavior such as dash (the default), rvo, sfm or orca, a run's folder or a policy.zip.",
         autocompletion=cli_completion.policies,
     ),
 ]
 Watched = Annotated[
     str | None,
-    typer.Option(
+    typer.Argument(
         help="Drives until you press x: a shipped policy, a run's folder, a policy.zip or a behavior.",
         autocompletion=cli_completion.policies,
     ),
 ]
+PolicyOption = Annotated[str | None, typer.Option("--policy", hidden=True, help="Older form of the argument POLICY.")]
 Given = Annotated[
     list[str] | None,
     typer.Option(
@@ -91,9 +92,15 @@ Imports = Annotated[
     ),
 ]
 
+
+def _lower(name: str | None) -> str | None:
+    return None if name is None else name.lower()
+
+
 Algorithm = Annotated[
     str | None,
     typer.Option(
+        callback=_lower,
         help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, "
         "or that of --from).",
         autocompletion=cli_completion.algorithms,
@@ -110,6 +117,7 @@ Hyperparameters = Annotated[
     Path | None, typer.Option(help="YAML file of hyper-parameters, instead of the shipped one.")
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue the run in the folder.")]
+ReplaceFile = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
 BeginAnew = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the folder.")]
 Origin = Annotated[
     str | None,

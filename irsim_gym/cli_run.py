@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from irsim_gym.cli_completion import scenarios
-from irsim_gym.cli_options import Given, Imports, Lenient
+from irsim_gym.cli_options import Given, Imports, Lenient, ReplaceFile
 from irsim_gym.cli_tools import read_parameters
 from irsim_gym.errors import IrsimGymError, report_together
 
@@ -21,9 +21,13 @@ def run_by_itself(
         typer.Option(min=1, help="Maximum number of steps; the run ends when all robots have arrived or collided."),
     ] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the level.")] = 0,
-    film: Annotated[
-        Path | None, typer.Option(help="Write a film to this .mp4 or .gif file, or a replay page to this .html file.")
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "--film", help="Write a film to this .mp4 or .gif file, or a replay page to this .html file."
+        ),
     ] = None,
+    overwrite: ReplaceFile = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -35,11 +39,11 @@ def run_by_itself(
 
     parameters = read_parameters(given)
     how: dict[str, Any] = {"strict": not lenient, "warn": False, "may_pend": True}
-    report_together(lambda: _check_film(film), lambda: load_scenario(scenario, parameters, **how))
-    chosen: dict[str, Any] = {"record": film is not None, "strict": not lenient}
+    report_together(lambda: _check_film(out, overwrite), lambda: load_scenario(scenario, parameters, **how))
+    chosen: dict[str, Any] = {"record": out is not None, "strict": not lenient}
     with load(scenario, seed=seed, **chosen, **parameters) as world:
         world.resume()
-        with counting("driving", steps) if film is not None else nullcontext(lambda _: None) as advance:
+        with counting("driving", steps) if out is not None else nullcontext(lambda _: None) as advance:
             while world.count < steps and not world.done():
                 world.step()
                 advance(1)
@@ -47,10 +51,13 @@ def run_by_itself(
         for robot in world.robots:
             flag = "arrived" if robot.arrived else "collided" if robot.collided else "under way"
             print(f"{robot.name}: {flag} at ({', '.join(f'{value:.2f}' for value in robot.state)})")
-        if film is not None:
-            print(world.save_html(film) if film.suffix.lower() == ".html" else world.save_animation(film))
+        if out is not None:
+            print(world.save_html(out) if out.suffix.lower() == ".html" else world.save_animation(out))
 
 
-def _check_film(film: Path | None) -> None:
+def _check_film(film: Path | None, overwrite: bool) -> None:
+    from irsim_gym.training.folders import check_free
+
     if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
         raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")
+    check_free(film, overwrite)

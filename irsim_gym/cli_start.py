@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym new`` and ``irsim-gym doctor``."""
+"""The commands ``irsim-gym new``, ``doctor``, ``options`` and ``schema``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from irsim_gym.cli_options import Imports
+from irsim_gym.cli_tools import print_options
 
 
 def new(
@@ -24,3 +27,32 @@ def doctor() -> None:
 
     if not print_examination():
         raise typer.Exit(1)
+
+
+def options(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="Family such as reward, section or kind such as rvo, or a Markdown file whose tables to update."
+        ),
+    ] = None,
+    modules: Imports = None,
+) -> None:
+    """Print the kinds of a family, the options of one kind or of all, or update the tables of a Markdown page."""
+    from irsim_gym.scenario.option_tables import markdown, rewritten
+
+    if name is None:
+        print(markdown())
+    elif (page := Path(name)).suffix == ".md" and page.is_file():
+        page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
+    else:
+        print_options(name)
+
+
+def schema() -> None:
+    """Write the JSON Schema of scenario files, for editors."""
+    import json
+
+    from irsim_gym.scenario.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))

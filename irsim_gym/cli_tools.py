@@ -124,8 +124,22 @@ def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
     return given
 
 
+def one_policy(policy: str | None, named: str | None) -> str | None:
+    """Return the policy that an argument or the older option ``--policy`` names; None for none.
+
+    Raises:
+        IrsimGymError: If both name one.
+    """
+    if policy is not None and named is not None:
+        raise IrsimGymError(f"one policy drives: {policy}, or {named} (--policy)")
+    return named if policy is None else policy
+
+
 def print_options(name: str) -> None:
-    """Print the options of a section or kind as tables, e.g. of ``world``, ``rvo`` or ``behavior rvo``.
+    """Print the kinds of a family, one line each, or the options of a section or kind as tables.
+
+    Args:
+        name: A family such as ``reward``, or a section or kind such as ``world``, ``rvo`` or ``behavior rvo``.
 
     Raises:
         IrsimGymError: If there is no such section or kind. The message suggests a similar name.
@@ -134,13 +148,21 @@ def print_options(name: str) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from irsim_gym.scenario.option_tables import option_tables
+    from irsim_gym.families import every
+    from irsim_gym.scenario.option_tables import find_family, kind_summaries, option_tables
 
+    family = find_family(name)
+    if family is not None:
+        kinds = kind_summaries(family)
+        width = max(map(len, kinds))
+        for kind, about in kinds.items():
+            print(f"{kind:<{width}}  {about}")
+        return
     tables = dict(option_tables())
     names = {title: {title, title.rsplit(" ", 1)[-1], *title.split(", ")} for title in tables}
     chosen = [title for title, known in names.items() if name in known]
     if not chosen:
-        near = suggestion(name, sorted(set().union(*names.values())))
+        near = suggestion(name, sorted({*set().union(*names.values()), *(one.family for one in every())}))
         raise IrsimGymError(f"no section, kind or Markdown file named '{name}'{near}; `irsim-gym options` prints all")
     console = Console()
     for title in chosen:

@@ -37,7 +37,18 @@ from irsim_gym.cli_options import (
     WorldsPerWorker,
 )
 from irsim_gym.cli_tools import read_parameters
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
+
+
+def check_resumable(out: Path | None) -> None:
+    """Check that the folder that a user names for ``--resume`` holds a run, or those of several seeds.
+
+    Raises:
+        IrsimGymError: If it does not.
+    """
+    if out is not None and not any((*out.glob("config.json"), *out.glob("seed_*/config.json"))):
+        raise IrsimGymError(f"--resume: {out} holds no run; without --resume the same command begins one there")
 
 
 def train(
@@ -74,6 +85,7 @@ def train(
     from irsim_gym.training.mixture_file import requested_mixture
     from irsim_gym.training.training_request import TrainingRequest
 
+    check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
         scenario[0],
@@ -91,15 +103,14 @@ def train(
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         log=tuple(log or ()),
     )
-    if mixed is not None:
-        request = mixed.request(request)
+    request = request if mixed is None else mixed.request(request)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
-    if seeds is None:
-        run_training(request, out, **how)
-        return
     from irsim_gym.training.seed_runs import run_seeds
 
-    run_seeds(request, seeds, out, test_levels=test_levels, **how)
+    if seeds is None:
+        run_training(request, out, **how)
+    else:
+        run_seeds(request, seeds, out, test_levels=test_levels, **how)
 
 
 def tune(

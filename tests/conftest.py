@@ -45,9 +45,9 @@ def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 def played_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let ``check`` play files in this process: another one takes seconds to start, and has tests of its own."""
 
-    def play(files: Sequence[str], reading: trial.ReadOptions) -> tuple[trial.Outcomes, str]:
+    def play(files: Sequence[str], reading: trial.ReadOptions) -> tuple[dict[str, trial.Played], str]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ScenarioWarning)
-            return {file: trial._outcome(file, reading) for file in files}, ""
+            return {file: trial._played(file, reading) for file in files}, ""
 
     monkeypatch.setattr(trial, "_in_a_process", play)

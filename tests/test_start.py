@@ -30,7 +30,7 @@ def test_a_new_scenario_is_an_environment_as_it_stands(tmp_path: Path) -> None:
     assert (code, f"irsim-gym train {file}" in said) == (0, True)
     text = file.read_text()
     assert f"irsim-gym check {file} " in text
-    assert "--frames my_world.gif" in text
+    assert "--out my_world.gif" in text
     env = irsim_gym.make(file)
     assert env.reset(seed=0)[0] in env.observation_space
     assert len(env.unwrapped.bodies) == 9  # the robot, the walls, six discs and a walker

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from irsim_gym.scenario.option_tables import markdown
+from builder.tables import table
+from irsim_gym.scenario.option_tables import find_family, kind_summaries, markdown
 
 TITLES = {
     "sections": ("Sections and drawing", "The sections of a file, and the keys of their entries."),
@@ -26,9 +27,18 @@ TITLES = {
 def pages() -> dict[str, str]:
     """Return a page for the sections and one for each family of kinds, by their places."""
     made = {key: [f"# {title}\n\n{sentence}\n"] for key, (title, sentence) in TITLES.items()}
-    for title, table in _tables():
-        made[page_of(title)].append(table.replace(f"### {title}", f"## {title}", 1))
+    for key in made:
+        family = find_family(key)
+        if family is not None:
+            made[key].append(table(("kind", "what it is"), _kinds(kind_summaries(family))) + "\n")
+    for title, text in _tables():
+        made[page_of(title)].append(text.replace(f"### {title}", f"## {title}", 1))
     return {f"options/{key.replace(' ', '_')}.md": "\n".join(parts) for key, parts in made.items()}
+
+
+def _kinds(summaries: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield the name of each kind, which is that of its table, and what it is."""
+    yield from ((f"`{name}`", about) for name, about in summaries.items())
 
 
 def page_of(title: str) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from irsim_gym.arenas.contest import arena
 from irsim_gym.arenas.entrants import check_entrants
-from irsim_gym.evaluation.tables import print_table
+from irsim_gym.evaluation.tables import legend, print_table
 from irsim_gym.training.folders import evaluation_folder
 from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.interruption import ctrl_c_as_error
@@ -42,7 +42,9 @@ def run_arena(
     with ctrl_c_as_error(kept):
         how: dict[str, Any] = {"split": split, "resume": resume, "overwrite": overwrite, **chosen}
         found = arena(policies=policies, folder=folder, **vars(asked), **how)
-    for table in found.standings.tables(found.title):
+    tables = found.standings.tables(found.title)
+    for table in tables:
         print_table(table)
+    print(legend(tables))
     print(f"rows, figures and table: {folder}")
     print(f"page: {found.page}")

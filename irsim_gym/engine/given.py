@@ -91,11 +91,15 @@ def _bodies(given: object, scenario: Scenario, what: str) -> Ints:
     return array.astype(np.int64)
 
 
-def check_worlds(n_worlds: int) -> None:
+def check_worlds(n_worlds: int, name: str = "n_worlds") -> None:
     """Raise if the number of worlds is not valid.
+
+    Args:
+        n_worlds: The number.
+        name: What the caller calls it.
 
     Raises:
         ValueError: It is not an integer of at least 1.
     """
     if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
-        raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
+        raise ValueError(f"{name} must be a whole number >= 1, got {n_worlds!r}")

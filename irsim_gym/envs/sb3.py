@@ -67,14 +67,14 @@ def make_vec_env(
     """
     refuse_for_singles(parameters)
     asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
-    shown: dict[str, Any] = {"render_mode": render_mode, "strict": strict}
+    shown: dict[str, Any] = {"render_mode": checked_mode(render_mode), "strict": strict}
+    named: dict[str, Any] = {"parameters": parameters, "worlds_are": "n_envs"}
     if env_kwargs:
         files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
         given = {"num_threads": num_threads, "critic": critic, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
         return make_vec_env(scenario, n_envs, seed, **given)
-    checked_mode(render_mode)
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
-    worlds = Worlds(scenario, n_envs, task=task, critic=critic, parameters=parameters, **kwargs, **shown)
+    worlds = Worlds(scenario, n_envs, task=task, critic=critic, **named, **kwargs, **shown)
     spec = spec_of(scenario, {**asked, **shown})
     numbers = range(start_index, start_index + n_envs)
     env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))

@@ -12,30 +12,35 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.engine import compile
-from irsim_gym.engine.given import LEVELS
+from irsim_gym.engine import Simulation, compile
+from irsim_gym.engine.given import LEVELS, check_worlds
 from irsim_gym.envs.action_masks import ActionMasks
 from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.level_options import checked_choice, read_options
 from irsim_gym.envs.limits import agreed_limit
+from irsim_gym.envs.memory import check_memory
 from irsim_gym.envs.mirror import Mirror, mirror_of
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import (
     MissingScenarioError,
+    Problem,
+    ScenarioWarning,
     SeveralAgentsError,
     UnknownKeywordError,
     UnknownNameError,
     several,
     suggestion,
+    warn_caller,
 )
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.ids import ANY, SOURCES
 from irsim_gym.scenario.parameters import given_as_keywords
-from irsim_gym.tasks import Episodes, load_task
+from irsim_gym.tasks import Episodes, Task, load_task
+from irsim_gym.tasks.sight import all_of, idle_robots
 
 TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
@@ -59,8 +64,10 @@ class Worlds:
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
         strict: A key that nobody reads, in the scenario's file or its section ``task``, is an error; False: it is
             ignored, with an ``IgnoredKeyWarning``.
+        worlds_are: What the caller calls the number of worlds, for messages.
 
     Raises:
+        MemoryError: There is too little memory for so many worlds.
         UnknownKeywordError: The scenario has no such parameter; the message lists those that it has.
         MissingScenarioError: There is no scenario.
         ScenarioError: The scenario or its task cannot be used, or a parameter cannot have such a value.
@@ -80,11 +87,14 @@ class Worlds:
         critic: bool = False,
         parameters: Mapping[str, object] | None = None,
         strict: bool = True,
+        worlds_are: str = "num_envs",
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
         loaded = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         self.task = loaded if critic else replace(loaded, critic_observations=())
-        self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
+        check_worlds(n_worlds, worlds_are)
+        check_memory(lambda count: Episodes(self._compiled(count, 1), self.task), n_worlds)
+        self.simulation = self._compiled(n_worlds, num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)
         if self.episodes.n_agents != 1 and not team:
@@ -93,6 +103,8 @@ class Worlds:
                 f"{self.episodes.n_agents}: name one robot in 'task.agents', or use parallel_env, make_batch or "
                 "sb3.make_multi_agent_vec_env, on the command line --team"
             )
+        if not team:
+            _warn_of_idle_robots(self.scenario, self.task)
         self.n_worlds = n_worlds
         self.pictures = Pictures(self.scenario, self.episodes, render_mode)
         self.observation_space = observation_space(self.episodes)
@@ -105,6 +117,9 @@ class Worlds:
         self._goal_reward: GoalReward | None = None
         self._masks: ActionMasks | None = None
         self._mirror: Mirror | None = None
+
+    def _compiled(self, n_worlds: int, num_threads: int) -> Simulation:
+        return compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
 
     def __repr__(self) -> str:
         return f"<Worlds {self.summary}>"
@@ -309,6 +324,16 @@ class Worlds:
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""
         self.pictures.close()
+
+
+def _warn_of_idle_robots(scenario: Scenario, task: Task) -> None:
+    """Warn of robots that neither learn nor have a behaviour."""
+    idle = idle_robots(scenario, task)
+    if idle:
+        ways = "parallel_env, make_batch, sb3.make_multi_agent_vec_env and, on the command line, --team"
+        body = scenario.bodies[task.agents[0]]
+        problem = Problem(body.line, body.name, f"{idle}: {ways} train {all_of(scenario)}")
+        warn_caller(ScenarioWarning(scenario.source.title, [problem]))
 
 
 def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Any
 
@@ -103,14 +103,23 @@ class Rate:
     Attributes:
         count: Number of counted items.
         value: Their share of all items.
-        low: Lower end of the interval, a share.
-        high: Upper end of the interval, a share.
+        low: Lower end of the interval, a share; ``value`` if all episodes are copies of one, see ``are_copies``.
+        high: Upper end of the interval, likewise.
     """
 
     count: int
     value: float
     low: float
     high: float
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether there is no interval, because all episodes are copies of one."""
+        return self.low == self.high
+
+    def exact(self) -> Rate:
+        """Return the share without an interval."""
+        return replace(self, low=self.value, high=self.value)
 
 
 def wilson(count: float, total: float) -> tuple[float, float]:
@@ -130,6 +139,12 @@ def wilson(count: float, total: float) -> tuple[float, float]:
 def rate(count: int, total: int) -> Rate:
     """Return ``count`` of ``total`` as a rate; 0 of 0 is 0 with the interval [0, 1]."""
     return Rate(count, count / total if total else 0.0, *wilson(count, total))
+
+
+def are_copies(rows: Sequence[EpisodeRow]) -> bool:
+    """Return whether several episodes are copies of one, as where nothing is drawn for a level."""
+    kinds = {(row.outcome, row.steps, row.path_length, row.optimum, row.min_clearance) for row in rows}
+    return len(rows) > 1 and len(kinds) == 1
 
 
 @dataclass(frozen=True)
@@ -190,6 +205,8 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     )
     assert sum(hits.values()) == counts["collision"], "every collision must have a kind"
     shares: dict[str, Any] = {outcome: rate(count, total) for outcome, count in counts.items()}
+    if are_copies(rows):
+        shares = {outcome: share.exact() for outcome, share in shares.items()}
     return Summary(
         policy=policy,
         episodes=total,

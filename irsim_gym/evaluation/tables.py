@@ -31,6 +31,28 @@ NARROW: Mapping[str, Any] = MappingProxyType({**COMPACT, "padding": (0, 1, 0, 0)
 """Layouts of tables with many columns."""
 PLAIN: Mapping[str, Any] = MappingProxyType({"markup": False, "highlight": False, "soft_wrap": True})
 """Arguments of ``Console.print`` for text that is printed as it is."""
+LEGEND: Mapping[str, str] = MappingProxyType(
+    {
+        "CSR": "share of levels in which all robots arrive",
+        "ISR": "share of robots that arrive",
+        "left": "left the world",
+        "deadlocked": "stood still, away from the goal, when the episode ended",
+        "SPL": "success weighted by path length: mean of shortest / driven way, 0 for a failure",
+        "path ratio": "driven / shortest way of successes; can be just below 1, as they end within the goal_threshold",
+        "makespan": "time until the last robot arrives",
+        "flowtime": "sum of the arrival times",
+        "extra time": "beyond the time of the straight line at full speed; median, 75 and 90 %",
+        "clear.": "mean of the smallest distance to other bodies in an episode",
+        "<.25 m": "share of steps nearer than that to a person; <.45 m likewise",
+        "TTC": "mean of the smallest time to collision with a person",
+        "goals /min": "rate of reached goals",
+        "worst": "success on the share of levels that a policy does worst",
+        "CPU s": "processor time of the training",
+        "mark": "when success rose to it and never fell below it again in later checkpoints",
+    }
+)
+"""Meaning of columns, by the beginning of their heads in one line."""
+COPIES = "95 % interval: none (-), because all levels are the same, and every episode is a copy of the first"
 Row = TypeVar("Row")
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
@@ -237,6 +259,20 @@ def worst_table(worst: Mapping[str, Mapping[str, float]], seeds: Mapping[str, Se
     return figure_table(title, heads, rows, **NARROW)
 
 
+def legend(tables: Iterable[Table], shares: Iterable[Rate] = ()) -> str:
+    """Return a line for each column of tables whose head needs one.
+
+    Args:
+        tables: The tables.
+        shares: Shares with intervals in them, where these might be missing.
+    """
+    heads = [str(column.header).replace("-\n", "").replace("\n", " ") for table in tables for column in table.columns]
+    lines = [f"{name}: {text}" for name, text in LEGEND.items() if any(head.startswith(name) for head in heads)]
+    if any("set " in str(table.title) for table in tables):
+        lines.append("set: hash of the levels; certified: they were measured beforehand (`irsim-gym levels certify`)")
+    return "\n".join([*lines, *([COPIES] if any(share.is_exact for share in shares) else [])])
+
+
 def table_text(table: Table) -> str:
     """Return a table as plain text."""
     console = Console(width=WIDTH, file=io.StringIO(), record=True, force_jupyter=False)
@@ -259,8 +295,8 @@ def percent(share: Rate) -> str:
 
 
 def interval(share: Rate) -> str:
-    """Return the interval of a share in percent."""
-    return f"{100.0 * share.low:.1f}-{100.0 * share.high:.1f}"
+    """Return the interval of a share in percent; a dash where all episodes are copies of one."""
+    return "-" if share.is_exact else f"{100.0 * share.low:.1f}-{100.0 * share.high:.1f}"
 
 
 def number(value: float, digits: int) -> str:

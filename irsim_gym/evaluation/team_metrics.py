@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, Rate, mean, means, rate, wilson
+from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, Rate, are_copies, mean, means, rate, wilson
 
 TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
 PERCENTILES = (50, 75, 90)
@@ -232,11 +232,14 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
     hits = _rates(rows, TEAM_HITS, lambda agent: agent.episode.hit)
     assert sum(share.count for share in shares.values()) == len(agents), "the outcomes must be those of all agents"
     assert sum(hit.count for hit in hits.values()) == shares["collision"].count, "every collision must have a kind"
+    cooperative = rate(sum(row.is_success for row in rows), len(rows))
+    if all(are_copies([row.agents[a].episode for row in rows]) for a in range(team)):
+        cooperative, shares = cooperative.exact(), {name: share.exact() for name, share in shares.items()}
     return TeamSummary(
         policy=policy,
         levels=len(rows),
         agents=team,
-        cooperative_success=rate(sum(row.is_success for row in rows), len(rows)),
+        cooperative_success=cooperative,
         individual_success=shares["success"],
         collision=shares["collision"],
         collision_with=hits,

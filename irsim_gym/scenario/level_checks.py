@@ -84,6 +84,14 @@ def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]
     )
 
 
+def levels_differ(scenario: Scenario) -> bool:
+    """Return whether anything is drawn for each level, or several levels come from a file; noise does not count."""
+    bodies = scenario.bodies
+    traits = any(body.wanders or body.speed_range is not None or body.unyielding > 0.0 for body in bodies)
+    from_file = scenario.levels is not None and scenario.levels.count > 1
+    return from_file or traits or bool(drawn_bodies(bodies, scenario.placements))
+
+
 def n_goals_drawn(placement: PlacementSpec) -> int:
     """Return the number of goals that the distribution of an entry gives each of its bodies."""
     return int(getattr(placement.kind, "n_goals", 1)) if placement.kind.gives_goal else 0

@@ -17,6 +17,10 @@ from irsim_gym.scenario.validation import Report, read_numbers
 
 LARGEST_ANGLE = 2.0 * math.pi + 1e-3
 LONGEST_STEP = 1.0
+FASTEST_TURN = 4.0 * math.pi
+"""Turn rate above which a limit is taken for degrees [rad/s]."""
+FAR = 2.0
+"""Ranges of sensors above this multiple of the world's diagonal are noted."""
 IDLE = "has a behavior but no goal: it stands still"
 DEGREES = "angles are in radians; you can write pi/2"
 
@@ -49,7 +53,8 @@ def notes(scenario: Scenario) -> tuple[Problem, ...]:
     """Return all remarks about a scenario that are not errors, in the order of its lines."""
     found = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
     for body in scenario.bodies:
-        found += [Problem(body.line, body.name, message) for message in _goals_outside(body, scenario)]
+        further = (*_goals_outside(body, scenario), *_limit_notes(body, scenario), *_range_notes(body, scenario))
+        found += [Problem(body.line, body.name, message) for message in further]
     return tuple(sorted({*_in_order([*doubts(scenario), *found]), *scenario.ignored}))
 
 
@@ -129,16 +134,63 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
 
 def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
     yield from _angle_notes(body)
+    if body.goal:
+        yield from _stride_notes(body, scenario)
+
+
+def _stride_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
+    """Yield a remark if a step at full speed may lead over a goal; bodies that never move have no steps."""
     if body.static:
         return
     drive = KINEMATICS.name_of(type(body.kinematics))
     speed = body.vel_max[0] if drive in ("diff", "acker") else max(body.vel_max[:2])
     stride = speed * scenario.world.step_time
-    if body.goal and stride > 2.0 * body.goal_threshold:
+    if stride > 2.0 * body.goal_threshold:
         yield (
             f"a step of {stride:g} m may jump over a goal_threshold of {body.goal_threshold:g} m: "
             "reduce the step or enlarge the threshold"
         )
+
+
+def _limit_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
+    """Yield remarks about limits of moving robots, and about goals that are drawn for them."""
+    if body.static or body.role != "robot":
+        return
+    words = getattr(body.kinematics, "command_words", ())
+    for k, (what, unit) in enumerate(words):
+        most = max(abs(value) for value in (body.vel_min[k], body.vel_max[k]))
+        if unit == "rad/s" and FASTEST_TURN < most < math.inf:
+            yield f"a turn rate of {most:g} rad/s is more than two turns in a second: {DEGREES}"
+        if unit == "rad" and math.pi / 2.0 < most < math.inf:
+            yield f"a {what.split(',')[0]} of {most:g} rad is more than a right angle: {DEGREES}"
+    speeds = [k for k, (_, unit) in enumerate(words) if unit == "m/s"]
+    if speeds and all(body.vel_max[k] <= 0.0 for k in speeds):
+        is_reverse = any(body.vel_min[k] < 0.0 for k in speeds)
+        turns = any((*body.vel_min, *body.vel_max))
+        yield f"vel_max is 0: it can only {'drive backwards' if is_reverse else 'turn' if turns else 'stand still'}"
+    placement = scenario.placements[body.entry].kind
+    if placement.gives_goal or body.wanders:
+        yield from _stride_notes(body, scenario)
+    least = getattr(placement, "min_goal_distance", math.inf)
+    if max(least, getattr(placement, "min_way_length", 0.0)) <= body.goal_threshold and (
+        placement.goal_low is None and placement.goal_high is None
+    ):
+        yield (
+            "goals may be drawn where it starts: a min_goal_distance above the goal_threshold "
+            f"({body.goal_threshold:g} m) prevents that"
+        )
+
+
+def _range_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
+    """Yield remarks about sensors that reach far beyond the world."""
+    diagonal = math.hypot(scenario.world.width, scenario.world.height)
+    for sensor in body.sensors:
+        reach = getattr(sensor, "range_max", 0.0)
+        if reach > FAR * diagonal:
+            yield (
+                f"a range_max of {reach:g} m in a world of {diagonal:.3g} m across: "
+                "observations are shares of it, so all that the robot can see are small numbers"
+            )
 
 
 def _is_idle(body: BodySpec, scenario: Scenario) -> bool:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, get_args
 
 from irsim_gym import families
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.registry import Registry
 from irsim_gym.scenario.messages import describe, show
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import ParameterSpec
@@ -83,6 +85,21 @@ def _default(value: object) -> str:
     return "{}" if dataclasses.is_dataclass(value) else show(value)
 
 
+def find_family(name: str) -> Registry | None:
+    """Return the family of kinds that a name or its plural names, e.g. ``rewards`` or ``obstacle_map``."""
+    wanted = name.lower().replace("_", " ").replace("behaviour", "behavior")
+    families.load()
+    found = {one.family: one for one in families.every()}
+    return found.get(wanted) or found.get(wanted.removesuffix("s"))
+
+
+def kind_summaries(family: Registry) -> dict[str, str]:
+    """Return the first sentence about each kind of a family, by name."""
+    texts = {entry.name: _summary(entry.kind) for entry in family}
+    first = re.compile(r"(?<!e\.g)(?<!i\.e)[.;](?: |$)")
+    return {name: first.split(text, maxsplit=1)[0] for name, text in texts.items()}
+
+
 def option_tables() -> Iterator[tuple[str, tuple[OptionRow, ...]]]:
     """Yield a title and the options of each section, and of each registered kind."""
     for title, cls in _sections():
@@ -118,8 +135,13 @@ def markdown() -> str:
     return "\n".join(_table(title, cls) for title, cls in _sections())
 
 
+def _summary(cls: type[Any]) -> str:
+    """Return the first paragraph of a class's docstring."""
+    return " ".join((cls.__doc__ or "").strip().split("\n\n")[0].split())
+
+
 def _table(title: str, cls: type[Any]) -> str:
-    summary = " ".join((cls.__doc__ or "").strip().split("\n\n")[0].split())
+    summary = _summary(cls)
     rows = option_rows(cls)
     lines = [f"### {title}", "", SUMMARIES.get(title, summary), ""]
     if not rows:

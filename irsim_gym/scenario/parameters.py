@@ -14,6 +14,7 @@ import numpy as np
 from irsim_gym.errors import Problem, ScenarioError, UnknownKeywordError, UnknownParameterError, suggestion
 from irsim_gym.scenario.expressions import evaluate, names_in
 from irsim_gym.scenario.keywords import RETIRED, meant
+from irsim_gym.scenario.library import every_scenario
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.source import WRAPPER, Place, Source
@@ -262,7 +263,9 @@ def _chosen(
         names = ", ".join(f"'{name}'{meant(name, declared, _TAKEN_BY)}" for name in unknown)
         refused = {name: specs[name].refusal(values[name]) for name in given if name in specs}
         wrong = "".join(f"; '{name}' {refusal}" for name, refusal in refused.items() if refusal)
-        raise UnknownParameterError(unknown[0], f"{source.title} has no parameter {names}{wrong}{listed}")
+        shipped = {str(file): name for name, file in every_scenario().items()}
+        title = shipped.get(source.file, source.title)
+        raise UnknownParameterError(unknown[0], f"{title} has no parameter {names}{wrong}{listed}")
     problems = sorted(
         source.problem((*place, name), specs[name].refusal(values[name]))
         for place, name in _sections(source.data)

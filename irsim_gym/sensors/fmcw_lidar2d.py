@@ -49,7 +49,12 @@ class FmcwLidar2D:
     reading: ClassVar[str] = "ranges"
 
     number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
-    angle_range: float = option(np.pi, ge=0.0, unit="rad", meaning="Angle between first and last beam; at most 2 pi.")
+    angle_range: float = option(
+        np.pi,
+        ge=0.0,
+        unit="rad",
+        meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
+    )
     range_min: float = option(
         0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
     )

@@ -42,7 +42,7 @@ class Lidar2D:
         np.pi,
         ge=0.0,
         unit="rad",
-        meaning="Angle between first and last beam; at most 2 pi.",
+        meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
         consequence="Degrees instead of radians give a full turn.",
     )
     range_min: float = option(

@@ -85,7 +85,10 @@ def check_fit(
     needing = [term for item in terms.values() for _, term in item if term.needs_goal]
     if needing:
         users = ", ".join(f"'{_term_name(term)}'" for term in needing)
-        message = f"has no goal, and the task '{task}' needs one (for {users})"
+        message = (
+            f"has no goal, and the task '{task}' needs one (for {users}): add a goal, or take a task without, "
+            "such as {name: blank, observations: [velocity]}"
+        )
         goalless = [body for b, body in zip(agents, bodies, strict=True) if not _has_goal(scenario, b)]
         problems += [Problem(body.line, body.name, message) for body in goalless]
     for i, problem in enumerate(problems):
@@ -127,6 +130,8 @@ def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str
         return ["cannot learn: it never moves"]
     if not np.isfinite([*body.vel_min, *body.vel_max]).all():
         return ["cannot learn: its velocity limits must be finite"]
+    if not np.any([*body.vel_min, *body.vel_max]):
+        return ["cannot learn: its velocity limits vel_min and vel_max are all 0"]
     return []
 
 

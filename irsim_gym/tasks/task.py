@@ -89,6 +89,7 @@ class Task:
         rewards: Instances of registered rewards, in order.
         endings: Instances of registered endings.
         critic_observations: Instances of registered observations of the critic alone.
+        names_agents: Whether the task says which robots learn.
         observation_form: ``flat``, ``dict`` or ``goal``.
         ended: What happens to the body of an agent whose episode has ended: ``stay`` or ``vanish``.
         team_reward: Share of each reward term that is the mean over the agents of a world.
@@ -109,6 +110,7 @@ class Task:
     deadlock_speed: float = 0.05
     deadlock_time: float = 5.0
     critic_observations: tuple[Any, ...] = ()
+    names_agents: bool = False
 
 
 def load_task(
@@ -168,6 +170,7 @@ def load_task(
         team_reward=options.team_reward,
         deadlock_speed=options.deadlock_speed,
         deadlock_time=options.deadlock_time,
+        names_agents=bool(options.agents),
     )
 
 

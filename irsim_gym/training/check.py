@@ -10,7 +10,7 @@ from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.notes import notes
 from irsim_gym.scenario.parameters import describe_parameters
 from irsim_gym.tasks import Task
-from irsim_gym.tasks.sight import unseen
+from irsim_gym.tasks.sight import all_of, idle_robots, unseen
 from irsim_gym.training.inspection import blocked_start, fitting_task, team_error
 from irsim_gym.training.trial import ReadOptions, try_files
 
@@ -18,40 +18,42 @@ Read = tuple[Scenario, Task | None, ScenarioError | None]
 """A scenario, its task (None without learners), and the reason why no robot can learn (None if one can)."""
 
 
-def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bool:
+def check_files(files: Sequence[str], reading: ReadOptions) -> bool:
     """Read files, run each for a few steps, print the results, and return whether all of them are valid.
 
     Args:
         files: Scenario files or shipped names.
         reading: How the files are read. The child process that runs them imports the same plugins.
-        team: Whether all robots have to be able to learn together.
     """
     read: dict[str, Read] = {}
     failures: dict[str, str] = {}
     for file in dict.fromkeys(files):
         try:
             scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
-            read[file] = scenario, *fitting_task(scenario, team=team)
+            read[file] = scenario, *fitting_task(scenario, reading.task, team=reading.team)
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
     played = try_files(list(read), reading) if read else {}
-    failures |= {file: failure for file, (failure, _) in played.items() if failure}
+    failures |= {file: one.failure for file, one in played.items() if one.failure}
     for file, (scenario, *_) in read.items():
-        if file in failures and not team and (blocked := blocked_start(scenario)):
+        alone = not reading.team and reading.task is None
+        if file in failures and alone and (blocked := blocked_start(scenario)):
             del failures[file]
             read[file] = scenario, None, blocked
     for file in files:
         if file in failures:
             print(failures[file], file=sys.stderr)
+            for note in _task_notes(*read[file][:2]) if file in read else []:
+                print(f"  note: {note.path}: {note.message}", file=sys.stderr)
         else:
-            _describe(file, read[file], played[file][1], team=team)
+            _describe(file, read[file], played[file].notes, reading)
     return not failures
 
 
-def _describe(file: str, read: Read, remark: str, *, team: bool) -> None:
-    """Print that a file is valid, with its learners, parameters and notes; ``remark`` is on its wandering bodies."""
+def _describe(file: str, read: Read, met: Sequence[Problem], reading: ReadOptions) -> None:
+    """Print that a file is valid, with its learners, parameters and notes; ``met`` are those on its levels."""
     scenario, task, unfit = read
-    refused = None if team or unfit else team_error(scenario)
+    refused = None if reading.team or unfit else team_error(scenario, reading.task)
     robots = len(scenario.robots)
     learned = f"task '{task.name}'" if task is not None else f"no robot {'that can' if robots else 'to'} learn"
     obstacles = len(scenario.bodies) - robots
@@ -65,22 +67,22 @@ def _describe(file: str, read: Read, remark: str, *, team: bool) -> None:
         print("\n".join(f"  {line}" for line in str(refused).splitlines()))
     for line in describe_parameters(scenario.source, scenario.parameters):
         print(f"  {line}")
-    standing = [Problem(body.line, body.name, remark) for body in scenario.bodies if remark and body.wanders]
-    found = (*notes(scenario), *_blind_spots(scenario, task), *standing[:1])
+    found = (*notes(scenario), *_task_notes(scenario, task), *met)
     for note in found:
         print(f"  {file}:{note.line}   {note.path}: {note.message}")
     if found:
         print("  (notes only: the file can be used, and the exit status stays 0)")
 
 
-def _blind_spots(scenario: Scenario, task: Task | None) -> list[Problem]:
-    """Return a note if the learners may collide with bodies that no observation shows."""
-    hidden = "" if task is None else unseen(scenario, task)
-    if task is None or not hidden:
+def _task_notes(scenario: Scenario, task: Task | None) -> list[Problem]:
+    """Return notes on robots that nobody drives, and on bodies that no observation of the learners shows."""
+    if task is None:
         return []
+    idle, hidden = idle_robots(scenario, task), unseen(scenario, task)
     body = scenario.bodies[task.agents[0]]
+    found = [Problem(body.line, body.name, f"{idle}; --team trains {all_of(scenario)}")] if idle else []
     message = (
         f"the learner observes nothing of {hidden}: a sensor and the observation scan, "
         "or nearest_bodies, which needs none, would show it"
     )
-    return [Problem(body.line, body.name, message)]
+    return [*found, *([Problem(body.line, body.name, message)] if hidden else [])]

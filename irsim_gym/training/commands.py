@@ -13,15 +13,17 @@ from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import PLAIN, print_table
+from irsim_gym.evaluation.tables import PLAIN, legend, print_table
 from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
+from irsim_gym.scenario.notes import doubts, notes
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation
-from irsim_gym.training.folders import evaluation_folder, has_results
+from irsim_gym.training.folders import check_free, evaluation_folder, free_file, has_results
 from irsim_gym.training.inputs import check_folder, check_inputs
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
+from irsim_gym.training.level_survey import survey
 from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import as_trained
 from irsim_gym.training.request_checks import check_level_files, check_request
@@ -68,11 +70,11 @@ def run_training(
     check_level_files(run.own_settings() if continued else settings, {"dev": dev_levels})
     if remark:
         console.print(remark, **PLAIN)
+    remarks = list(_notes(settings))
     what = f"{settings.algorithm.upper()} on {scenario_title(settings)}, seed {settings.seed}"
     after = "" if settings.origin is None else f", from {settings.origin['policy']}"
-    console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
-    for note in _notes(settings):
-        console.print(f"note: {note}", **PLAIN)
+    for line in (f"training {what}{after}, in {run.folder}", *(f"note: {note}" for note in remarks)):
+        console.print(line, **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
     how["address"] = address
     how["log"] = request.log
@@ -86,7 +88,8 @@ def run_training(
     if dev_levels:
         with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
             points = score_run(run, levels=dev_levels, console=console)
-        print_table(marks_table(points))
+        print_table(table := marks_table(points))
+        print(legend([table]))
         for line in _verdict_lines(run, points[-1]):
             console.print(line, **PLAIN)
     print(f"policy: {run.policy}")
@@ -101,6 +104,11 @@ def _notes(settings: Settings) -> Iterator[str]:
     starts = wanted.arguments.get("learning_starts", 0)
     if starts >= wanted.n_timesteps:
         yield f"the run learns nothing: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
+    for part in settings.parts():
+        scenario, task = part.load_task()
+        warned = set(doubts(scenario)) | set(scenario.ignored)
+        found = [note for note in notes(scenario) if note not in warned]
+        yield from (f"{note.path}: {note.message}" for note in (*found, *survey(scenario, task)))
 
 
 def _team_size(settings: Settings) -> int:
@@ -162,6 +170,7 @@ def run_evaluation(
     found = evaluate_policies(asked, methods, levels=levels, split=split, references=references, folder=folder)
     for table in found.tables:
         print_table(table)
+    print(found.legend)
     print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
     return found
 
@@ -172,26 +181,29 @@ def run_rollout(
     *,
     levels: int,
     split: str,
-    frames: Path | None = None,
-    record: Path | None = None,
+    out: Sequence[Path] = (),
+    overwrite: bool = False,
 ) -> None:
     """Play a few levels with a policy, and print a line for each; with a team, a line for each robot.
 
+    Args:
+        out: Films and files of demonstrations to write, by their suffixes.
+        overwrite: Replace existing films. Demonstrations are appended to.
+
     Raises:
-        IrsimGymError: If ``record`` is combined with a team: a file holds demonstrations of a single robot.
+        IrsimGymError: If a team is to write demonstrations: a file holds those of a single robot.
     """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
-    from irsim_gym.training.recorder import check_demonstrations, record_demonstrations
+    from irsim_gym.training.recorder import SUFFIX, record_demonstrations
 
-    if asked.team and record is not None:
-        raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
-    check_inputs(
-        asked,
-        lambda: None if frames is None else check_suffix(frames, FILMS, "a film"),
-        lambda: None if record is None else check_demonstrations(record),
-        policies=[policy],
-        split=split,
-    )
+    records = [file for file in out if file.suffix == SUFFIX]
+    films = [file for file in out if file not in records]
+    if asked.team and records:
+        raise IrsimGymError(f"{records[0]} stores the steps of one robot: do not pass --team")
+    suffixes = (*FILMS, SUFFIX)
+    checks = [partial(check_suffix, film, suffixes, "an output") for film in films]
+    checks += [partial(check_free, film, overwrite) for film in films]
+    check_inputs(asked, *checks, policies=[policy], split=split)
     asked = as_trained(asked, [policy])
     found = evaluate_policies(asked, [policy], levels=levels, split=split, references=False)
     rows: Sequence[EpisodeRow | TeamRow] = next(iter(found.rows.values()))
@@ -199,9 +211,9 @@ def run_rollout(
         for who, one in _episodes(row):
             hit = f" with {one.hit}" if one.hit else ""
             print(f"{who}: {one.outcome}{hit} after {one.time:.1f} s, {one.path_length:.2f} m driven")
-    if frames is not None:
-        print(record_film(asked, [policy], range(levels), frames, split=split))
-    if record is not None:
+    for film in films:
+        print(record_film(asked, [policy], range(levels), film, split=split))
+    for record in records:
         named: dict[str, Any] = {"task": asked.task, "strict": asked.strict, **(asked.parameters or {})}
         kept = record_demonstrations(asked.scenario, policy, record, levels, split=split, **named)
         print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
@@ -215,25 +227,36 @@ def _episodes(row: EpisodeRow | TeamRow) -> list[tuple[str, EpisodeRow]]:
 
 
 def run_record(
-    asked: ScenarioRequest, policies: Sequence[str], levels: Sequence[int], split: str, out: Path | None, kind: str
+    asked: ScenarioRequest,
+    policies: Sequence[str],
+    levels: Sequence[int],
+    split: str,
+    out: Path | None,
+    kind: str,
+    *,
+    overwrite: bool = False,
 ) -> None:
     """Write a film, a replay page, a ``sheet`` or a ``strobe`` picture of policies, and print the file's name.
 
     Args:
         policies: Policies, as ``load_policy`` takes them.
-        out: File to write; None for a default name in ``runs``. A name that ends in ``.html`` means a replay page.
+        out: File to write; None for a default name in ``runs``, numbered. A name that ends in ``.html`` means a replay
+            page.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
+        overwrite: Replace an existing file.
     """
     from irsim_gym.training.record import check_output, record_film, record_html, record_sheet
 
     names_page = out is not None and out.suffix.lower() == ".html"
     kind = "replay" if kind == "film" and names_page else kind
-    check_inputs(asked, partial(check_output, out, kind, len(policies) * len(levels)), policies=policies, split=split)
+    checks = partial(check_output, out, kind, len(policies) * len(levels)), partial(check_free, out, overwrite)
+    check_inputs(asked, *checks, policies=policies, split=split)
     asked = as_trained(asked, policies)
+    names = {"replay": "replay.html", "film": "film.mp4"}
+    path = out or free_file(Path("runs") / names.get(kind, f"{kind}.png"), overwrite)
     if kind == "replay":
-        print(record_html(asked, policies, levels, out or Path("runs/replay.html"), split=split))
+        print(record_html(asked, policies, levels, path, split=split))
     elif kind == "film":
-        print(record_film(asked, policies, levels, out or Path("runs/film.mp4"), split=split))
+        print(record_film(asked, policies, levels, path, split=split))
     else:
-        path = out or Path(f"runs/{kind}.png")
         print(record_sheet(asked, policies, levels, path, split=split, strobe=kind == "strobe"))

@@ -42,17 +42,17 @@ def describe_scenario(asked: ScenarioRequest, *, as_json: bool, picture: Path | 
     check_inputs(asked, partial(check_drawing, picture))
     worlds = Worlds(**vars(asked))
     found = list(_each(worlds, asked.team))
+    if picture is not None:  # before anything is printed, to a program that may stop reading
+        draw(worlds, picture)
     if as_json:
         plain = [description.as_dict() for description in found]
         print(json.dumps(plain if asked.team else plain[0], indent=2))
-    else:
-        for k, description in enumerate(found):
-            print(end="\n" if k else "")
-            show(description)
+        return
+    for k, description in enumerate(found):
+        print(end="\n" if k else "")
+        show(description)
     if picture is not None:
-        draw(worlds, picture)
-        if not as_json:
-            print(picture)
+        print(picture)
 
 
 def _each(worlds: Worlds, team: bool) -> Iterator[Description]:

@@ -19,6 +19,7 @@ from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, TEAM_SHOWN
 from irsim_gym.evaluation.tables import (
+    legend,
     percent,
     summary_table,
     table_text,
@@ -88,8 +89,13 @@ class Evaluation:
         """
         return worst_of_policies(self.solved, self.seeds)
 
+    @property
+    def legend(self) -> str:
+        """What columns of the tables mean, one line each."""
+        return legend(self.tables, [summary.success for summary in self.summaries])
+
     def __str__(self) -> str:
-        return "\n".join(map(table_text, self.tables))
+        return "\n".join([*map(table_text, self.tables), self.legend + "\n"])
 
 
 def evaluate_policies(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from rich.table import Table
 
-from irsim_gym.evaluation.tables import table_text, worst_table
+from irsim_gym.evaluation.tables import legend, table_text, worst_table
 from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary
 from irsim_gym.evaluation.team_tables import compared_table, team_table
 from irsim_gym.evaluation.worst_levels import worst_of_policies
@@ -58,5 +58,10 @@ class TeamEvaluation:
         """
         return worst_of_policies(self.solved, self.seeds)
 
+    @property
+    def legend(self) -> str:
+        """What columns of the tables mean, one line each."""
+        return legend(self.tables, [summary.cooperative_success for summary in self.summaries])
+
     def __str__(self) -> str:
-        return "\n".join(map(table_text, self.tables))
+        return "\n".join([*map(table_text, self.tables), self.legend + "\n"])

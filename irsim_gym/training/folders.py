@@ -107,6 +107,22 @@ def free_folder(first: Path, requested: Settings, now: Snapshot) -> tuple[Path, 
     raise AssertionError("there is always another number")
 
 
+def check_free(file: Path | None, overwrite: bool = False) -> None:
+    """Check that a file may be written: it does not exist, or is replaced on purpose; None for no file.
+
+    Raises:
+        IrsimGymError: If it exists.
+    """
+    if file is not None and file.exists() and not overwrite:
+        raise IrsimGymError(f"{file} exists: choose another name with --out, or replace it with --overwrite")
+
+
+def free_file(first: Path, overwrite: bool = False) -> Path:
+    """Return the first of ``film.mp4``, ``film-2.mp4`` and so on that does not exist; with ``overwrite`` the first."""
+    names = (one.with_suffix(first.suffix) for one in _numbered(first.with_suffix("")))
+    return first if overwrite else next(file for file in names if not file.exists())
+
+
 def existing_folders(first: Path) -> list[Path]:
     """Return the existing folders of runs with a default name, oldest first."""
     found: list[Path] = []

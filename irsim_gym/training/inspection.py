@@ -59,31 +59,34 @@ def check_drawing(out: Path | None) -> None:
         raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{out}'")
 
 
-def team_error(scenario: Scenario) -> ScenarioError | None:
+def team_error(scenario: Scenario, task: str | None = None) -> ScenarioError | None:
     """Return why the robots of a scenario cannot learn together; None if they can, or if there is only one."""
     try:
         if len(scenario.robots) > 1:
-            load_task(scenario, team=True)
+            load_task(scenario, task, team=True)
     except ScenarioError as error:
         return error
     return None
 
 
-def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, ScenarioError | None]:
+def fitting_task(
+    scenario: Scenario, task: str | None = None, *, team: bool = False
+) -> tuple[Task | None, ScenarioError | None]:
     """Return the task of a scenario, or the reason why no robot can learn; neither for a scenario without robots.
 
     Args:
+        task: Shipped name or path of a task; None for that of the scenario.
         team: Whether all robots have to be able to learn together.
 
     Raises:
-        ScenarioError: If the file defines a task, or ``team`` is set, and the robots do not fit it.
+        ScenarioError: If a task is given or ``team`` is set, and the robots do not fit it.
     """
     if not scenario.robots:
         return None, None
     try:
-        return load_task(scenario, team=team), None
+        return load_task(scenario, task, team=team), None
     except ScenarioError as error:
-        if scenario.task or team:
+        if scenario.task or task is not None or team:
             raise
         return None, error
 

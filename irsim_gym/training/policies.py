@@ -235,7 +235,19 @@ def load_policies(sources: Sequence[Source]) -> list[Policy]:
     loaded, missing = read_each(load_policy, sources)
     if missing:
         raise all_unknown(missing)
+    for source in sources:
+        _report_unfinished(source)
     return loaded
+
+
+def _report_unfinished(source: Source) -> None:
+    """Say on standard error if a source is the folder of a run that is not finished, and what plays."""
+    if not isinstance(source, str | Path) or is_named_policy(source) or is_on_shelf(source):
+        return
+    run = Run(Path(source))
+    if run.exists() and not run.finished():
+        steps, wanted = int(policy_file(source).parent.name), run.settings().hyperparameters.n_timesteps
+        print(f"{source} is not finished: its checkpoint after {steps:,} of {wanted:,} steps plays", file=sys.stderr)
 
 
 def policy_file(source: str | Path) -> Path:

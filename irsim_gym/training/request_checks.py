@@ -56,9 +56,8 @@ def check_level_files(settings: Settings, counts: Mapping[str, int]) -> None:
 
 def _worlds(request: TrainingRequest) -> Iterator[Check]:
     for part in request.mixture or (request,):
-        yield from world_checks(
-            ScenarioRequest(part.scenario, request.task, team=True, parameters=part.parameters, strict=request.strict)
-        )
+        how: dict[str, Any] = {"parameters": part.parameters, "strict": request.strict}
+        yield from world_checks(ScenarioRequest(part.scenario, request.task, team=request.team is not None, **how))
 
 
 def _methods(request: TrainingRequest) -> Iterator[Check]:

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import print_table
+from irsim_gym.evaluation.tables import legend, print_table
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardResult, CardShare, PolicyCard, card_file, read_card
 from irsim_gym.training.shelf import SUFFIX, shelf_file, shelf_files, shelf_folder
@@ -27,6 +27,7 @@ def print_shelf() -> None:
         cells = (card.name, _trained_in(card, briefly=True), card.scenario.task or "its own", *figures)
         table.add_row(*map(Text, (*cells, f"{card.training.cpu_seconds:.0f}", f"{card.size / 1000:.0f}")))
     print_table(table)
+    print(legend([table]))
 
 
 def print_card(policy: str, *, as_json: bool = False) -> None:

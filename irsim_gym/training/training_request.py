@@ -115,7 +115,7 @@ class TrainingRequest:
         named = lasting(scenario_name(self.scenario))
         chosen = find_algorithm(algorithm)
         loaded = load_scenario(named, self.parameters, strict=self.strict, warn=False)
-        learned = load_task(loaded, self.task, team=True)
+        learned = load_task(loaded, self.task)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
         chosen.check_critic(learned.critic_observations)
         if self.engine is not None and learned.critic_observations:
@@ -131,6 +131,8 @@ class TrainingRequest:
         settings = Settings(
             named, algorithm, self.seed, task, found, loaded.parameters, self.strict, engine=self.engine
         )
+        if settings.is_team:  # its robots have to fit each other, too
+            settings.load_task()
         check_engine(settings)
         return settings
 
@@ -159,7 +161,7 @@ class TrainingRequest:
         if self.hyperparameters is None and self.steps is None:
             return []
         names = settings.algorithm, environment_id(self.scenario)
-        images = _observes_images(load_task(settings.load(), self.task, team=True))
+        images = _observes_images(load_task(settings.load(), self.task))
         chosen: dict[str, Any] = {"task": self.task_name, "images": images, "given": self.overrides}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)

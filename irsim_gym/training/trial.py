@@ -16,9 +16,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from irsim_gym.errors import IrsimGymError, ScenarioError, ScenarioWarning
+from irsim_gym.errors import IrsimGymError, Problem, ScenarioError, ScenarioWarning
 
 if TYPE_CHECKING:
     from irsim_gym.scenario import Scenario
@@ -32,9 +32,6 @@ WINDOWS_ERRORS = 0xC0000000
 WAIT_MESSAGE_S = 5.0
 """Time after which a message reports what the command is waiting for [s]."""
 PACKAGE = str(Path(__file__).parents[1])
-
-Outcomes = dict[str, tuple[str, str]]
-"""Error message and remark by file; empty strings where there is none."""
 STANDING_S, WATCHED_S = 10.0, 60.0
 """Bodies that a collision has held for so long count as standing, after a trial of so long [s]."""
 
@@ -47,17 +44,34 @@ class ReadOptions:
         parameters: Values for the parameters of the scenarios.
         modules: Modules that ``import_modules`` imports first.
         strict: Whether unused keys are an error; False ignores them.
+        task: Shipped name or path of a task; None for that of the scenario.
+        team: Whether all robots have to be able to learn together.
     """
 
     parameters: Mapping[str, object]
     modules: Sequence[str] = ()
     strict: bool = True
+    task: str | None = None
+    team: bool = False
 
 
-def try_files(files: Sequence[str], reading: ReadOptions) -> Outcomes:
-    """Run scenarios for a few steps in a child process, and return what is to be said of them.
+@dataclass(frozen=True)
+class Played:
+    """What came of playing a scenario.
 
-    Each scenario begins a level and takes some steps without learners, with a single learner, and as a team, if
+    Attributes:
+        failure: Error message; empty if there is none.
+        notes: Remarks on its levels, see ``level_survey``.
+    """
+
+    failure: str = ""
+    notes: tuple[Problem, ...] = ()
+
+
+def try_files(files: Sequence[str], reading: ReadOptions) -> dict[str, Played]:
+    """Run scenarios for a few steps in a child process, and return what came of it by file.
+
+    Each scenario begins some levels and takes some steps without learners, with a single learner, and as a team, if
     possible. A scenario with wandering bodies plays a minute without learners.
 
     Args:
@@ -67,15 +81,15 @@ def try_files(files: Sequence[str], reading: ReadOptions) -> Outcomes:
     if not end:
         return found
     if len(files) == 1:
-        return {files[0]: (f"{files[0]}: {end}", "")}
-    alone = {name: said for file in files for name, said in try_files([file], reading).items()}
-    if not any(failure for failure, _ in alone.values()):
-        alone[files[0]] = f"{', '.join(files)}, one after the other: {end}", ""
+        return {files[0]: Played(f"{files[0]}: {end}")}
+    alone = {file: try_files([file], reading)[file] for file in files}
+    if not any(one.failure for one in alone.values()):
+        alone[files[0]] = Played(f"{', '.join(files)}, one after the other: {end}")
     return alone
 
 
-def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Outcomes, str]:
-    """Return the outcomes by file, and how the process failed; an empty string if it did not."""
+def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[dict[str, Played], str]:
+    """Return what came of each file, and how the process failed; an empty string if it did not."""
     with tempfile.TemporaryDirectory(prefix="irsim_gym-") as folder:
         plan, results, crash = (Path(folder) / name for name in ("plan", "results", "crash"))
         plan.write_text(json.dumps({"files": list(files), "reading": asdict(reading)}), encoding="utf-8")
@@ -91,9 +105,13 @@ def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[Outcomes,
             child.kill()
             child.wait()
         lines = results.read_text(encoding="utf-8").splitlines() if results.is_file() else []
-        reported = {file: (failure, remark) for file, failure, remark in map(json.loads, lines)}
+        reported = {file: _read(played) for file, played in map(json.loads, lines)}
         trace = crash.read_text(encoding="utf-8", errors="replace") if crash.is_file() else ""
     return reported, "" if status == 0 and len(reported) == len(files) else _end(status, trace)
+
+
+def _read(played: Mapping[str, Any]) -> Played:
+    return Played(played["failure"], tuple(Problem(**note) for note in played["notes"]))
 
 
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
@@ -117,26 +135,29 @@ def _end(status: int, trace: str) -> str:
     )
 
 
-def run_briefly(file: str, reading: ReadOptions) -> str:
-    """Begin a level of a scenario and take some steps: without learners, with one, and as a team, if possible.
+def run_briefly(file: str, reading: ReadOptions) -> tuple[Problem, ...]:
+    """Begin levels of a scenario and take some steps: without learners, with one, and as a team, if possible.
 
     Returns:
-        A remark on wandering bodies that stand for good; an empty string if there are none.
+        Remarks on the levels, and on wandering bodies that stand for good.
 
     Raises:
-        IrsimGymError: If the file is invalid, or its level cannot be generated.
+        IrsimGymError: If the file is invalid, its level cannot be generated, or its goals lie in obstacles.
     """
     from irsim_gym.engine import compile
     from irsim_gym.scenario import load_scenario
+    from irsim_gym.training.inspection import fitting_task
+    from irsim_gym.training.level_survey import survey
 
     scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
     _take_steps(_by_itself(scenario))
     compile(scenario)  # refuses robots that start in obstacles
     with suppress(ScenarioError):  # no robot can learn there
-        _take_steps(_with_a_learner(scenario))
+        _take_steps(_with_a_learner(scenario, reading.task))
     with suppress(ScenarioError):
-        _take_steps(_as_a_team(scenario) if len(scenario.robots) > 1 else iter(()))
-    return _standing(scenario)
+        _take_steps(_as_a_team(scenario, reading.task) if len(scenario.robots) > 1 else iter(()))
+    learned, _ = fitting_task(scenario, reading.task, team=reading.team)
+    return (*(() if learned is None else survey(scenario, learned)), *_standing(scenario))
 
 
 def _take_steps(steps: Iterator[None]) -> None:
@@ -149,28 +170,28 @@ def _take_steps(steps: Iterator[None]) -> None:
             return
 
 
-def _standing(scenario: Scenario) -> str:
-    """Return a remark on wandering bodies that collisions have stopped for good, after a minute or ``LONGEST_S``."""
+def _standing(scenario: Scenario) -> Iterator[Problem]:
+    """Yield a note on wandering bodies that collisions have stopped for good, after a minute or ``LONGEST_S``."""
     import numpy as np
 
     from irsim_gym.engine import compile
 
     wanderers = [b for b, body in enumerate(scenario.bodies) if body.wanders and not body.static]
     if not wanderers or scenario.world.collision_mode == "unobstructed":
-        return ""
+        return
     simulation, begun, step_time = compile(scenario), time.perf_counter(), scenario.world.step_time
     simulation.reset()
     held, state = np.zeros(len(wanderers)), simulation.state
     while state.time[0] < WATCHED_S and time.perf_counter() - begun < LONGEST_S:
         simulation.step()
         held = np.where(state.stopped[0, wanderers], held + step_time, 0.0)
-    count = int((held >= STANDING_S).sum())
-    if not count:
-        return ""
-    return (
-        f"{count} of {len(wanderers)} wandering bodies stand after {state.time[0]:.0f} s, since they touch: "
-        "wander_goals: {patience: 5} lets them go on, and collision_mode says whom a collision stops"
-    )
+    if count := int((held >= STANDING_S).sum()):
+        first = scenario.bodies[wanderers[0]]
+        remark = (
+            f"{count} of {len(wanderers)} wandering bodies stand after {state.time[0]:.0f} s, since they touch: "
+            "wander_goals: {patience: 5} lets them go on, and collision_mode says whom a collision stops"
+        )
+        yield Problem(first.line, first.name, remark)
 
 
 def _by_itself(scenario: Scenario) -> Iterator[None]:
@@ -183,10 +204,10 @@ def _by_itself(scenario: Scenario) -> Iterator[None]:
         yield
 
 
-def _with_a_learner(scenario: Scenario) -> Iterator[None]:
+def _with_a_learner(scenario: Scenario, task: str | None) -> Iterator[None]:
     from irsim_gym.envs.single import WorldEnv
 
-    env = WorldEnv(scenario)
+    env = WorldEnv(scenario, task)
     env.action_space.seed(0)
     env.reset(seed=0)
     while True:
@@ -196,12 +217,12 @@ def _with_a_learner(scenario: Scenario) -> Iterator[None]:
         yield
 
 
-def _as_a_team(scenario: Scenario) -> Iterator[None]:
+def _as_a_team(scenario: Scenario, task: str | None) -> Iterator[None]:
     import numpy as np
 
     from irsim_gym.envs.batch import make_batch
 
-    batch = make_batch(scenario)
+    batch = make_batch(scenario, task=task)
     batch.action_space.seed(0)
     batch.reset(seed=0)
     while True:
@@ -209,19 +230,19 @@ def _as_a_team(scenario: Scenario) -> Iterator[None]:
         yield
 
 
-def _outcome(file: str, reading: ReadOptions) -> tuple[str, str]:
-    """Run a scenario briefly, and return error message and remark; empty strings if there is nothing to say."""
+def _played(file: str, reading: ReadOptions) -> Played:
+    """Run a scenario briefly, and return what came of it."""
     try:
-        return "", run_briefly(file, reading)
+        return Played(notes=run_briefly(file, reading))
     except (IrsimGymError, OSError) as error:
-        return "\n".join([str(error), *getattr(error, "__notes__", ())]), ""
+        return Played("\n".join([str(error), *getattr(error, "__notes__", ())]))
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
         lines = traceback.format_exception_only(error)
         place = f"  in {own[-1].filename}:{own[-1].lineno}"
         told = [f"{file}: it could not be played: {lines[0].strip()}", *map(_indented, lines[1:]), place]
-        return "\n".join(told), ""
+        return Played("\n".join(told))
 
 
 def _indented(line: str) -> str:
@@ -229,7 +250,7 @@ def _indented(line: str) -> str:
 
 
 def main(folder: Path) -> None:
-    """Run the files of the plan in a folder, and write a line with the outcome of each file to ``results``."""
+    """Run the files of the plan in a folder, and write a line with what came of each file to ``results``."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent process reports Ctrl-C
     os.dup2(2, 1)  # output of behaviours does not belong to the output of the command
     plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
@@ -244,7 +265,7 @@ def main(folder: Path) -> None:
 
         import_modules(list(reading.modules))
         for file in plan["files"]:
-            print(json.dumps([file, *_outcome(file, reading)]), file=results, flush=True)
+            print(json.dumps([file, asdict(_played(file, reading))]), file=results, flush=True)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from pathlib import Path
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task
-from irsim_gym.tasks.sight import unseen
+from irsim_gym.tasks.sight import all_of, idle_robots, unseen
 
 RARELY = 0.1
 """Success below which a training gets a diagnosis."""
@@ -94,6 +94,9 @@ def _one(hit: str) -> str:
 def _hints(point: Mapping[str, float], scenario: Scenario, task: Task) -> list[str]:
     """Return advice, the most reliable first."""
     hints = []
+    idle = idle_robots(scenario, task)
+    if idle:
+        hints.append(f"{idle}: --team trains {all_of(scenario)}")
     hidden = unseen(scenario, task)
     if hidden:
         hints.append(

@@ -127,7 +127,7 @@ class Arrays(Struct):
 
 def _refuse_too_large(n_bytes: int, sizes: Mapping[str, int]) -> None:
     """Raise before memory is taken that is not there: the system would grant it, and end the process later."""
-    memory = _memory()
+    memory = total_memory()
     if memory is not None and n_bytes > memory:
         raise MemoryError(
             f"{sizes['world']:,} worlds of this scenario need at least {n_bytes / GB:,.1f} GB of memory, this machine "
@@ -135,7 +135,7 @@ def _refuse_too_large(n_bytes: int, sizes: Mapping[str, int]) -> None:
         )
 
 
-def _memory() -> int | None:
+def total_memory() -> int | None:
     """Return the memory of this machine [byte], None where the system does not tell."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

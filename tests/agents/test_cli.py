@@ -1,6 +1,8 @@
 import json
+import os
 import re
 import runpy
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -33,6 +35,41 @@ def test_the_module_is_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pyte
         runpy.run_module("irsim_gym", run_name="__main__")
     assert end.value.code == 0
     assert capsys.readouterr().out == f"irsim_gym {irsim_gym.__version__}\n"
+
+
+def test_ctrl_c_while_packages_are_loaded_is_no_traceback(tmp_path: Path) -> None:
+    """A package that is loaded in its first moments sends it to its own process."""
+    (tmp_path / "gymnasium.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n")
+    places = os.pathsep.join([str(tmp_path), str(Path(irsim_gym.__file__).parents[1])])
+    done = subprocess.run(
+        [sys.executable, "-m", "irsim_gym", "list"],
+        env={**os.environ, "PYTHONPATH": places},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds", "line"),
+    [
+        ("reward", "rewards", "collision    Penalty"),
+        ("behaviours", "behavior", "dash          Drive straight at the goal"),
+        ("obstacle_map", "obstacle map", "maze      Corridors between walls"),
+        ("sensors", "sensor", "lidar2d       A scanner with"),
+    ],
+)
+def test_a_family_is_listed_with_a_line_for_each_kind(
+    name: str, kinds: str, line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "options", name) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (family,) = (one for one in families.every() if one.family == kinds.removesuffix("s"))
+    assert [one.split()[0] for one in lines] == list(family.names())
+    assert any(one.startswith(line) for one in lines)
+    assert run(monkeypatch, "options", kinds) == 0
+    assert capsys.readouterr().out.splitlines() == lines
 
 
 def test_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -278,8 +315,20 @@ def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 
 def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
-    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film) == 0
-    assert "level 0: success after" in capsys.readouterr().out
+    demos = tmp_path / "demos.npz"
+    assert run(monkeypatch, "rollout", "empty_goal", "dash", "--levels", 1, "--out", film, "--out", demos) == 0
+    said = capsys.readouterr().out
+    assert "level 0: success after" in said
+    assert f"{demos}: 1 episodes" in said
+    assert film.read_bytes().startswith(b"GIF")
+    assert run(monkeypatch, "rollout", "empty_goal", "dash", "--policy", "random") == 1
+    assert "one policy drives: dash, or random" in capsys.readouterr().err
+    film.write_bytes(b"kept")
+    for command in (("rollout", "empty_goal"), ("record", "empty_goal", "dash"), ("run", "empty_goal")):
+        assert run(monkeypatch, *command, "--out", film) == 1
+        assert f"{film} exists: choose another name with --out" in capsys.readouterr().err
+    assert film.read_bytes() == b"kept"
+    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film, "--overwrite") == 0
     assert film.read_bytes().startswith(b"GIF")
     assert run(monkeypatch, "draw", "empty_goal", "--level", 3, "--out", picture) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -300,7 +349,7 @@ def test_train_resume_evaluate_and_record(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    train = ["train", "empty_goal", "--steps", "16384", "--dev-levels", "3"]
+    train = ["train", "empty_goal", "--steps", "16384", "--dev-levels", "3", "--algorithm", "PPO"]
     assert run(monkeypatch, *train) == 0
     folder = tmp_path / "runs" / "empty_goal-ppo-steps=16384-0"
     assert {file.name for file in folder.glob("curve.*")} == {"curve.csv", "curve.json", "curve.png"}
@@ -318,6 +367,11 @@ def test_train_resume_evaluate_and_record(
     assert "empty_goal: 5 test levels" in table
     assert run(monkeypatch, "record", "empty_goal", folder, "dash", "--level", 2, "--out", "film.mp4") == 0
     assert b"ftyp" in Path("film.mp4").read_bytes()[:16]
+    assert run(monkeypatch, "train", "empty_goal", "--resume", "--out", "nope") == 1
+    assert "--resume: nope holds no run" in capsys.readouterr().err
+    (folder / "policy.zip").unlink()
+    assert run(monkeypatch, "rollout", "empty_goal", folder, "--levels", 1) == 0
+    assert f"{folder} is not finished: its checkpoint after 16,384 of 16,384 steps plays" in capsys.readouterr().err
 
 
 def test_demo_twice(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

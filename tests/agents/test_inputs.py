@@ -55,7 +55,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (
             ("rollout", "cluttered_rom", "--policy", "dsah", *WORLD, "--frames", "a.avi", "--record", "file.txt"),
-            (SCENARIO, TASK, POLICY, SPLIT, "ends in .mp4 or .gif", "must be .npz files"),
+            (SCENARIO, TASK, POLICY, SPLIT, "ends in .mp4 or .gif or .npz, got 'a.avi'", ".npz, got 'file.txt'"),
         ),
         (
             ("draw", "cluttered_rom", *WORLD, "--out", "file.txt"),
@@ -152,7 +152,10 @@ def test_unknown_and_wrong_parameters_are_told_together(
 ) -> None:
     assert run(monkeypatch, "describe", "circle_swap", "--set", "n_robot=8", "--set", "jitter=9") == 1
     told = capsys.readouterr().err
-    assert "has no parameter 'n_robot' (did you mean 'n_robots'?); 'jitter' must be a number from 0 to 0.5" in told
+    assert (
+        "circle_swap has no parameter 'n_robot' (did you mean 'n_robots'?); 'jitter' must be a number from 0 to 0.5"
+        in told
+    )
     assert "keyword argument" not in told
 
 

@@ -44,6 +44,10 @@ def test_a_replay(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     assert run(monkeypatch, "record", file, "dash", "random", "--level", "0", "--level", "3", "--html") == 0
     said = capsys.readouterr()
     assert said.out.strip() == "runs/replay.html"
+    first = Path("runs/replay.html").read_bytes()
+    assert run(monkeypatch, "record", file, "dash", "--html") == 0
+    assert capsys.readouterr().out.strip() == "runs/replay-2.html"
+    assert Path("runs/replay.html").read_bytes() == first
     assert "recording" not in said.err  # no progress bar where nobody watches
     data = read_html("runs/replay.html")
     first, other, *later = data["episodes"]

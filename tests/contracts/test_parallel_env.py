@@ -26,7 +26,7 @@ def test_a_list_of_actions_is_refused_in_words():
     env.reset(seed=0)
     with pytest.raises(TypeError, match="actions must be a dict with one action per agent name, got list"):
         env.step([[0, 0], [0, 0]])
-    with pytest.raises(ValueError, match=r"n_worlds must be a whole number >= 1, got 2\.5"):
+    with pytest.raises(ValueError, match=r"num_envs must be a whole number >= 1, got 2\.5"):
         irsim_gym.make_vec("empty_goal", 2.5)
 
 

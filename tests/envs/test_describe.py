@@ -237,12 +237,15 @@ def test_on_the_command_line(tmp_path: Any) -> None:
     from irsim_gym.cli import app
 
     picture = tmp_path / "where.png"
-    result = CliRunner().invoke(
-        app, ["describe", "empty_goal", "--task", "image_navigation", "--picture", str(picture)]
-    )
+    result = CliRunner().invoke(app, ["describe", "empty_goal", "--task", "image_navigation", "--out", str(picture)])
     assert result.exit_code == 0, result.output
     assert "0 free, 255 occupied" in result.output
     assert picture.read_bytes()[:4] == b"\x89PNG"
+    with pytest.MonkeyPatch.context() as patch:  # a reader that stops, such as `head`
+        patch.setattr("irsim_gym.training.describe.show", lambda _: (_ for _ in ()).throw(BrokenPipeError))
+        drawn = tmp_path / "drawn.png"
+        CliRunner().invoke(app, ["describe", "empty_goal", "--picture", str(drawn)])
+    assert drawn.is_file()
     told = CliRunner().invoke(app, ["describe", "mixed_team", "--team", "--json"])
     assert next(one["agent"] for one in json.loads(told.output)) == "robot_0"
 

@@ -1,13 +1,22 @@
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from irsim_gym.evaluation.metrics import EpisodeRow, summarize
-from irsim_gym.evaluation.tables import plain, summary_table, table_text, write_bytes, write_episodes, write_json
+from irsim_gym.evaluation.tables import (
+    legend,
+    plain,
+    summary_table,
+    table_text,
+    write_bytes,
+    write_episodes,
+    write_json,
+)
 
 ROWS = [
     EpisodeRow(0, "success", "", 20, 2.0, 5.0, 4.0, 0.25),
@@ -45,6 +54,23 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, mon
         write_bytes(target, b"new")
     assert target.read_bytes() == b"old"
     assert [file.name for file in tmp_path.iterdir()] == ["table.txt"]
+
+
+def test_copies_of_one_episode_have_no_interval() -> None:
+    """20 equal episodes are one, whose share is exact; one that differs makes them a sample."""
+    alike = [replace(ROWS[0], level=level) for level in range(20)]
+    summary = summarize("dash", alike)
+    assert (summary.success.low, summary.success.high) == (1.0, 1.0)
+    table = summary_table([summary], "one level")
+    assert table_text(table).splitlines()[-2].split()[:3] == ["dash", "100.0", "-"]
+    assert legend([table], [summary.success]).splitlines()[-1].startswith("95 % interval: none (-)")
+    other = summarize("dash", [*alike[1:], replace(ROWS[0], path_length=2.6)])
+    assert other.success.low == pytest.approx(0.839, abs=5e-4)  # Wilson: 20 / (20 + 1.96^2)
+
+
+def test_a_legend_explains_the_columns_that_are_shown() -> None:
+    lines = legend([summary_table([summarize("dash", ROWS)], "set 12ab")], [])
+    assert [line.split(":")[0] for line in lines.splitlines()] == ["left", "SPL", "path ratio", "clear.", "set"]
 
 
 def test_table_shows_the_split_of_collisions_only_where_there_is_one() -> None:

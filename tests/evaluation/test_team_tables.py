@@ -3,7 +3,7 @@ import json
 from pathlib import Path
 
 from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import table_text, write_json
+from irsim_gym.evaluation.tables import legend, table_text, write_json
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow, summarize_team, summarize_teams
 from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
 
@@ -47,6 +47,12 @@ def test_a_row_for_each_level(tmp_path: Path) -> None:
         "25.0",
         "1",
     )
+
+
+def test_the_legend_of_a_team() -> None:
+    lines = legend([team_table(summarize_teams({"rvo": ROWS}), "swap")]).splitlines()
+    names = ["CSR", "ISR", "left", "deadlocked", "SPL", "makespan", "flowtime", "extra time", "clear."]
+    assert [line.split(":")[0] for line in lines] == names
 
 
 def test_summary_as_json(tmp_path: Path) -> None:

@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 import pytest
 
+import irsim_gym
+from irsim_gym.envs import memory
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.world import arrays
@@ -90,9 +92,28 @@ def test_records_hold_numbers_choices_and_pairs() -> None:
 
 def test_more_worlds_than_there_is_memory_for_are_refused_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
     """One world of these takes some kilobytes; the system would grant far more than there is, and kill later."""
-    monkeypatch.setattr(arrays, "_memory", lambda: 10**8)
+    monkeypatch.setattr(arrays, "total_memory", lambda: 10**8)
     State.allocate({**SIZES, "world": 100})
     with pytest.raises(MemoryError, match=r"10,000,000 worlds .* need at least [\d.,]+ GB .* has 0\.1 GB"):
         State.allocate({**SIZES, "world": 10_000_000})
-    monkeypatch.setattr(arrays, "_memory", lambda: None)
+    monkeypatch.setattr(arrays, "total_memory", lambda: None)
     State.allocate(SIZES)
+
+
+def test_many_worlds_are_refused_with_the_memory_that_they_need(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A world of 1 kB, besides 5 MB that all share: 20 million worlds need 20 GB."""
+
+    def make(count: int) -> object:
+        return np.zeros(5_000_000, np.uint8), np.zeros(1000 * count, np.uint8)
+
+    monkeypatch.setattr(memory, "free_memory", lambda: 10e9)
+    needed = r"20,000,000 worlds of this scenario need about (19|20)\.\d GB of memory \(1\.0 kB each\)"
+    with pytest.raises(MemoryError, match=rf"{needed}, 10\.0 GB are free: take fewer worlds"):
+        memory.check_memory(make, 20_000_000)
+    monkeypatch.setattr(memory, "free_memory", lambda: 30e9)
+    with pytest.warns(UserWarning, match=needed):
+        memory.check_memory(make, 20_000_000)
+    monkeypatch.setattr(memory, "free_memory", lambda: 100e9)
+    memory.check_memory(make, 20_000_000)
+    with pytest.raises(ValueError, match="num_envs must be a whole number >= 1, got 0"):
+        irsim_gym.make_vec("empty_goal", num_envs=0)
