@@ -94,7 +94,7 @@ Imports = Annotated[
 Algorithm = Annotated[
     str | None,
     typer.Option(
-        help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, "
+        help="ppo, sac, td3, tqc, dqn, a2c or gru_ppo; ppo or appo with --engine rllib (default: ppo, "
         "or that of --from).",
         autocompletion=cli_completion.algorithms,
     ),
@@ -122,13 +122,6 @@ Origin = Annotated[
 ]
 Device = Annotated[
     str | None, typer.Option(help="Device of the networks: auto, cpu, cuda, cuda:1, mps (default: the file's).")
-]
-Log = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="Send the log to wandb or mlflow too; may be repeated. TensorBoard's is always in the run's folder.",
-        autocompletion=cli_completion.services,
-    ),
 ]
 DevLevels = Annotated[
     int, typer.Option(min=0, help="Number of dev levels to score each checkpoint on; 0 skips scoring.")

@@ -20,7 +20,6 @@ from irsim_gym.cli_options import (
     Imports,
     LearnerGpus,
     Lenient,
-    Log,
     Mixture,
     Origin,
     Resume,
@@ -66,7 +65,6 @@ def train(
     worlds_per_worker: WorldsPerWorker = None,
     learner_gpus: LearnerGpus = None,
     address: Address = None,
-    log: Log = None,
 ) -> None:
     """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
@@ -89,7 +87,6 @@ def train(
         origin,
         curriculum,
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
-        log=tuple(log or ()),
     )
     if mixed is not None:
         request = mixed.request(request)

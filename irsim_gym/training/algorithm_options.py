@@ -119,7 +119,3 @@ class PolicyKeys:
     n_critics: int = option(ge=1, meaning="Number of critics.")
     n_quantiles: int = option(ge=1, meaning="Number of quantiles per critic.")
     memory_size: int = option(ge=1, meaning="Length of the memory of gru_ppo.")
-    lstm_hidden_size: int = option(ge=1, meaning="Width of the LSTM.")
-    n_lstm_layers: int = option(ge=1, meaning="Number of layers of the LSTM.")
-    shared_lstm: bool = option(meaning="Actor and critic share the LSTM.")
-    enable_critic_lstm: bool = option(meaning="Give the critic its own LSTM.")

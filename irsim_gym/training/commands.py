@@ -75,7 +75,6 @@ def run_training(
         console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
     how["address"] = address
-    how["log"] = request.log
     try:
         with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)

@@ -130,9 +130,10 @@ def memory_shape(model: BaseAlgorithm | ShelfPolicy) -> tuple[int, int, int] | N
     """Return the shape of a policy's memory, ``(n_arrays, n_layers, width)``; None for a policy without memory."""
     if isinstance(model, ShelfPolicy):
         return model.memory_shape
-    lstm = getattr(model.policy, "lstm_hidden_state_shape", None)
+    if hasattr(model.policy, "lstm_hidden_state_shape"):
+        raise UnfitPolicyError("a model of sb3-contrib's recurrent PPO is not driven here: take sb3.GruPPO")
     found: tuple[int, int, int] | None = getattr(model.policy, "memory_shape", None)
-    return found if lstm is None else (2, lstm[0], lstm[2])
+    return found
 
 
 def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:

@@ -72,7 +72,6 @@ def _methods(request: TrainingRequest) -> Iterator[Check]:
         yield partial(_read_hyperparameters, request)
     if request.origin is not None:
         yield partial(check_trained, request.origin)
-    yield from (partial(_check_log, name) for name in request.log)
 
 
 def _read_hyperparameters(request: TrainingRequest) -> None:
@@ -84,9 +83,3 @@ def _read_hyperparameters(request: TrainingRequest) -> None:
         return
     chosen: dict[str, Any] = {"file": request.hyperparameters, "overrides": request.overrides}
     load_hyperparameters(str(algorithm), environment_id(request.scenario), task=request.task_name, **chosen)
-
-
-def _check_log(name: str) -> None:
-    from irsim_gym.envs.sb3_trackers import find_tracker
-
-    find_tracker(name)

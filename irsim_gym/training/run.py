@@ -28,12 +28,7 @@ from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, sn
 
 SEED_STRIDE = 1_000_000
 """Distance between the first levels of consecutive seeds."""
-TRACKING = "tracking.json"
-"""File with the ids of the run at tracking services."""
-FILES = (
-    *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
-    "config.json",
-)
+FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
 """Files that a run writes, each first to a temporary file. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""

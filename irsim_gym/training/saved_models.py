@@ -41,7 +41,7 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
     if module == GruPolicy.__module__:
         return find_algorithm("gru_ppo").load()
     if "recurrent" in module:
-        return find_algorithm("recurrent_ppo").load()
+        raise IrsimGymError(f"{path}: policies of sb3-contrib's recurrent PPO are not read; take gru_ppo")
     off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)
     return find_algorithm(off_policy or ("ppo" if "clip_range" in data else "a2c")).load()
 

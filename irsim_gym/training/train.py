@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -37,7 +37,6 @@ from irsim_gym.training.monitoring import StopLearningError, StopRequest, Traini
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import FILES, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
-from irsim_gym.training.tracking import begin_log, make_log
 
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
@@ -52,7 +51,6 @@ def train(
     console: Console | None = None,
     on_checkpoint: Callable[[Run], object] | None = None,
     address: str | None = None,
-    log: Sequence[str] = (),
 ) -> Run:
     """Train a policy, and write checkpoints, logs and the final policy to ``folder``.
 
@@ -69,7 +67,6 @@ def train(
         on_checkpoint: Function that is called after each checkpoint but the last. Its time does not count as training
             time, and it does not affect the result. If it raises, the run stops unfinished.
         address: Address of a Ray cluster, for a run with RLlib; None for this machine.
-        log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
         IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed.
@@ -88,14 +85,12 @@ def train(
         return run
     used = run.own_settings() if resumed else settings
     newest = newest_checkpoint(run.checkpoints) if resumed else None
-    _check_engine(used, address, log)
-    logged = make_log(run, settings, log, resumed=resumed)
+    _check_engine(used, address)
     model, progress = _model(used, newest, device, screen)
     _begin(run, settings, now, resumed=resumed)
     try:
-        _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
+        _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
     finally:
-        logged.close()
         _write_log(run, progress)
         _close(model)
     return run
@@ -116,21 +111,19 @@ def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> Non
     _remove_leftovers(run)
 
 
-def _learn_with(settings: Settings, address: str | None, logged: LogCallback) -> Callable[..., None]:
+def _learn_with(settings: Settings, address: str | None) -> Callable[..., None]:
     """Return the function that learns with the engine of a run."""
     if settings.engine is None:
-        return partial(_learn, logged=logged)
+        return _learn
     from irsim_gym.training.rllib_train import learn
 
     return partial(learn, address=address)
 
 
-def _check_engine(settings: Settings, address: str | None, log: Sequence[str]) -> None:
+def _check_engine(settings: Settings, address: str | None) -> None:
     """Check that the engine of a run is installed and supports its settings, and prepare the import of Ray."""
     check_engine(settings)
     if settings.engine is not None:
-        if log:
-            raise IrsimGymError("--log is for Stable-Baselines3: with --engine rllib read training.csv and the curve")
         require("rllib", "--engine rllib")
         prepare(address)
 
@@ -186,11 +179,8 @@ def _learn(
     newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], object] | None,
-    *,
-    logged: LogCallback,
 ) -> None:
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases."""
-    begin_log(run, logged)
     curriculum = curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
     remove_partial(run.checkpoints)
@@ -207,7 +197,7 @@ def _learn(
             files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
-    callbacks: list[BaseCallback] = [watch, logged, *filter(None, [curriculum, mirror_callback(settings)])]
+    callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [curriculum, mirror_callback(settings)])]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps

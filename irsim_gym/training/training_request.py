@@ -48,7 +48,6 @@ class TrainingRequest:
         mixture: Scenarios that are trained together. ``scenario`` is the first of them.
         mixture_name: Name of the file that lists them; None without one.
         engine: Settings of Ray RLlib; None for Stable-Baselines3.
-        log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
     """
 
     scenario: str
@@ -66,7 +65,6 @@ class TrainingRequest:
     mixture: tuple[MixturePart, ...] = ()
     mixture_name: str | None = None
     engine: Engine | None = None
-    log: tuple[str, ...] = ()
 
     @property
     def overrides(self) -> dict[str, Any]:
