@@ -11,6 +11,7 @@ from irsim_gym.cli_options import (
     Address,
     Algorithm,
     BeginAnew,
+    Changes,
     Curriculum,
     Device,
     DevLevels,
@@ -21,6 +22,7 @@ from irsim_gym.cli_options import (
     LearnerGpus,
     Lenient,
     Mixture,
+    MoreSteps,
     Origin,
     Resume,
     RunFolder,
@@ -32,10 +34,12 @@ from irsim_gym.cli_options import (
     Task,
     TeamMode,
     TestLevels,
+    Until,
     Workers,
     WorldsPerWorker,
 )
-from irsim_gym.cli_tools import read_parameters
+from irsim_gym.cli_tools import read_changes, read_parameters
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
 
@@ -47,7 +51,10 @@ def train(
     task: Task = None,
     out: RunFolder = None,
     hyperparameters: Hyperparameters = None,
+    changes: Changes = None,
     resume: Resume = False,
+    more_steps: MoreSteps = None,
+    until: Until = None,
     overwrite: BeginAnew = False,
     origin: Origin = None,
     device: Device = None,
@@ -87,13 +94,17 @@ def train(
         origin,
         curriculum,
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
+        changes=read_changes(changes),
+        until=until,
     )
     if mixed is not None:
         request = mixed.request(request)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
-        run_training(request, out, **how)
+        run_training(request, out, more_steps=more_steps, **how)
         return
+    if more_steps is not None:
+        raise IrsimGymError("--more-steps is for one run: name its folder with --out, and leave out --seeds")
     from irsim_gym.training.seed_runs import run_seeds
 
     run_seeds(request, seeds, out, test_levels=test_levels, **how)
@@ -115,6 +126,7 @@ def tune(
         Path | None, typer.Option(help="Folder of the study (default: runs/tune-RUN, RUN as the folder of train).")
     ] = None,
     hyperparameters: Hyperparameters = None,
+    changes: Changes = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the study in the folder.")] = False,
     device: Device = None,
     dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
@@ -134,7 +146,9 @@ def tune(
 
     parameters = read_parameters(given)
     request = TrainingRequest(
-        scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device, None, curriculum
+        *(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
+        curriculum=curriculum,
+        changes=read_changes(changes),
     )
     how: dict[str, Any] = {"overwrite": overwrite, "dev_levels": dev_levels, "modules": modules or ()}
     run_tuning(request, trials, space=space, out=out, **how)

@@ -39,6 +39,9 @@ class RunKeys:
 
     n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
     n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")
+    until: float | None = option(
+        None, gt=0.0, le=100.0, unit="%", meaning="Success on dev levels at which a checkpoint ends the run."
+    )
     team: Literal["episode", "respawn"] | None = option(
         None,
         meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn).",

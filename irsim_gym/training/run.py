@@ -204,6 +204,11 @@ class Run:
             copied.setdefault("also", []).append({"folder": str(k), "file": also.file, "sha256": also.digest})
         write_json(self.config, {"settings": settings.to_plain(), "copy": copied, "machine": machine()})
 
+    def change(self, settings: Settings) -> None:
+        """Replace the settings on disk; what else stands in ``config.json`` remains."""
+        content = json.loads(self.config.read_text(encoding="utf-8"))
+        write_json(self.config, {**content, "settings": settings.to_plain()})
+
     def snapshot(self) -> Snapshot | None:
         """Return the snapshot of the scenario and its task from the start of the run; None if the run has no copy."""
         try:

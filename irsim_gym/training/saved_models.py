@@ -13,11 +13,8 @@ from stable_baselines3.common.vec_env import VecNormalize
 from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.checkpoint_files import NORMALIZATION
+from irsim_gym.training.checkpoint_files import NORMALIZATION, OFF_POLICY
 from irsim_gym.training.trusted import harmless_objects, load_pickle
-
-OFF_POLICY = ("sac", "td3", "tqc", "dqn")
-"""Algorithms whose name is that of the module with their policy classes."""
 
 
 def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:

@@ -19,6 +19,7 @@ from irsim_gym.sb3 import LogCallback
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
+    REPLAY_BUFFER,
     RunProgress,
     list_checkpoints,
     load_progress,
@@ -32,7 +33,14 @@ from irsim_gym.training.fine_tuning import copy_weights
 from irsim_gym.training.folders import check_replaceable, setting_differences
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
-from irsim_gym.training.models import curriculum_of, mirror_callback, new_model, resolve_device, restored_model
+from irsim_gym.training.models import (
+    check_finite,
+    curriculum_of,
+    mirror_callback,
+    new_model,
+    resolve_device,
+    restored_model,
+)
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import FILES, Run, Settings
@@ -65,12 +73,14 @@ def train(
         device: Device of the networks for this call; None for that of the settings.
         console: Console for the progress; None for standard error.
         on_checkpoint: Function that is called after each checkpoint but the last. Its time does not count as training
-            time, and it does not affect the result. If it raises, the run stops unfinished.
+            time, and it does not affect the result, unless it returns True: then the run ends there. If it raises, the
+            run stops unfinished.
         address: Address of a Ray cluster, for a run with RLlib; None for this machine.
 
     Raises:
-        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed.
-        TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
+        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed; or the networks
+            diverge.
+        TrainingInterruptedError: If Ctrl-C, SIGTERM or SIGHUP stops the training. A checkpoint is on disk.
     """
     run, screen = Run(folder), console or Console(stderr=True)
     check_folder(run.folder)
@@ -187,14 +197,17 @@ def _learn(
     model.set_logger(tensorboard_logger(run))
 
     def save() -> Path:
+        check_finite(run, settings, model)
         levels = None if curriculum is None else curriculum.levels
         return files.save_checkpoint(run.checkpoints, model, progress, levels)
 
     def save_and_show() -> None:
         written = save()
         if on_checkpoint is not None and stop.signal is None:
-            on_checkpoint(run)
+            ends_here = on_checkpoint(run) is True
             files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
+            if ends_here:
+                raise StopLearningError
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
     callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [curriculum, mirror_callback(settings)])]
@@ -204,8 +217,11 @@ def _learn(
             model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
             watch.update_progress()
         except StopLearningError:
-            assert stop.signal is not None
-            raise stopped_early(progress.steps, stop.signal) from None
+            if stop.signal is not None:
+                raise stopped_early(progress.steps, stop.signal) from None
+        except (ValueError, RuntimeError):
+            check_finite(run, settings, model)
+            raise
         finally:
             watch.finish()
             model.logger.close()
@@ -214,6 +230,7 @@ def _learn(
         if (last / NORMALIZATION).is_file():
             write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)
+        (last / REPLAY_BUFFER).unlink(missing_ok=True)
     if stop.signal is not None:
         raise stopped_at_end(progress.steps, stop.signal)
 

@@ -73,7 +73,7 @@ class MirrorsCommand(Protocol):
 
 def mirror_problems(kind: type[Any]) -> Iterator[str]:
     """Yield what is wrong with the ``mirrored_command`` of a drive."""
-    way, size = getattr(kind, "mirrored_command", ()), len(kind.command_names)
+    way, size = getattr(kind, "mirrored_command", ()), len(getattr(kind, "command_names", ()))
     if not isinstance(way, tuple) or not way:
         return
     if sorted(place for place, _ in way) != list(range(size)) or any(
