@@ -26,25 +26,29 @@ def check_files(files: Sequence[str], reading: ReadOptions, *, team: bool) -> bo
         reading: How the files are read. The child process that runs them imports the same plugins.
         team: Whether all robots have to be able to learn together.
     """
-    read: dict[str, Read] = {}
+    read: dict[str, Read | None] = {}  # None: it is played for further problems, beside those of its task
     failures: dict[str, str] = {}
     for file in dict.fromkeys(files):
         try:
             scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
+            read[file] = None
             read[file] = scenario, *fitting_task(scenario, team=team)
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
     played = try_files(list(read), reading) if read else {}
-    failures |= {file: failure for file, (failure, _) in played.items() if failure}
-    for file, (scenario, *_) in read.items():
-        if file in failures and not team and (blocked := blocked_start(scenario)):
+    for file, (message, _) in played.items():
+        if message:
+            failures[file] = f"{failures[file]}\n{message}" if file in failures else message
+    for file, known in read.items():
+        if known is not None and file in failures and not team and (blocked := blocked_start(known[0])):
             del failures[file]
-            read[file] = scenario, None, blocked
+            read[file] = known[0], None, blocked
     for file in files:
-        if file in failures:
+        found = read.get(file)
+        if file in failures or found is None:
             print(failures[file], file=sys.stderr)
         else:
-            _describe(file, read[file], played[file][1], team=team)
+            _describe(file, found, played[file][1], team=team)
     return not failures
 
 

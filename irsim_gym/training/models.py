@@ -129,19 +129,20 @@ def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
 
 
 def check_finite(run: Run, settings: Settings, model: BaseAlgorithm) -> None:
-    """Check that the numbers of the networks, and the deviations of the actions, are finite.
+    """Check that the weights of the networks are finite, and the standard deviations of actions finite and positive.
 
     Raises:
         IrsimGymError: They are not. The message names the newest checkpoint, whose numbers are.
     """
-    deviations = [one.exp() for name, one in model.policy.named_parameters() if name == "log_std"]
+    logarithms = [one for name, one in model.policy.named_parameters() if name == "log_std"]
+    deviations = [part for one in logarithms for part in (one.exp(), (-one).exp())]
     if all(bool(torch.isfinite(one).all()) for one in (*model.policy.parameters(), *deviations)):
         return
     newest, rate = newest_checkpoint(run.checkpoints), settings.hyperparameters.arguments.get("learning_rate")
     kept = f"the newest checkpoint is kept, --from {newest} starts there" if newest else "there is no checkpoint yet"
     raise IrsimGymError(
-        f"the networks are no longer finite after {model.num_timesteps:,} steps: take a smaller learning_rate (it was "
-        f"{rate}), or a smaller max_grad_norm; {kept}"
+        f"the training has diverged after {model.num_timesteps:,} steps, its networks are not finite: take a smaller "
+        f"learning_rate (it was {rate}) or max_grad_norm; {kept}"
     )
 
 

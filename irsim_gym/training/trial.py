@@ -14,7 +14,7 @@ import traceback
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -132,10 +132,11 @@ def run_briefly(file: str, reading: ReadOptions) -> str:
     scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
     _take_steps(_by_itself(scenario))
     compile(scenario)  # refuses robots that start in obstacles
+    unaudited = replace(scenario, task={**scenario.task, "audit": False})  # terms are played whatever they weigh
     with suppress(ScenarioError):  # no robot can learn there
-        _take_steps(_with_a_learner(scenario))
+        _take_steps(_with_a_learner(unaudited))
     with suppress(ScenarioError):
-        _take_steps(_as_a_team(scenario) if len(scenario.robots) > 1 else iter(()))
+        _take_steps(_as_a_team(unaudited) if len(scenario.robots) > 1 else iter(()))
     return _standing(scenario)
 
 

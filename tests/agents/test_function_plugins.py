@@ -165,3 +165,38 @@ def test_a_pickle_holds_the_name_of_a_kind_that_is_made_from_a_function() -> Non
         del family._entries[name]
         with pytest.raises(Exception, match=f"no {family.family} named '{name}'"):
             pickle.loads(content)
+
+
+@pytest.mark.usefixtures("played_here")
+@pytest.mark.parametrize("weight", [1.0, 3.0])
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ("None", "reward 'own' must return one number for 'robot_0', got None"),
+        ("0.5", "a running term is never positive: write -amount"),
+        ("1 / 0", "ZeroDivisionError"),
+    ],
+)
+def test_check_tells_what_a_reward_does_beside_what_it_weighs(
+    weight: float,
+    answer: str,
+    said: str,
+    forget: Callable[[], None],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("own_reward.py").write_text(
+        f"import irsim_gym\n\n\n@irsim_gym.reward('own')\ndef own(ego):\n    return {answer}\n"
+    )
+    task = {"name": "navigation", "rewards": [{"name": "own", "weight": weight}]}
+    robot = {**SCENARIO["robot"], "kinematics": {"name": "diff"}, "sensors": [], "state": [1, 3, 0]}
+    del robot["distribution"]
+    task["observations"] = [{"name": name, "use": False} for name in ("scan", "free_travel", "trail")]
+    Path("own.yaml").write_text(yaml.safe_dump({"world": SCENARIO["world"], "robot": robot, "task": task}))
+    sys.modules.pop("own_reward", None)
+    assert run(monkeypatch, "check", "own.yaml", "--import", "own_reward.py") == 1
+    told = capsys.readouterr().err
+    sys.modules.pop("own_reward", None)
+    forget()
+    assert said in told
+    assert ("one that continues can cost 6" in told) == (weight == 3.0)

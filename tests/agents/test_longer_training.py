@@ -129,7 +129,7 @@ def test_a_divergence_is_one_sentence_and_keeps_the_newest_checkpoint(
     wild = [*tiny, "--dev-levels", 0, "--steps", 6400, "--hp", "learning_rate=1e6", "--hp", "max_grad_norm=1e6"]
     assert command(monkeypatch, *wild) == 1
     told = capsys.readouterr().err
-    assert "the networks are no longer finite after" in told
+    assert "the training has diverged after" in told
     assert "take a smaller learning_rate (it was 1000000.0)" in told
     run = Run(Path("run"))
     assert not run.finished()
@@ -149,7 +149,7 @@ def test_a_policy_that_is_not_finite_replaces_no_checkpoint(tmp_path: Path) -> N
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(monitoring.TrainingMonitor, "_on_rollout_start", on_rollout_start)
-        with pytest.raises(IrsimGymError, match="no longer finite after 192 steps") as end:
+        with pytest.raises(IrsimGymError, match="has diverged after 192 steps") as end:
             train(asked, tmp_path / "run")
     newest = newest_checkpoint(tmp_path / "run" / "checkpoints")
     assert newest is not None
