@@ -70,24 +70,24 @@ def read_hyperparameters(
 
 
 def change_hyperparameters(
-    chosen: Mapping[str, Any], changes: Mapping[str, str], algorithm: Algorithm
+    chosen: Mapping[str, Any], changes: Mapping[str, object], algorithm: Algorithm
 ) -> dict[str, Any]:
     """Return hyper-parameters with single changes, as ``--hp KEY=VALUE`` gives them.
 
     Args:
         chosen: The hyper-parameters.
-        changes: Values as YAML, by key; a dotted key such as ``policy_kwargs.net_arch`` is inside of a mapping.
+        changes: Values, text as YAML, by key; a dotted key such as ``policy_kwargs.net_arch`` is inside of a mapping.
         algorithm: The algorithm that they are for.
 
     Raises:
         ScenarioError: If a change is invalid. The message lists every problem.
     """
     changed, report = dict(chosen), Report(Source("--hp", {}))
-    for key, text in changes.items():
+    for key, value in changes.items():
         try:
-            changed = with_value(changed, key, compose(text).data)
+            changed = with_value(changed, key, compose(value).data if isinstance(value, str) else value)
         except Fatal as error:
-            report.add((DEFAULT, key), f"{error}: got {show(text)}")
+            report.add((DEFAULT, key), f"{error}: got {show(value)}")
     keys = dict.fromkeys(key.split(".")[0] for key in changes)
     values = _entry(DEFAULT, {key: changed[key] for key in keys if key in changed}, algorithm, report)
     if not report.problems:

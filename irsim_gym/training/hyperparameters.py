@@ -139,7 +139,7 @@ def load_hyperparameters(
     task: str | None = None,
     images: bool = False,
     file: Path | None = None,
-    changes: Mapping[str, str] | None = None,
+    changes: Mapping[str, object] | None = None,
     overrides: Mapping[str, object] | None = None,
 ) -> Hyperparameters:
     """Read the hyper-parameters of an algorithm for an environment.
@@ -172,7 +172,7 @@ def stated_hyperparameters(
     task: str | None = None,
     images: bool = False,
     file: Path | None = None,
-    changes: Mapping[str, str] | None = None,
+    changes: Mapping[str, object] | None = None,
 ) -> dict[str, Any]:
     """Return the plain values of hyper-parameters for an environment; see ``load_hyperparameters``.
 

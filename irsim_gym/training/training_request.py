@@ -49,7 +49,7 @@ class TrainingRequest:
         mixture: Scenarios that are trained together. ``scenario`` is the first of them.
         mixture_name: Name of the file that lists them; None without one.
         engine: Settings of Ray RLlib; None for Stable-Baselines3.
-        changes: Single changes of hyper-parameters, as YAML by key; ``policy_kwargs.net_arch`` is inside of a mapping.
+        changes: Single changes of hyper-parameters by key, text as YAML; ``policy_kwargs.net_arch`` is in a mapping.
         until: Success on ``dev`` levels [%] at which a checkpoint ends the run; None for that of the hyper-parameters.
     """
 
@@ -68,7 +68,7 @@ class TrainingRequest:
     mixture: tuple[MixturePart, ...] = ()
     mixture_name: str | None = None
     engine: Engine | None = None
-    changes: Mapping[str, str] | None = None
+    changes: Mapping[str, object] | None = None
     until: float | None = None
 
     @property

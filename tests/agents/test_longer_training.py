@@ -15,6 +15,7 @@ import yaml
 from command_line import run as command
 from test_train import settings, weights
 
+import irsim_gym
 from irsim_gym.cli_tools import read_count
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training import commands, monitoring
@@ -96,6 +97,26 @@ def test_a_run_ends_at_a_success_and_goes_on_after_its_end(
     assert "continue it with --resume alone" in capsys.readouterr().err
     assert command(monkeypatch, *tiny, "--until", 98, "--dev-levels", 0, "--overwrite") == 1
     assert "--dev-levels must be at least 1" in capsys.readouterr().err
+
+
+def test_a_training_from_python_is_that_of_the_command(
+    tiny: list[Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert command(monkeypatch, *tiny, "--steps", 128, "--hp", "gamma=0.9", "--dev-levels", 0) == 0
+    own = {**TINY, "policy_kwargs": {"net_arch": [8]}, "gamma": 0.9}
+    found = irsim_gym.train("empty_goal", "other", steps=128, hyperparameters=own, dev_levels=0)
+    assert (found.folder, found.finished()) == (Path("other"), True)
+    assert found.settings() == Run(Path("run")).settings()
+    for name, value in weights(Run(Path("run"))).items():
+        assert torch.equal(value, weights(found)[name])
+    env = irsim_gym.make("empty_goal")
+    action, _ = irsim_gym.load_policy(found.folder).predict(env.reset(seed=0)[0])
+    assert env.action_space.contains(action)
+    found = irsim_gym.train("empty_goal", "other", resume=True, more_steps=64, dev_levels=0)
+    assert found.settings().hyperparameters.n_timesteps == 192
+    with pytest.raises(IrsimGymError, match="save the scenario and name the file"):
+        irsim_gym.train({"robot": [{}]})  # type: ignore[arg-type]
+    capsys.readouterr()
 
 
 def test_a_longer_run_is_that_of_one_command(tmp_path: Path) -> None:
