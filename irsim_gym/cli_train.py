@@ -81,18 +81,8 @@ def train(
 
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        scenario[0],
-        algorithm,
-        seed,
-        steps,
-        task,
-        hyperparameters,
-        team,
-        read_parameters(given),
-        not lenient,
-        device,
-        origin,
-        curriculum,
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
+        *(device, origin, curriculum),
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         changes=read_changes(changes),
         until=until,

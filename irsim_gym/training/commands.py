@@ -57,25 +57,20 @@ def run_training(
     require("train" if request.engine is None else "rllib", "irsim-gym train")
     from irsim_gym.training.train import train
 
-    if resume and overwrite:
-        raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
-    if more_steps is not None and not resume:
-        raise IrsimGymError("--more-steps lets a finished run go on: pass --resume too")
-    check_request(request, lambda: check_folder(out))
+    check_request(request, lambda: check_folder(out), partial(_check_ways, resume, overwrite, more_steps))
     console = Console(stderr=True)
     settings = request.settings()
     folder, remark = (out, "") if out is not None else request.choose_folder(settings, resume, overwrite)
     run = Run(folder)
     continued = resume and run.exists()
-    if continued and more_steps is not None:
+    if more_steps is not None:
         replace(request, until=None).resumed_settings(run, settings)
         console.print(extend(run, more_steps, request.until), **PLAIN)
     if continued:
         settings = request.resumed_settings(run, settings)
     elif resume:
         console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
-    if settings.hyperparameters.until is not None and not dev_levels:
-        raise IrsimGymError("until is a success on dev levels: --dev-levels must be at least 1")
+    until = _checked_until(settings, dev_levels)
     check_level_files(run.own_settings() if continued else settings, {"dev": dev_levels})
     if remark:
         console.print(remark, **PLAIN)
@@ -85,9 +80,7 @@ def run_training(
     for note in _notes(settings):
         console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
-    how["address"] = address
-    if settings.hyperparameters.until is not None:
-        how["on_checkpoint"] = partial(is_enough, settings.hyperparameters.until, dev_levels)
+    how |= {"address": address, "on_checkpoint": until and partial(is_enough, until, dev_levels)}
     try:
         with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
@@ -96,13 +89,32 @@ def run_training(
             f"{stop}. To continue, run the same command with --resume.", stop.signal
         ) from None
     if dev_levels:
-        with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
-            points = score_run(run, levels=dev_levels, console=console)
-        print_table(marks_table(points))
-        for line in _verdict_lines(run, points[-1]):
-            console.print(line, **PLAIN)
+        _show_scores(run, dev_levels, console)
     print(f"policy: {run.policy}")
     return run
+
+
+def _show_scores(run: Run, dev_levels: int, console: Console) -> None:
+    """Score the checkpoints of a finished run, and print the table and the verdict."""
+    with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
+        points = score_run(run, levels=dev_levels, console=console)
+    print_table(marks_table(points))
+    for line in _verdict_lines(run, points[-1]):
+        console.print(line, **PLAIN)
+
+
+def _check_ways(resume: bool, overwrite: bool, more_steps: int | None) -> None:
+    if resume and overwrite:
+        raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
+    if more_steps is not None and not resume:
+        raise IrsimGymError("--more-steps lets a finished run go on: pass --resume too")
+
+
+def _checked_until(settings: Settings, dev_levels: int) -> float | None:
+    until = settings.hyperparameters.until
+    if until is not None and not dev_levels:
+        raise IrsimGymError("until is a success on dev levels: --dev-levels must be at least 1")
+    return until
 
 
 def is_enough(until: float, levels: int, run: Run) -> bool:

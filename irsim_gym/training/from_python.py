@@ -35,33 +35,18 @@ def train(
 
     ``run.folder`` is where the run is and ``run.policy`` its ``policy.zip``; ``irsim_gym.load_policy(run.folder)``,
     ``irsim_gym.evaluate(scenario, run.folder)`` and all commands take the former. A second call with the same arguments
-    returns the finished run.
+    returns the finished run. Arguments that are not listed are the options of the command of the same name.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         out: Folder of the run; None for one in ``runs`` that is named after the settings.
-        algorithm: ``"ppo"``, ``"sac"``, ``"td3"``, ``"tqc"``, ``"dqn"``, ``"a2c"`` or ``"gru_ppo"``; None for PPO, or
-            that of ``origin``.
-        steps: Training steps over all worlds; None for those of the hyper-parameters.
-        seed: Seed of networks, exploration and training levels.
-        task: Shipped name or path of a task; None for the scenario's own.
-        team: ``"episode"`` or ``"respawn"`` to train one policy for all robots.
         hyperparameters: A YAML file that is laid over the shipped one, or single values by key.
-        curriculum: ``"learnability"``, or None.
-        until: Success on ``dev`` levels [%] at which a checkpoint ends the run.
-        origin: Folder or ``policy.zip`` of a run whose weights are the first ones.
-        dev_levels: Number of ``dev`` levels on which each checkpoint is scored; 0 for no scores.
-        resume: Continue the run in the folder.
-        more_steps: With ``resume``, let a finished run go on for so many steps.
-        overwrite: Replace the run in the folder.
-        device: Device of the networks, such as ``"cuda"``; None for that of the hyper-parameters.
-        parameters: Values for the scenario's parameters.
-        strict: Whether unused keys of the scenario are an error.
+        origin: Folder or ``policy.zip`` of a run whose weights are the first ones (``--from``).
+        parameters: Values for the scenario's parameters (``--set``).
 
     Raises:
         IrsimGymError: If an argument is invalid, the folder holds another run, or the networks diverge.
         TrainingInterruptedError: If a signal stops the training; ``resume=True`` continues it.
-        MissingExtraError: If Stable-Baselines3 is not installed.
     """
     require("train", "irsim_gym.train")
     from irsim_gym.training.commands import run_training
@@ -71,19 +56,10 @@ def train(
         raise IrsimGymError("a run reads its scenario from a file, to be resumed: save the scenario and name the file")
     changes = hyperparameters if isinstance(hyperparameters, Mapping) else None
     file = None if hyperparameters is None or changes is not None else Path(str(hyperparameters))
+    task, origin = (None if name is None else str(name) for name in (task, origin))
     request = TrainingRequest(
-        str(scenario),
-        algorithm,
-        seed,
-        steps,
-        None if task is None else str(task),
-        file,
-        team,
-        parameters,
-        strict,
-        device,
-        None if origin is None else str(origin),
-        curriculum,
+        *(str(scenario), algorithm, seed, steps, task, file),
+        *(team, parameters, strict, device, origin, curriculum),
         changes=changes,
         until=until,
     )
