@@ -51,7 +51,7 @@ def every() -> tuple[Registry, ...]:
     )
 
 
-def kind_named(family: str, name: str) -> type[Any]:
+def kind_named(family: str, name: str) -> Any:
     """Return the kind of a family that is registered under a name.
 
     Raises:
