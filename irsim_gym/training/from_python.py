@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
@@ -63,5 +64,5 @@ def train(
         changes=changes,
         until=until,
     )
-    how = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how)

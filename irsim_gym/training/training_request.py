@@ -74,8 +74,13 @@ class TrainingRequest:
     @property
     def overrides(self) -> dict[str, Any]:
         """Hyper-parameters that have an option of their own."""
-        options = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "curriculum": self.curriculum}
-        options["until"] = self.until
+        options: dict[str, Any] = {
+            "n_timesteps": self.steps,
+            "team": self.team,
+            "device": self.device,
+            "curriculum": self.curriculum,
+            "until": self.until,
+        }
         return {name: value for name, value in options.items() if value is not None}
 
     def settings(self) -> Settings:
