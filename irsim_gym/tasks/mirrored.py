@@ -55,6 +55,7 @@ def unchanged(width: int) -> Mirrored:
 def command_exchanged(term: Term) -> Mirrored | str:
     """Return the components of a command as the agents' drives say, or why they have no mirror."""
     assert term.bodies is not None, "whoever makes a term by hand has to give it bodies"
+    assert term.bodies.context is not None, "binding gives it"
     drives = [term.bodies.context.bodies[int(b)].kinematics for b in term.agents]
     unknown = [drive for drive in drives if not isinstance(drive, MirrorsCommand)]
     if unknown:
