@@ -44,8 +44,9 @@ if TYPE_CHECKING:
     from irsim_gym.scenario import load_scenario
     from irsim_gym.training.comparison import evaluate
     from irsim_gym.training.demonstrations import load_demonstrations
+    from irsim_gym.training.from_python import train
+    from irsim_gym.training.loading import load_policy
     from irsim_gym.training.recorder import record_demonstrations
-    from irsim_gym.training.shelf import load_policy
 
 _DECORATORS = (
     *("action", "behavior", "drive", "ending", "group_behavior"),
@@ -61,7 +62,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "irsim": ("irsim_gym.irsim", None),
     "load": ("irsim_gym.live", "load"),
     "load_demonstrations": ("irsim_gym.training.demonstrations", "load_demonstrations"),
-    "load_policy": ("irsim_gym.training.shelf", "load_policy"),
+    "load_policy": ("irsim_gym.training.loading", "load_policy"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "make_batch": ("irsim_gym.envs.batch", "make_batch"),
@@ -71,6 +72,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "rllib": ("irsim_gym.rllib", None),  # not in __all__: most installations lack Ray
     "sb3": ("irsim_gym.sb3", None),
     "torch_rows": ("irsim_gym.envs.torch_rows", "torch_rows"),
+    "train": ("irsim_gym.training.from_python", "train"),
 }
 
 _OF_IRSIM = (
@@ -117,6 +119,7 @@ __all__ = [
     "sb3",
     "sensor",
     "torch_rows",
+    "train",
 ]
 
 

@@ -42,11 +42,6 @@ def policies(incomplete: str) -> list[str]:
     return _beginning(incomplete, ["random", "dash", *shelf_files(), *runs])
 
 
-def services(incomplete: str) -> list[str]:
-    """Return the matching services for logs."""
-    return _beginning(incomplete, ["wandb", "mlflow"])
-
-
 def _beginning(incomplete: str, names: Iterable[str]) -> list[str]:
     return [name for name in names if name.startswith(incomplete)]
 

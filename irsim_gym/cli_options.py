@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from irsim_gym import cli_completion
-from irsim_gym.cli_tools import import_modules
+from irsim_gym.cli_tools import import_modules, read_count
 
 LAST_SEED = 2**32 - 1  # largest seed of NumPy's legacy generator, which Stable-Baselines3 seeds
 LAST_LEVEL = 2**53 - 1  # largest level of an environment
@@ -45,7 +45,30 @@ Split = Annotated[
 ]
 Steps = Annotated[
     int | None,
-    typer.Option(min=1, help="Training steps over all worlds, instead of the file's; rounded up to whole rollouts."),
+    typer.Option(
+        parser=read_count,
+        metavar="STEPS",
+        help="Training steps over all worlds, e.g. 500_000 or 1e6, instead of the file's; whole rollouts are finished.",
+    ),
+]
+MoreSteps = Annotated[
+    int | None,
+    typer.Option(
+        parser=read_count,
+        metavar="STEPS",
+        help="With --resume: let a finished run go on for so many steps. Schedules fall to 0 at the new end.",
+    ),
+]
+Until = Annotated[
+    float | None, typer.Option(max=100.0, help="End the run at a checkpoint with this success on dev levels [%].")
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--hp",
+        metavar="KEY=VALUE",
+        help="Change a hyper-parameter, e.g. learning_rate=1e-3 or policy_kwargs.net_arch=[64,64]; may be repeated.",
+    ),
 ]
 Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help="Seed of networks, exploration and training levels.")]
 Seeds = Annotated[
@@ -101,7 +124,7 @@ Algorithm = Annotated[
     str | None,
     typer.Option(
         callback=_lower,
-        help="ppo, sac, td3, tqc, dqn, a2c, gru_ppo or recurrent_ppo; ppo or appo with --engine rllib (default: ppo, "
+        help="ppo, sac, td3, tqc, dqn, a2c or gru_ppo; ppo or appo with --engine rllib (default: ppo, "
         "or that of --from).",
         autocompletion=cli_completion.algorithms,
     ),
@@ -114,7 +137,7 @@ RunFolder = Annotated[
     ),
 ]
 Hyperparameters = Annotated[
-    Path | None, typer.Option(help="YAML file of hyper-parameters, instead of the shipped one.")
+    Path | None, typer.Option(help="YAML file of hyper-parameters, laid over the shipped ones.")
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue the run in the folder.")]
 ReplaceFile = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
@@ -130,13 +153,6 @@ Origin = Annotated[
 ]
 Device = Annotated[
     str | None, typer.Option(help="Device of the networks: auto, cpu, cuda, cuda:1, mps (default: the file's).")
-]
-Log = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="Send the log to wandb or mlflow too; may be repeated. TensorBoard's is always in the run's folder.",
-        autocompletion=cli_completion.services,
-    ),
 ]
 DevLevels = Annotated[
     int, typer.Option(min=0, help="Number of dev levels to score each checkpoint on; 0 skips scoring.")

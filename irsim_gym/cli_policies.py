@@ -36,7 +36,7 @@ def show_policy(
 def export_policy(
     source: Annotated[str, typer.Argument(metavar="RUN", help="A run's folder, a checkpoint or a policy.zip.")],
     name: Annotated[str, typer.Argument(help="Name of the policy.")],
-    out: Annotated[Path, typer.Option(help="Folder for NAME.npz and NAME.json.")] = Path("runs/shelf"),
+    out: Annotated[Path, typer.Option(help="Folder for NAME.npz and NAME.json.")] = Path(),
     results: Annotated[
         list[Path] | None,
         typer.Option(

@@ -10,6 +10,8 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
+import typer
+
 from irsim_gym.errors import IrsimGymError, suggestion
 
 LINE = 100
@@ -100,27 +102,56 @@ def _row(head: str, about: str) -> str:
     return f"{head}{shorten(about, LINE - len(head), placeholder=' ...')}".rstrip()
 
 
+def read_count(text: str) -> int:
+    """Return a whole number from 1 on, which may be written as 1_000_000, 1,000,000 or 1e6.
+
+    Raises:
+        BadParameter: It is not one.
+    """
+    try:
+        number = float(text.replace(",", "").replace("_", ""))
+    except ValueError:
+        number = 0.0
+    if not (1.0 <= number < 2.0**53 and number.is_integer()):
+        raise typer.BadParameter(f"must be a whole number >= 1, such as 500000, 500_000 or 5e5, got '{text}'")
+    return int(number)
+
+
+def read_changes(settings: Sequence[str] | None) -> dict[str, str]:
+    """Return the values of ``--hp KEY=VALUE`` as text.
+
+    Raises:
+        IrsimGymError: If one is not of this form, or a key appears twice.
+    """
+    return _pairs(settings, "--hp", "KEY=VALUE, e.g. --hp learning_rate=1e-3")
+
+
+def _pairs(settings: Sequence[str] | None, option: str, form: str) -> dict[str, str]:
+    given: dict[str, str] = {}
+    for text in settings or ():
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise IrsimGymError(f"{option}: write {form}, got '{text}'")
+        if name.strip() in given:
+            raise IrsimGymError(f"{option}: '{name.strip()}' is given twice")
+        given[name.strip()] = value.strip()
+    return given
+
+
 def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
     """Return the values of ``--set name=value`` as text. The scenario converts them.
 
     Raises:
         IrsimGymError: If a setting is not of the form ``name=value``, a name appears twice, or it is not allowed.
     """
-    given: dict[str, Any] = {}
-    if settings:
+    given: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
+    if given:
         from irsim_gym.scenario.parameters import is_free
-    for text in settings or ():
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip():
-            raise IrsimGymError(f"--set: write NAME=VALUE, e.g. --set n_robots=8, got '{text}'")
-        name = name.strip()
-        if name in given:
-            raise IrsimGymError(f"--set: '{name}' is given twice")
+    for name in given:
         if not is_free(name):
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )
-        given[name] = value.strip()
     return given
 
 

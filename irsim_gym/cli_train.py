@@ -11,6 +11,7 @@ from irsim_gym.cli_options import (
     Address,
     Algorithm,
     BeginAnew,
+    Changes,
     Curriculum,
     Device,
     DevLevels,
@@ -20,8 +21,8 @@ from irsim_gym.cli_options import (
     Imports,
     LearnerGpus,
     Lenient,
-    Log,
     Mixture,
+    MoreSteps,
     Origin,
     Resume,
     RunFolder,
@@ -33,10 +34,11 @@ from irsim_gym.cli_options import (
     Task,
     TeamMode,
     TestLevels,
+    Until,
     Workers,
     WorldsPerWorker,
 )
-from irsim_gym.cli_tools import read_parameters
+from irsim_gym.cli_tools import read_changes, read_parameters
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
@@ -59,7 +61,10 @@ def train(
     task: Task = None,
     out: RunFolder = None,
     hyperparameters: Hyperparameters = None,
+    changes: Changes = None,
     resume: Resume = False,
+    more_steps: MoreSteps = None,
+    until: Until = None,
     overwrite: BeginAnew = False,
     origin: Origin = None,
     device: Device = None,
@@ -77,7 +82,6 @@ def train(
     worlds_per_worker: WorldsPerWorker = None,
     learner_gpus: LearnerGpus = None,
     address: Address = None,
-    log: Log = None,
 ) -> None:
     """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
@@ -88,27 +92,20 @@ def train(
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        scenario[0],
-        algorithm,
-        seed,
-        steps,
-        task,
-        hyperparameters,
-        team,
-        read_parameters(given),
-        not lenient,
-        device,
-        origin,
-        curriculum,
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
+        *(device, origin, curriculum),
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
-        log=tuple(log or ()),
+        changes=read_changes(changes),
+        until=until,
     )
     request = request if mixed is None else mixed.request(request)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     from irsim_gym.training.seed_runs import run_seeds
 
     if seeds is None:
-        run_training(request, out, **how)
+        run_training(request, out, more_steps=more_steps, **how)
+    elif more_steps is not None:
+        raise IrsimGymError("--more-steps is for one run: name its folder with --out, and leave out --seeds")
     else:
         run_seeds(request, seeds, out, test_levels=test_levels, **how)
 
@@ -129,6 +126,7 @@ def tune(
         Path | None, typer.Option(help="Folder of the study (default: runs/tune-RUN, RUN as the folder of train).")
     ] = None,
     hyperparameters: Hyperparameters = None,
+    changes: Changes = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the study in the folder.")] = False,
     device: Device = None,
     dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
@@ -148,7 +146,9 @@ def tune(
 
     parameters = read_parameters(given)
     request = TrainingRequest(
-        scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device, None, curriculum
+        *(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
+        curriculum=curriculum,
+        changes=read_changes(changes),
     )
     how: dict[str, Any] = {"overwrite": overwrite, "dev_levels": dev_levels, "modules": modules or ()}
     run_tuning(request, trials, space=space, out=out, **how)

@@ -13,8 +13,6 @@ EXTRAS = MappingProxyType(
         "contrib": ("torch", "stable_baselines3", "tensorboard", "sb3_contrib"),
         "tune": ("torch", "stable_baselines3", "tensorboard", "optuna"),
         "rllib": ("torch", "stable_baselines3", "tensorboard", "ray"),
-        "wandb": ("wandb",),
-        "mlflow": ("mlflow",),
         "play": ("pynput",),
     }
 )

@@ -51,6 +51,16 @@ def every() -> tuple[Registry, ...]:
     )
 
 
+def kind_named(family: str, name: str) -> Any:
+    """Return the kind of a family that is registered under a name.
+
+    Raises:
+        UnknownNameError: Nothing is; the message says how one's own is registered.
+    """
+    load()
+    return next(one for one in every() if one.family == family).entry(name).kind
+
+
 def commands(behavior: object, drive: type[Any]) -> bool:
     """Return whether a behaviour, or its kind, commands a kind of drive: it names it, or names none."""
     return not hasattr(behavior, "kinematics") or KINEMATICS.name_of(drive) in behavior.kinematics

@@ -74,11 +74,8 @@ COMPOSERS = {"training", "arenas", "suite", "cli", "__main__", "__init__", "irsi
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",
     "stable_baselines3": "envs/sb3",
-    "sb3_contrib": "envs/sb3_recurrent",
     "ray": "envs/rllib",
     "torch": ("envs/rllib", "envs/sb3_gru", "envs/sb3_memory", "envs/torch_rows"),
-    "wandb": "envs/sb3_trackers",
-    "mlflow": "envs/sb3_trackers",
     "wrapt": "envs/registration",
     "rich": "envs/description_text",
 }

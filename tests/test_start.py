@@ -124,7 +124,6 @@ def test_doctor_says_how_kernels_run(monkeypatch: pytest.MonkeyPatch) -> None:
         ("check my", ["my_world.yaml"]),
         ("draw worlds/", ["worlds/one.yaml"]),
         ("train corridor --algorithm t", ["td3", "tqc"]),
-        ("train corridor --log w", ["wandb"]),
         ("rollout corridor --split d", ["dev"]),
         ("evaluate corridor --task image", ["image_navigation"]),
         ("evaluate corridor runs", ["runs/corridor-ppo-0"]),

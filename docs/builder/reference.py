@@ -88,7 +88,6 @@ SECTIONS = {
         "irsim_gym.sb3",
         "For Stable-Baselines3.",
         "irsim_gym.sb3",
-        names=("irsim_gym.envs.sb3_recurrent.MaskedRecurrentPPO",),
     ),
     "rllib": Section("irsim_gym.rllib", "For Ray RLlib.", "irsim_gym.rllib"),
     "levels": Section(

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.arraytypes import Ints
 from irsim_gym.contract import is_foreign
 from irsim_gym.envs.spaces import Observation, critic_key, observation_key
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
-from irsim_gym.tasks.mirrored import HasMirrored, Mirrored, command_exchanged
+from irsim_gym.tasks.mirrored import HasMirrored, Mirrored, command_exchanged, signed
 from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.term_contract import checked_mirrored
 from irsim_gym.tasks.term_watch import kind_of
@@ -37,13 +37,13 @@ class Mirror:
             empty.
         images: The column of pixels that each column of an image takes its pixels from, by key, shape ``(width,)``.
         choices: The mirrored choice of each choice, shape ``(n_choices,)``; empty for continuous actions.
-        action: The sign of each component of a continuous action, shape ``(n_components,)``; empty for choices.
+        action: What becomes of the components of a continuous action; empty for choices.
     """
 
     vectors: Mapping[str, Mirrored]
     images: Mapping[str, Ints]
     choices: Ints
-    action: Rays
+    action: Mirrored
 
     def observation(self, given: Observation, *, channels_first: bool = False) -> Observation:
         """Return mirrored observations, of the same form as the given ones.
@@ -67,7 +67,7 @@ class Mirror:
         """
         if self.choices.size:
             return self.choices[given.astype(np.int64)].astype(given.dtype)
-        mirrored: NDArray[Any] = given * self.action
+        mirrored: NDArray[Any] = given[..., self.action.columns] * self.action.signs
         return mirrored
 
     def _part(self, key: str, given: NDArray[Any], channels_first: bool) -> NDArray[Any]:
@@ -101,10 +101,12 @@ def mirror_of(episodes: Episodes) -> Mirror:
     if problems:
         raise IrsimGymError(f"left and right cannot be exchanged here: {'; '.join(problems)}")
     vectors = {key: _side_by_side(own) for key, own in parts.items()}
-    action = episodes.terms["action"][0].options
-    choices = _mirrored_choices(action) if isinstance(action, DiscreteAction) else np.zeros(0, np.int64)
-    n_components = 0 if choices.size else int(episodes.action_sizes.max())
-    return Mirror(vectors, images, choices, command_exchanged(n_components).signs)
+    action = episodes.terms["action"][0]
+    command = command_exchanged(action)
+    assert isinstance(command, Mirrored), "the reason is among the problems"
+    if isinstance(action.options, DiscreteAction):
+        return Mirror(vectors, images, _mirrored_choices(action, command), signed())
+    return Mirror(vectors, images, np.zeros(0, np.int64), command)
 
 
 def _observed(episodes: Episodes) -> Iterator[tuple[str, Term, int]]:
@@ -136,10 +138,13 @@ def _side_by_side(parts: list[Mirrored]) -> Mirrored:
     return Mirrored(np.concatenate(columns), np.concatenate([part.signs for part in parts]))
 
 
-def _mirrored_choices(action: DiscreteAction) -> Ints:
-    """Return the mirrored choice of each choice."""
-    grid = np.arange(action.n_choices).reshape(action.linear, action.lateral, action.angular)
-    return grid[:, ::-1, ::-1].reshape(-1).copy()
+def _mirrored_choices(action: Term, command: Mirrored) -> Ints:
+    """Return the mirrored choice of each choice, or an empty array if one has none among them."""
+    grid = np.round(action.arrays["grid"][int(action.action_sizes.argmax())], 9) + 0.0
+    known = {tuple(row): k for k, row in enumerate(grid.tolist())}
+    rows = (grid[:, command.columns] * command.signs.astype(np.float64) + 0.0).tolist()
+    found = [known.get(tuple(row), -1) for row in rows]
+    return np.array(found if -1 not in found else [], np.int64)
 
 
 def _of_action(episodes: Episodes) -> Iterator[str]:
@@ -148,24 +153,31 @@ def _of_action(episodes: Episodes) -> Iterator[str]:
     action = episodes.terms["action"][0]
     if is_foreign(kind_of(action)):
         yield f"the action '{action.name}' is a plugin's, and nothing says what it becomes"
-    elif np.any(drives[agents] == OMNI_WORLD) and action.options.frame == "command":
+        return
+    command = command_exchanged(action)
+    if isinstance(command, str):
+        yield f"the action '{action.name}' {command}"
+        return
+    if isinstance(action.options, DiscreteAction) and not _mirrored_choices(action, command).size:
+        yield f"not all choices of the action '{action.name}' have their mirror image among them"
+    if np.any(drives[agents] == OMNI_WORLD) and action.options.frame == "command":
         yield "actions are in the frame of the world ('frame: command')"
     for name, b in zip(episodes.agent_names, agents.tolist(), strict=True):
-        if is_foreign(type(episodes.simulation.scenario.bodies[b].kinematics)):
-            yield f"the drive of '{name}' is a plugin's, and nothing says what its commands become"
-        elif not _has_even_limits(episodes, b):
+        if not _has_even_limits(episodes, b, command):
             yield f"the speed limits of '{name}' to the left and to the right differ"
 
 
-def _has_even_limits(episodes: Episodes, body: int) -> bool:
+def _has_even_limits(episodes: Episodes, body: int, command: Mirrored) -> bool:
     """Return whether a body's limits to the left and to the right are equal in all levels."""
     model, traits = episodes.simulation.model, episodes.simulation.parts.traits
     size = len(episodes.simulation.scenario.bodies[body].kinematics.command_names)
-    low, high = model.velocity_min[0, body, 1:size].copy(), model.velocity_max[0, body, 1:size].copy()
+    low, high = model.velocity_min[0, body, :size].copy(), model.velocity_max[0, body, :size].copy()
     for drawn in traits[(traits["body"] == body) & (traits["n_axes"] > 1) & ~np.isnan(traits["low"])]:
         # A level draws the greatest speed of both axes, and raises lower limits to its negative.
-        low[0], high[0] = max(drawn["least"][1], -drawn["high"]), drawn["high"]
-    return bool(np.allclose(low, -high, rtol=0.0, atol=CLOSE))
+        low[:2], high[:2] = np.maximum(drawn["least"][:2], -drawn["high"]), drawn["high"]
+    columns, signs = command.columns[:size], command.signs[:size]
+    exchanged = np.where(signs > 0, low[columns], -high[columns]), np.where(signs > 0, high[columns], -low[columns])
+    return bool(np.allclose((low, high), exchanged, rtol=0.0, atol=CLOSE))
 
 
 def _of_bodies(episodes: Episodes) -> Iterator[str]:

@@ -206,7 +206,7 @@ def acted_of(team: Team | None) -> Flags:
     if team is None:
         raise TypeError(
             "a masked rollout buffer has to know which slots acted, and this algorithm does not say: "
-            "use sb3.MaskedPPO, sb3.MaskedA2C or irsim_gym.envs.sb3_recurrent.MaskedRecurrentPPO"
+            "use sb3.MaskedPPO, sb3.MaskedA2C or sb3.GruPPO"
         )
     return team.acted
 

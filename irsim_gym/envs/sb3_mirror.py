@@ -112,7 +112,7 @@ def _fits_observations(mirror: Mirror, space: Space[Any], *, channels_first: boo
 def _fits_actions(mirror: Mirror, space: Space[Any]) -> bool:
     if mirror.choices.size:
         return isinstance(space, Discrete) and space.n == mirror.choices.size
-    if not isinstance(space, Box) or space.shape != mirror.action.shape:
+    if not isinstance(space, Box) or space.shape != mirror.action.columns.shape:
         return False
     return bool((space.low == -1.0).all() and (space.high == 1.0).all())
 
@@ -143,7 +143,8 @@ def _equal(one: Mirror, other: Mirror) -> bool:
 
 def _tables(mirror: Mirror) -> dict[tuple[str, str], Any]:
     """Return all arrays of a mirror."""
-    tables = {("action", ""): mirror.action, ("choices", ""): mirror.choices}
+    tables: dict[tuple[str, str], Any] = {("choices", ""): mirror.choices}
+    tables |= {("action", "columns"): mirror.action.columns, ("action", "signs"): mirror.action.signs}
     tables |= {("image", key): columns for key, columns in mirror.images.items()}
     tables |= {("columns", key): part.columns for key, part in mirror.vectors.items()}
     return tables | {("signs", key): part.signs for key, part in mirror.vectors.items()}

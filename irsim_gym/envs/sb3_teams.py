@@ -89,7 +89,7 @@ def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
 
     Args:
         algorithm: SAC, TD3, DQN or another one with a replay buffer. ``MaskedPPO``, ``MaskedA2C`` and
-            ``MaskedRecurrentPPO`` have their own buffers and need no arguments.
+            ``GruPPO`` have their own buffers and need no arguments.
         env: The environment of ``make_multi_agent_vec_env``, with or without wrappers.
 
     Raises:
@@ -101,7 +101,7 @@ def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
     if issubclass(algorithm, OnPolicyAlgorithm):
         raise TypeError(
             f"{algorithm.__name__} cannot tell its buffer which robots acted; use sb3.MaskedPPO, sb3.MaskedA2C or "
-            "irsim_gym.envs.sb3_recurrent.MaskedRecurrentPPO, or derive from one of them"
+            "sb3.GruPPO, or derive from one of them"
         )
     is_dict = isinstance(env.observation_space, Dict)
     return {"replay_buffer_class": MaskedDictReplayBuffer if is_dict else MaskedReplayBuffer}
@@ -129,7 +129,7 @@ class TeamVecEnv(NativeVecEnv):
         acted: Slots whose row of the latest step is experience, ``(n_slots,)``.
         acting: Slots that will act in the next step, ``(n_slots,)``.
         leaves_out_waiting: Whoever steps the environment ignores the rows of idle slots. ``MaskedPPO``, ``MaskedA2C``,
-            ``MaskedRecurrentPPO`` and ``buffers_for`` set it; set it in a loop of your own that reads ``acted``, or
+            ``GruPPO`` and ``buffers_for`` set it; set it in a loop of your own that reads ``acted``, or
             ``idle`` in the infos.
     """
 

@@ -33,6 +33,7 @@ class Ackermann:
 
     only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "steer")
+    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 4
     drive: ClassVar[int] = ACKERMANN
     needs_wheelbase: ClassVar[bool] = True

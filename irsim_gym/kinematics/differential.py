@@ -28,6 +28,7 @@ class Differential:
         ("speed ahead", "m/s"),
         ("turn rate, positive to the left", "rad/s"),
     )
+    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = DIFFERENTIAL
 

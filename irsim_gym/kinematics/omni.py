@@ -24,6 +24,7 @@ class Omni:
 
     only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
+    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 3
 
     frame: Literal["world", "body"] = option(

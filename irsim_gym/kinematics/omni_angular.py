@@ -29,6 +29,7 @@ class OmniAngular:
         ("speed to the left", "m/s"),
         ("turn rate, positive to the left", "rad/s"),
     )
+    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1), (2, -1))
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = OMNI_ANGULAR
 

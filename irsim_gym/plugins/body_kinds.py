@@ -180,7 +180,13 @@ def sensor(name: str, *, size: int = 1) -> Callable[[F], F]:
     return registering(families.SENSORS, name, FunctionSensor, ("ego",), reading=name, size=size)
 
 
-def drive(name: str, *, command: Sequence[str], steer: Callable[..., Any] | None = None) -> Callable[[F], F]:
+def drive(
+    name: str,
+    *,
+    command: Sequence[str],
+    steer: Callable[..., Any] | None = None,
+    mirrored_command: Sequence[tuple[int, int]] = (),
+) -> Callable[[F], F]:
     """Register a function as a drive, to be used as ``kinematics: {name: ...}`` of a body.
 
     It is called as ``f(ego, command, **options)`` for one body of one world at a time: from a command, within the
@@ -194,6 +200,9 @@ def drive(name: str, *, command: Sequence[str], steer: Callable[..., Any] | None
         name: Its name in YAML.
         command: Names of the two or three numbers of a command.
         steer: From a velocity to a command; without it behaviours command the drive only if they name it.
+        mirrored_command: For each number of a command, the number that takes its place where left and right are
+            exchanged, and the sign of that: ``((1, 1), (0, 1))`` for the speeds of a left and a right track. Without
+            it, no policy learns from mirrored rows.
 
     Raises:
         TypeError: The functions' parameters are not as above.
@@ -203,14 +212,17 @@ def drive(name: str, *, command: Sequence[str], steer: Callable[..., Any] | None
     names = tuple(command)
     if isinstance(command, str) or len(names) not in (2, 3):
         raise ValueError(f"kinematics '{name}': command must be two or three names, got {command!r}")
+    given: dict[str, Any] = {"command_names": names}
+    if mirrored_command:
+        given["mirrored_command"] = tuple(map(tuple, mirrored_command))
     if steer is None:
-        return registering(families.KINEMATICS, name, FunctionDrive, ("ego", "command"), command_names=names)
+        return registering(families.KINEMATICS, name, FunctionDrive, ("ego", "command"), **given)
     parameters = function_parameters("steer of kinematics", name, steer)
     taken = tuple(one.name for one in parameters if one.kind is one.KEYWORD_ONLY)
     plain = [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
     if len(plain) != 2 or len(plain) + len(taken) != len(parameters):
         raise TypeError(f"steer of kinematics '{name}': the parameters must be ego, velocity, a '*', and the options")
-    given = {"command_names": names, "steering": staticmethod(steer), "steer_options": taken}
+    given |= {"steering": staticmethod(steer), "steer_options": taken}
     register = registering(families.KINEMATICS, name, FunctionSteeredDrive, ("ego", "command"), **given)
 
     def check_and_register(function: F) -> F:

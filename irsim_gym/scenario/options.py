@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import copyreg
 import inspect
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -11,6 +12,8 @@ from typing import Any, TypeVar, cast, dataclass_transform
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 from pydantic.fields import FieldInfo
+
+from irsim_gym import families
 
 OPTIONS_CONFIG = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
@@ -114,6 +117,15 @@ def kind_of_function(
     return make_kind(family, name, function, base, options, takes_more=takes_more, **members)
 
 
+class MadeKind(type):
+    """The class of kinds that are made from functions. No module has them, so pickles hold their family and name."""
+
+    registered: tuple[str, str]
+
+
+copyreg.pickle(MadeKind, lambda made: (families.kind_named, made.registered))
+
+
 def make_kind(
     family: str,
     name: str,
@@ -133,7 +145,7 @@ def make_kind(
         **members: Further members of the class, such as ``function``.
     """
     words = [*name.split("_"), family.split()[-1]]
-    made = type(
+    made = MadeKind(
         "".join(word.capitalize() for word in words),
         (base,),
         {
@@ -142,6 +154,7 @@ def make_kind(
             "__annotations__": {key: hint for key, (hint, _) in options.items()},
             **{key: declared for key, (_, declared) in options.items()},
             "called": f"{family} '{name}'",
+            "registered": (family, name),
             **members,
         },
     )

@@ -12,6 +12,8 @@ from irsim_gym.scenario.source import Place
 from irsim_gym.tasks.layers import Merged
 from irsim_gym.tasks.outcome import Outcome
 
+ROUNDING = 1e-9
+"""Largest difference of sums of weights that counts as none."""
 Terms = Mapping[str, list[tuple[Place, Any]]]
 
 
@@ -37,9 +39,9 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
     """Report rewards that a learner would exploit.
 
     The roles of kinds and weights >= 0 ensure that a reward is positive only as a difference of potentials or as the
-    bonus for success. In addition, the running cost of a whole episode must be less than the penalty for each failure
+    bonus for success. In addition, the running cost of a whole episode must not exceed the penalty for each failure
     that ends it. Otherwise an early crash or escape would be the best policy for a learner that finds no way to the
-    goal.
+    goal. With equal costs it is not, because a crash is paid beside what the steps before it cost.
 
     Args:
         terms: The terms by family, with their places.
@@ -54,9 +56,9 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
             continue
         amounts = [(one, _least(one, ending)) for one in rewards if _pays_for(one, ending.outcome)]
         penalty = sum(amount for _, amount in amounts)
-        if sharing.own * penalty > cost:
+        if sharing.own * penalty >= cost - ROUNDING:
             continue
-        culprit: Place = ("team_reward",) if penalty > cost else place
+        culprit: Place = ("team_reward",) if penalty >= cost - ROUNDING else place
         made = _penalty_parts(amounts, sharing)
         message = (
             f"an episode that ends as '{ending_for(ending.outcome)}' costs {sharing.own * penalty:g}{made}, "

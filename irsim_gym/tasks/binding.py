@@ -16,6 +16,7 @@ from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, 
 from irsim_gym.tasks.term_contract import check_bound, checked_bounds
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, WorldContext
+from irsim_gym.world.kinds import NamesCommand
 from irsim_gym.world.model import OMNI_WORLD, ROBOT
 
 Parts = tuple[tuple[str, Rays, Rays], ...]
@@ -56,8 +57,7 @@ def _action_words(simulation: Simulation, task: Task, body: int) -> Words:
     drive = simulation.scenario.bodies[body].kinematics
     if simulation.model.drive[body] == OMNI_WORLD and getattr(task.action, "frame", "command") == "body":
         return AHEAD_AND_LEFT
-    words: Words = getattr(drive, "command_words", tuple((name, "") for name in drive.command_names))
-    return words
+    return drive.command_words if isinstance(drive, NamesCommand) else tuple((name, "") for name in drive.command_names)
 
 
 def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[Parts, Flags]:

@@ -8,7 +8,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.families import KINEMATICS
 from irsim_gym.tasks.term import Term
+from irsim_gym.world.kinds import MirrorsCommand
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,20 @@ def unchanged(width: int) -> Mirrored:
     return signed(*[1.0] * width)
 
 
-def command_exchanged(n_components: int) -> Mirrored:
-    """Return the components of a command; all but the first point or turn to one side, and change their signs."""
-    return signed(*[1.0, *[-1.0] * n_components][:n_components])
+def command_exchanged(term: Term) -> Mirrored | str:
+    """Return the components of a command as the agents' drives say, or why they have no mirror."""
+    assert term.bodies is not None, "whoever makes a term by hand has to give it bodies"
+    assert term.bodies.context is not None, "binding gives it"
+    drives = [term.bodies.context.bodies[int(b)].kinematics for b in term.agents]
+    unknown = [drive for drive in drives if not isinstance(drive, MirrorsCommand)]
+    if unknown:
+        name = KINEMATICS.name_of(type(unknown[0]))
+        return f"is of commands, and the drive '{name}' does not say what they become (it has no 'mirrored_command')"
+    ways = [drive.mirrored_command for drive in drives]
+    longest = max(ways, key=len)
+    if any(way != longest[: len(way)] for way in ways):
+        return "is of commands of drives that are mirrored in different ways"
+    return Mirrored(np.array([place for place, _ in longest]), np.array([sign for _, sign in longest], np.float32))
 
 
 def sectors_exchanged(count: int, times: int = 1) -> Mirrored:

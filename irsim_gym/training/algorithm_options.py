@@ -39,6 +39,9 @@ class RunKeys:
 
     n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
     n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")
+    until: float | None = option(
+        None, gt=0.0, le=100.0, unit="%", meaning="Success on dev levels at which a checkpoint ends the run."
+    )
     team: Literal["episode", "respawn"] | None = option(
         None,
         meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn).",
@@ -119,7 +122,3 @@ class PolicyKeys:
     n_critics: int = option(ge=1, meaning="Number of critics.")
     n_quantiles: int = option(ge=1, meaning="Number of quantiles per critic.")
     memory_size: int = option(ge=1, meaning="Length of the memory of gru_ppo.")
-    lstm_hidden_size: int = option(ge=1, meaning="Width of the LSTM.")
-    n_lstm_layers: int = option(ge=1, meaning="Number of layers of the LSTM.")
-    shared_lstm: bool = option(meaning="Actor and critic share the LSTM.")
-    enable_critic_lstm: bool = option(meaning="Give the critic its own LSTM.")

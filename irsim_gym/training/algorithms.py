@@ -106,8 +106,6 @@ def _listed() -> Iterator[Algorithm]:
     yield Algorithm("dqn", "stable_baselines3", "DQN", frozenset({DISCRETE}))
     yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked, has_critic=True)
     yield Algorithm("gru_ppo", "irsim_gym.envs.sb3_gru", "GruPPO", _BOTH, policy_suffix="Gru", has_critic=True)
-    recurrent = "irsim_gym.envs.sb3_recurrent"
-    yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, recurrent, "Lstm")
     yield Algorithm("appo", "stable_baselines3", "PPO", _BOTH, masked, engine="rllib")
 
 

@@ -25,28 +25,32 @@ def check_files(files: Sequence[str], reading: ReadOptions) -> bool:
         files: Scenario files or shipped names.
         reading: How the files are read. The child process that runs them imports the same plugins.
     """
-    read: dict[str, Read] = {}
+    read: dict[str, Read | None] = {}  # None: it is played for further problems, beside those of its task
     failures: dict[str, str] = {}
     for file in dict.fromkeys(files):
         try:
             scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
+            read[file] = None
             read[file] = scenario, *fitting_task(scenario, reading.task, team=reading.team)
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
     played = try_files(list(read), reading) if read else {}
-    failures |= {file: one.failure for file, one in played.items() if one.failure}
-    for file, (scenario, *_) in read.items():
-        alone = not reading.team and reading.task is None
-        if file in failures and alone and (blocked := blocked_start(scenario)):
+    for file, one in played.items():
+        if one.failure:
+            failures[file] = f"{failures[file]}\n{one.failure}" if file in failures else one.failure
+    alone = not reading.team and reading.task is None
+    for file, known in read.items():
+        if known is not None and file in failures and alone and (blocked := blocked_start(known[0])):
             del failures[file]
-            read[file] = scenario, None, blocked
+            read[file] = known[0], None, blocked
     for file in files:
-        if file in failures:
+        found = read.get(file)
+        if file in failures or found is None:
             print(failures[file], file=sys.stderr)
-            for note in _task_notes(*read[file][:2]) if file in read else []:
+            for note in _task_notes(*found[:2]) if found is not None else []:
                 print(f"  note: {note.path}: {note.message}", file=sys.stderr)
         else:
-            _describe(file, read[file], played[file].notes, reading)
+            _describe(file, found, played[file].notes, reading)
     return not failures
 
 

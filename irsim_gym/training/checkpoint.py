@@ -38,6 +38,8 @@ from irsim_gym.training.environment import worlds_state
 
 EPISODE_STATE = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
 """Attributes of a model that belong to the current episodes, which a policy does not need."""
+MEMORY = "last_memory"
+"""Attribute of a model that holds the memory of its policy."""
 
 
 def save_checkpoint(
@@ -107,12 +109,7 @@ def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
 def restore_memories(model: BaseAlgorithm, state: dict[str, Any]) -> None:
     """Restore a recurrent policy's memory of the current episodes."""
     if state.get("memories") is not None:
-        setattr(model, _memory_name(model), _to_device(state["memories"], model.device))
-
-
-def _memory_name(model: BaseAlgorithm) -> str:
-    """Return the attribute of a model that holds the memory of a recurrent policy."""
-    return "last_memory" if hasattr(model, "last_memory") else "_last_lstm_states"
+        setattr(model, MEMORY, _to_device(state["memories"], model.device))
 
 
 def _state(model: BaseAlgorithm) -> dict[str, Any]:
@@ -120,7 +117,7 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     assert env is not None, "a model in training has an environment"
     return {
         "worlds": worlds_state(env),
-        "memories": _to_device(getattr(model, _memory_name(model), None), torch.device("cpu")),
+        "memories": _to_device(getattr(model, MEMORY, None), torch.device("cpu")),
         "random": {
             "python": random.getstate(),
             "numpy": np.random.get_state(),  # noqa: NPY002

@@ -10,6 +10,8 @@ from pathlib import Path
 POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
 STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
 PARTIAL = ".partial"
+OFF_POLICY = ("sac", "td3", "tqc", "dqn")
+"""Algorithms with a replay buffer; each is also the name of the module with its policy classes."""
 
 
 @dataclass

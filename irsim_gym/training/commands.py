@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from irsim_gym.extras import require
 from irsim_gym.scenario.notes import doubts, notes
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation
+from irsim_gym.training.extension import extend
 from irsim_gym.training.folders import check_free, evaluation_folder, free_file, has_results
 from irsim_gym.training.inputs import check_folder, check_inputs
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
@@ -42,6 +44,7 @@ def run_training(
     overwrite: bool = False,
     dev_levels: int = 1000,
     address: str | None = None,
+    more_steps: int | None = None,
 ) -> Run:
     """Train a policy, score the checkpoints, print the results, and return the run.
 
@@ -51,22 +54,25 @@ def run_training(
         overwrite: Replace the run in the folder.
         dev_levels: Number of ``dev`` levels on which each checkpoint is scored; 0 for no scores.
         address: Address of a Ray cluster, for a run with RLlib; None for this machine.
+        more_steps: With ``resume``, let a finished run go on for so many steps; None to leave it as it is.
     """
     require("train" if request.engine is None else "rllib", "irsim-gym train")
     from irsim_gym.training.train import train
 
-    if resume and overwrite:
-        raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
-    check_request(request, lambda: check_folder(out))
+    check_request(request, lambda: check_folder(out), partial(_check_ways, resume, overwrite, more_steps))
     console = Console(stderr=True)
     settings = request.settings()
     folder, remark = (out, "") if out is not None else request.choose_folder(settings, resume, overwrite)
     run = Run(folder)
     continued = resume and run.exists()
+    if more_steps is not None:
+        replace(request, until=None).resumed_settings(run, settings)
+        console.print(extend(run, more_steps, request.until), **PLAIN)
     if continued:
         settings = request.resumed_settings(run, settings)
     elif resume:
         console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
+    until = _checked_until(settings, dev_levels)
     check_level_files(run.own_settings() if continued else settings, {"dev": dev_levels})
     if remark:
         console.print(remark, **PLAIN)
@@ -76,8 +82,7 @@ def run_training(
     for line in (f"training {what}{after}, in {run.folder}", *(f"note: {note}" for note in remarks)):
         console.print(line, **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
-    how["address"] = address
-    how["log"] = request.log
+    how |= {"address": address, "on_checkpoint": until and partial(is_enough, until, dev_levels)}
     try:
         with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
@@ -86,14 +91,39 @@ def run_training(
             f"{stop}. To continue, run the same command with --resume.", stop.signal
         ) from None
     if dev_levels:
-        with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
-            points = score_run(run, levels=dev_levels, console=console)
-        print_table(table := marks_table(points))
-        print(legend([table]))
-        for line in _verdict_lines(run, points[-1]):
-            console.print(line, **PLAIN)
+        _show_scores(run, dev_levels, console)
     print(f"policy: {run.policy}")
     return run
+
+
+def _show_scores(run: Run, dev_levels: int, console: Console) -> None:
+    """Score the checkpoints of a finished run, and print the table and the verdict."""
+    with ctrl_c_as_error("the training is finished, but its scoring is not: run the same command to continue."):
+        points = score_run(run, levels=dev_levels, console=console)
+    print_table(table := marks_table(points))
+    print(legend([table]))
+    for line in _verdict_lines(run, points[-1]):
+        console.print(line, **PLAIN)
+
+
+def _check_ways(resume: bool, overwrite: bool, more_steps: int | None) -> None:
+    if resume and overwrite:
+        raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
+    if more_steps is not None and not resume:
+        raise IrsimGymError("--more-steps lets a finished run go on: pass --resume too")
+
+
+def _checked_until(settings: Settings, dev_levels: int) -> float | None:
+    until = settings.hyperparameters.until
+    if until is not None and not dev_levels:
+        raise IrsimGymError("until is a success on dev levels: --dev-levels must be at least 1")
+    return until
+
+
+def is_enough(until: float, levels: int, run: Run) -> bool:
+    """Return whether a run's newest checkpoint has reached a success on ``levels`` ``dev`` levels [%]."""
+    point = score_run(run, levels=levels, console=Console(quiet=True), picture=False)[-1]
+    return 100.0 * point["success"] >= until
 
 
 def _notes(settings: Settings) -> Iterator[str]:

@@ -25,11 +25,9 @@ PACKAGES = (
 """Packages whose versions a bug report should name."""
 OPTIONAL = {
     "train": "train, demo, policies export; evaluate and record with a policy.zip",
-    "contrib": "train --algorithm tqc, recurrent_ppo",
+    "contrib": "train --algorithm tqc",
     "tune": "tune",
     "rllib": "train --engine rllib, sweep",
-    "wandb": "train --log wandb",
-    "mlflow": "train --log mlflow",
     "play": "play, faster keys",
 }
 """Commands that need an extra, by extra."""

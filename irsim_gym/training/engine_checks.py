@@ -36,12 +36,13 @@ def check_engine(settings: Settings) -> None:
         "curriculum": wanted.curriculum,
         "mirror": wanted.mirror or None,
         "clone": wanted.clone,
+        "until": wanted.until,
     }
     unknown += [name for name, value in own.items() if value is not None]
     if unknown:
         raise IrsimGymError(
             f"--engine rllib cannot pass on {', '.join(unknown)} to {settings.algorithm}; it takes "
-            f"{', '.join(sorted(known))}: leave the others out of the file of --hyperparameters"
+            f"{', '.join(sorted(known))}: leave out the others, or set them to null"
         )
     if wanted.device not in ("cpu", "auto"):
         raise IrsimGymError(f"device {wanted.device}: with --engine rllib, --learner-gpus says where it learns")

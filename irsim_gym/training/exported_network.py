@@ -103,8 +103,6 @@ def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> 
 def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
     """Return the features extractor of the actor, the steps after it, and how their output becomes an action."""
     policy: Any = model.policy
-    if getattr(policy, "lstm_hidden_state_shape", None) is not None:
-        raise UnfitNetworkError("policies with an LSTM cannot be exported: of those with memory, gru_ppo's can")
     if hasattr(policy, "q_net"):
         return policy.q_net.features_extractor, list(_steps(policy.q_net.q_net)), "argmax"
     actor = getattr(policy, "actor", None)

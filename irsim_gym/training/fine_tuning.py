@@ -21,7 +21,6 @@ from irsim_gym.training.run import Settings
 SHAPES = (
     *("net_arch", "activation_fn", "features_extractor_kwargs", "share_features_extractor", "full_std"),
     *("n_critics", "n_quantiles", "memory_size"),
-    *("lstm_hidden_size", "n_lstm_layers", "shared_lstm", "enable_critic_lstm"),
 )
 """Arguments of a policy that determine the shapes of the weights, or what the networks compute."""
 

@@ -6,14 +6,16 @@ import functools
 import inspect
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError, nearest, suggestion
+from irsim_gym.errors import IrsimGymError, ScenarioError, nearest, suggestion
+from irsim_gym.scenario.composer import Fatal, compose
 from irsim_gym.scenario.expressions import evaluate
 from irsim_gym.scenario.messages import choices, show
 from irsim_gym.scenario.options import option_fields
-from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.source import Place, Source
 from irsim_gym.scenario.validation import Report, read_field
 from irsim_gym.training.algorithm_options import (
     ACTIVATIONS,
@@ -38,9 +40,9 @@ _DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
 
 
 def read_hyperparameters(
-    file: Path, algorithm: Algorithm, environment_id: str, task: str | None, given: Iterable[str]
+    file: Path, algorithm: Algorithm, environment_id: str, task: str | None, below: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the hyper-parameters of a file for an environment and a task.
+    """Return the hyper-parameters of a file for an environment and a task, laid over others.
 
     The entry of the environment overrides ``default``, and the entry ``ID/TASK`` overrides both.
 
@@ -49,7 +51,7 @@ def read_hyperparameters(
         algorithm: The algorithm that the file is for.
         environment_id: Name of the environment's entry.
         task: Name of the task; None for the scenario's own, which has no entry.
-        given: Keys that are set elsewhere, so that the file does not need them.
+        below: Values that those of the file replace, key by key.
 
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
@@ -60,14 +62,48 @@ def read_hyperparameters(
         report.add((), f"must be a mapping with the entry '{DEFAULT}', got {show(report.source.data)}")
     names = [DEFAULT, environment_id] if task is None else [DEFAULT, environment_id, f"{environment_id}/{task}"]
     found = [name for name in names if name in entries]
-    chosen = {key: value for name in found for key, value in entries[name].items()}
+    chosen = {**below, **{key: value for name in found for key, value in entries[name].items()}}
     if not report.problems:
-        required = [name for name, info in option_fields(RunKeys).items() if info.is_required()]
-        for name in (name for name in required if name not in chosen and name not in given):
-            report.add((DEFAULT, name), "is required")
         _check_together(chosen, algorithm, found[-1] if found else DEFAULT, report)
     report.check()
     return chosen
+
+
+def change_hyperparameters(
+    chosen: Mapping[str, Any], changes: Mapping[str, object], algorithm: Algorithm
+) -> dict[str, Any]:
+    """Return hyper-parameters with single changes, as ``--hp KEY=VALUE`` gives them.
+
+    Args:
+        chosen: The hyper-parameters.
+        changes: Values, text as YAML, by key; a dotted key such as ``policy_kwargs.net_arch`` is inside of a mapping.
+        algorithm: The algorithm that they are for.
+
+    Raises:
+        ScenarioError: If a change is invalid. The message lists every problem.
+    """
+    changed, report = dict(chosen), Report(Source("--hp", {}))
+    for key, value in changes.items():
+        try:
+            changed = with_value(changed, key, compose(value).data if isinstance(value, str) else value)
+        except Fatal as error:
+            report.add((DEFAULT, key), f"{error}: got {show(value)}")
+    keys = dict.fromkeys(key.split(".")[0] for key in changes)
+    values = _entry(DEFAULT, {key: changed[key] for key in keys if key in changed}, algorithm, report)
+    if not report.problems:
+        _check_together({**changed, **values}, algorithm, DEFAULT, report)
+    if report.problems:
+        own = [replace(one, path=one.path.removeprefix(f"{DEFAULT}.")) for one in report.problems]
+        raise ScenarioError("--hp", own)
+    return {**changed, **values}
+
+
+def with_value(data: Mapping[str, Any], key: str, value: object) -> dict[str, Any]:
+    """Return a copy of nested mappings in which a dotted key has the given value."""
+    first, _, rest = key.partition(".")
+    inner = data.get(first)
+    own = with_value(inner if isinstance(inner, Mapping) else {}, rest, value) if rest else value
+    return {**data, first: own}
 
 
 def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> dict[str, Any]:

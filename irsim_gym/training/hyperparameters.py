@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.training.algorithm_options import ACTIVATIONS
 from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.hyperparameter_files import read_hyperparameters
+from irsim_gym.training.hyperparameter_files import change_hyperparameters, read_hyperparameters
 
 TEAM_MODES = ("episode", "respawn")
 CURRICULA = ("learnability",)
@@ -39,6 +39,7 @@ class Hyperparameters:
     Attributes:
         n_timesteps: Steps of the whole run, over all worlds and robots, including robots that wait.
         n_envs: Number of worlds in the batch.
+        until: Success on ``dev`` levels [%] at which a checkpoint ends the run; None to take all steps.
         team: Team mode: robots whose episode has ended wait for their world, ``"episode"``, or restart,
             ``"respawn"``; see ``envs.sb3.make_multi_agent_vec_env``. None for a single learner.
         curriculum: ``"learnability"``, see ``sb3.LearnabilityCallback``; None for no curriculum.
@@ -56,6 +57,7 @@ class Hyperparameters:
 
     n_timesteps: int
     n_envs: int
+    until: float | None = None
     team: str | None = None
     curriculum: str | None = None
     mirror: bool = False
@@ -137,6 +139,7 @@ def load_hyperparameters(
     task: str | None = None,
     images: bool = False,
     file: Path | None = None,
+    changes: Mapping[str, object] | None = None,
     overrides: Mapping[str, object] | None = None,
 ) -> Hyperparameters:
     """Read the hyper-parameters of an algorithm for an environment.
@@ -148,18 +151,18 @@ def load_hyperparameters(
         task: Name of the task, which may have an entry of its own; None for the scenario's own task.
         images: Whether observations contain images. The shipped file is then ``ALGORITHM_images.yaml``, if there is
             one, and ``device`` defaults to ``"auto"``.
-        file: Path of a hyper-parameter file; None for the shipped one.
-        overrides: Values that replace those of the file.
+        file: Path of a hyper-parameter file that is laid over the shipped one; None for none.
+        changes: Single changes to both, as text by key, see ``change_hyperparameters``.
+        overrides: Values that replace all others.
 
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
         UnknownNameError: If there is no such algorithm.
         IrsimGymError: If the algorithm is not installed.
     """
-    given = dict(overrides or {})
-    stated = stated_hyperparameters(algorithm, environment_id, task=task, images=images, file=file, given=given)
+    stated = stated_hyperparameters(algorithm, environment_id, task=task, images=images, file=file, changes=changes)
     usual = {"device": "auto"} if images else {}
-    return Hyperparameters.from_plain({**usual, **stated, **given})
+    return Hyperparameters.from_plain({**usual, **stated, **(overrides or {})})
 
 
 def stated_hyperparameters(
@@ -169,20 +172,24 @@ def stated_hyperparameters(
     task: str | None = None,
     images: bool = False,
     file: Path | None = None,
-    given: Iterable[str] = (),
+    changes: Mapping[str, object] | None = None,
 ) -> dict[str, Any]:
-    """Return the plain values of a hyper-parameter file for an environment; see ``load_hyperparameters``.
+    """Return the plain values of hyper-parameters for an environment; see ``load_hyperparameters``.
 
     Args:
         environment_id: Id of the environment, whose entry overrides the defaults.
         task: Name of the task, whose entry overrides both; None for the scenario's own.
         images: Whether observations contain images.
-        file: Path of a hyper-parameter file; None for the shipped one.
-        given: Keys that are set elsewhere, so that the file does not need them.
+        file: Path of a hyper-parameter file that is laid over the shipped one; None for none.
+        changes: Single changes to both, as text by key.
     """
     chosen = find_algorithm(algorithm)
     chosen.load()
-    return read_hyperparameters(file or _shipped(algorithm, images), chosen, environment_id, task, given)
+    stated: dict[str, Any] = {}
+    for layer in (_shipped(algorithm, images), file):
+        if layer is not None:
+            stated = read_hyperparameters(layer, chosen, environment_id, task, stated)
+    return change_hyperparameters(stated, changes, chosen) if changes else stated
 
 
 def _shipped(algorithm: str, images: bool) -> Path:

@@ -22,9 +22,16 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, MirrorCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.checkpoint_files import NORMALIZATION, POLICY, REPLAY_BUFFER, RunProgress, load_progress
+from irsim_gym.training.checkpoint_files import (
+    NORMALIZATION,
+    POLICY,
+    REPLAY_BUFFER,
+    RunProgress,
+    load_progress,
+    newest_checkpoint,
+)
 from irsim_gym.training.environment import build_environment, restore_worlds
-from irsim_gym.training.run import Settings
+from irsim_gym.training.run import Run, Settings
 
 
 def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
@@ -119,6 +126,24 @@ def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
     size = env.action_space.shape
     assert size is not None
     return NormalActionNoise(np.zeros(size, np.float32), np.full(size, deviation, np.float32))
+
+
+def check_finite(run: Run, settings: Settings, model: BaseAlgorithm) -> None:
+    """Check that the weights of the networks are finite, and the standard deviations of actions finite and positive.
+
+    Raises:
+        IrsimGymError: They are not. The message names the newest checkpoint, whose numbers are.
+    """
+    logarithms = [one for name, one in model.policy.named_parameters() if name == "log_std"]
+    deviations = [part for one in logarithms for part in (one.exp(), (-one).exp())]
+    if all(bool(torch.isfinite(one).all()) for one in (*model.policy.parameters(), *deviations)):
+        return
+    newest, rate = newest_checkpoint(run.checkpoints), settings.hyperparameters.arguments.get("learning_rate")
+    kept = f"the newest checkpoint is kept, --from {newest} starts there" if newest else "there is no checkpoint yet"
+    raise IrsimGymError(
+        f"the training has diverged after {model.num_timesteps:,} steps, its networks are not finite: take a smaller "
+        f"learning_rate (it was {rate}) or max_grad_norm; {kept}"
+    )
 
 
 def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallback | None:

@@ -22,11 +22,11 @@ LOG_ROWS = 200
 
 
 class StopLearningError(Exception):
-    """Raised between two updates, after writing a checkpoint, to stop the learning."""
+    """Raised between two updates, after writing a checkpoint, to end the learning."""
 
 
 class StopRequest:
-    """A request to stop by Ctrl-C or SIGTERM. A second signal stops at once.
+    """A request to stop by Ctrl-C, SIGTERM or SIGHUP. A second signal stops at once.
 
     Attributes:
         signal: Number of the signal; None before the first one.
@@ -37,11 +37,12 @@ class StopRequest:
 
     @contextmanager
     def listening(self) -> Iterator[StopRequest]:
-        """Handle Ctrl-C and SIGTERM. Does nothing outside the main thread."""
+        """Handle these signals, but those that are ignored, as ``nohup`` does. Does nothing outside the main thread."""
         if threading.current_thread() is not threading.main_thread():
             yield self
             return
-        kinds = (signal.SIGINT, signal.SIGTERM)
+        known = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        kinds = [kind for kind in known if signal.getsignal(kind) != signal.SIG_IGN]
         before = {kind: signal.signal(kind, self._handle) for kind in kinds}
         try:
             yield self

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
@@ -38,6 +39,8 @@ else:
     Source = object
 """Types that ``load_policy`` accepts."""
 
+MOST_WEIGHTS = 1_000_000
+"""Largest number of weights of a network that runs on one thread of PyTorch."""
 CHUNK = 64
 """Number of rows of each forward pass. It is constant, because rounding depends on the size of a batch."""
 
@@ -117,22 +120,40 @@ class SavedPolicy:
             is_lone = has_critic_parts(space) and not isinstance(seen, dict)
             seen = self.normalization.normalize_obs({lone_name(space): seen} if is_lone else seen)
         if self._shape is None:
-            return self.model.predict(seen, deterministic=True)[0][:count]
+            with torch_threads(self.model):
+                return self.model.predict(seen, deterministic=True)[0][:count]
         memory = np.zeros((*self._memory.shape[:2], CHUNK, self._shape[2]), np.float32)
         memory[:, :, :count] = self._memory[:, :, slots]
         kept: Any
-        actions, kept = self.model.predict(seen, tuple(memory), deterministic=True)
+        with torch_threads(self.model):
+            actions, kept = self.model.predict(seen, tuple(memory), deterministic=True)
         self._memory[:, :, slots] = np.stack(kept)[:, :, :count]
         return actions[:count]
+
+
+@contextmanager
+def torch_threads(model: BaseAlgorithm | ShelfPolicy) -> Iterator[None]:
+    """Let PyTorch use one thread for a small network: several wait for each other longer than they work."""
+    torch = sys.modules.get("torch")
+    if torch is None or not is_model(model) or sum(one.numel() for one in model.policy.parameters()) > MOST_WEIGHTS:
+        yield
+        return
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 def memory_shape(model: BaseAlgorithm | ShelfPolicy) -> tuple[int, int, int] | None:
     """Return the shape of a policy's memory, ``(n_arrays, n_layers, width)``; None for a policy without memory."""
     if isinstance(model, ShelfPolicy):
         return model.memory_shape
-    lstm = getattr(model.policy, "lstm_hidden_state_shape", None)
+    if hasattr(model.policy, "lstm_hidden_state_shape"):
+        raise UnfitPolicyError("a model of sb3-contrib's recurrent PPO is not driven here: take sb3.GruPPO")
     found: tuple[int, int, int] | None = getattr(model.policy, "memory_shape", None)
-    return found if lstm is None else (2, lstm[0], lstm[2])
+    return found
 
 
 def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:

@@ -67,25 +67,18 @@ def _methods(request: TrainingRequest) -> Iterator[Check]:
         yield partial(Hyperparameters.from_plain, {**LEAST, name: value})
     if request.device is not None:
         yield partial(check_device, request.device)
-    if request.hyperparameters is not None:
+    if request.hyperparameters is not None or request.changes:
         yield partial(_read_hyperparameters, request)
     if request.origin is not None:
         yield partial(check_trained, request.origin)
-    yield from (partial(_check_log, name) for name in request.log)
 
 
 def _read_hyperparameters(request: TrainingRequest) -> None:
     """Read the file of hyper-parameters; without a known algorithm, only as YAML."""
-    assert request.hyperparameters is not None
     algorithm = request.algorithm or ("ppo" if request.origin is None else None)
     if algorithm not in ALGORITHMS:
-        read_file(request.hyperparameters)
+        if request.hyperparameters is not None:
+            read_file(request.hyperparameters)
         return
-    chosen: dict[str, Any] = {"file": request.hyperparameters, "overrides": request.overrides}
+    chosen: dict[str, Any] = {"file": request.hyperparameters, "changes": request.changes}
     load_hyperparameters(str(algorithm), environment_id(request.scenario), task=request.task_name, **chosen)
-
-
-def _check_log(name: str) -> None:
-    from irsim_gym.envs.sb3_trackers import find_tracker
-
-    find_tracker(name)

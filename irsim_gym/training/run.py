@@ -28,12 +28,7 @@ from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, sn
 
 SEED_STRIDE = 1_000_000
 """Distance between the first levels of consecutive seeds."""
-TRACKING = "tracking.json"
-"""File with the ids of the run at tracking services."""
-FILES = (
-    *("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", TRACKING),
-    "config.json",
-)
+FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
 """Files that a run writes, each first to a temporary file. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
 """Folders that a run writes."""
@@ -208,6 +203,11 @@ class Run:
             also.write(self.copy / str(k))
             copied.setdefault("also", []).append({"folder": str(k), "file": also.file, "sha256": also.digest})
         write_json(self.config, {"settings": settings.to_plain(), "copy": copied, "machine": machine()})
+
+    def change(self, settings: Settings) -> None:
+        """Replace the settings on disk; what else stands in ``config.json`` remains."""
+        content = json.loads(self.config.read_text(encoding="utf-8"))
+        write_json(self.config, {**content, "settings": settings.to_plain()})
 
     def snapshot(self) -> Snapshot | None:
         """Return the snapshot of the scenario and its task from the start of the run; None if the run has no copy."""

@@ -13,11 +13,8 @@ from stable_baselines3.common.vec_env import VecNormalize
 from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.checkpoint_files import NORMALIZATION
+from irsim_gym.training.checkpoint_files import NORMALIZATION, OFF_POLICY
 from irsim_gym.training.trusted import harmless_objects, load_pickle
-
-OFF_POLICY = ("sac", "td3", "tqc", "dqn")
-"""Algorithms whose name is that of the module with their policy classes."""
 
 
 def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:
@@ -41,7 +38,7 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
     if module == GruPolicy.__module__:
         return find_algorithm("gru_ppo").load()
     if "recurrent" in module:
-        return find_algorithm("recurrent_ppo").load()
+        raise IrsimGymError(f"{path}: policies of sb3-contrib's recurrent PPO are not read; take gru_ppo")
     off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)
     return find_algorithm(off_policy or ("ppo" if "clip_range" in data else "a2c")).load()
 

@@ -181,14 +181,6 @@ def value_of(data: Mapping[str, Any], key: str) -> Any:
     return found
 
 
-def with_value(data: Mapping[str, Any], key: str, value: object) -> Values:
-    """Return a copy of nested mappings in which a dotted key has the given value."""
-    first, _, rest = key.partition(".")
-    inner = data.get(first)
-    own = with_value(inner if isinstance(inner, Mapping) else {}, rest, value) if rest else value
-    return {**data, first: own}
-
-
 def shipped_space(algorithm: str) -> Path:
     """Return the file of the shipped search space of an algorithm.
 

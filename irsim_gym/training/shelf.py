@@ -178,28 +178,6 @@ def card_of(source: str | Path) -> PolicyCard | None:
     return read_card(file) if file.suffix == SUFFIX and file.is_file() else None
 
 
-def load_policy(source: str | Path) -> ShelfPolicy:
-    """Return a trained policy with ``predict``, as models of Stable-Baselines3 have it; it needs no PyTorch.
-
-    Args:
-        source: Name of a shipped policy (``irsim-gym policies list``), or a file that ``irsim-gym policies export``
-            has written.
-
-    Raises:
-        UnknownNameError: There is none of that name.
-        IrsimGymError: The file is no policy, or it is that of a run, which has to be exported.
-    """
-    path = Path(source)
-    if path.suffix == SUFFIX:
-        return read_policy(path)
-    if str(source) not in shelf_files() and (path.suffix or len(path.parts) > 1 or path.exists()):
-        raise IrsimGymError(
-            f"{source}: irsim_gym.load_policy reads {SUFFIX} files and the names of shipped policies; make a file of a "
-            f"run or its policy.zip with irsim-gym policies export {source} NAME"
-        )
-    return read_policy(shelf_file(str(source)))
-
-
 def read_policy(file: Path) -> ShelfPolicy:
     """Return the policy in a file. No code of the file runs: it is numbers, and text that is read as JSON.
 

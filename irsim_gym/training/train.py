@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,7 @@ from irsim_gym.sb3 import LogCallback
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
+    REPLAY_BUFFER,
     RunProgress,
     list_checkpoints,
     load_progress,
@@ -32,12 +33,18 @@ from irsim_gym.training.fine_tuning import copy_weights
 from irsim_gym.training.folders import check_replaceable, setting_differences
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
-from irsim_gym.training.models import curriculum_of, mirror_callback, new_model, resolve_device, restored_model
+from irsim_gym.training.models import (
+    check_finite,
+    curriculum_of,
+    mirror_callback,
+    new_model,
+    resolve_device,
+    restored_model,
+)
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import FILES, Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
-from irsim_gym.training.tracking import begin_log, make_log
 
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
@@ -52,7 +59,6 @@ def train(
     console: Console | None = None,
     on_checkpoint: Callable[[Run], object] | None = None,
     address: str | None = None,
-    log: Sequence[str] = (),
 ) -> Run:
     """Train a policy, and write checkpoints, logs and the final policy to ``folder``.
 
@@ -67,13 +73,14 @@ def train(
         device: Device of the networks for this call; None for that of the settings.
         console: Console for the progress; None for standard error.
         on_checkpoint: Function that is called after each checkpoint but the last. Its time does not count as training
-            time, and it does not affect the result. If it raises, the run stops unfinished.
+            time, and it does not affect the result, unless it returns True: then the run ends there. If it raises, the
+            run stops unfinished.
         address: Address of a Ray cluster, for a run with RLlib; None for this machine.
-        log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
-        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed.
-        TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
+        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed; or the networks
+            diverge.
+        TrainingInterruptedError: If Ctrl-C, SIGTERM or SIGHUP stops the training. A checkpoint is on disk.
     """
     run, screen = Run(folder), console or Console(stderr=True)
     check_folder(run.folder)
@@ -88,14 +95,12 @@ def train(
         return run
     used = run.own_settings() if resumed else settings
     newest = newest_checkpoint(run.checkpoints) if resumed else None
-    _check_engine(used, address, log)
-    logged = make_log(run, settings, log, resumed=resumed)
+    _check_engine(used, address)
     model, progress = _model(used, newest, device, screen)
     _begin(run, settings, now, resumed=resumed)
     try:
-        _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
+        _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
     finally:
-        logged.close()
         _write_log(run, progress)
         _close(model)
     return run
@@ -116,21 +121,19 @@ def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> Non
     _remove_leftovers(run)
 
 
-def _learn_with(settings: Settings, address: str | None, logged: LogCallback) -> Callable[..., None]:
+def _learn_with(settings: Settings, address: str | None) -> Callable[..., None]:
     """Return the function that learns with the engine of a run."""
     if settings.engine is None:
-        return partial(_learn, logged=logged)
+        return _learn
     from irsim_gym.training.rllib_train import learn
 
     return partial(learn, address=address)
 
 
-def _check_engine(settings: Settings, address: str | None, log: Sequence[str]) -> None:
+def _check_engine(settings: Settings, address: str | None) -> None:
     """Check that the engine of a run is installed and supports its settings, and prepare the import of Ray."""
     check_engine(settings)
     if settings.engine is not None:
-        if log:
-            raise IrsimGymError("--log is for Stable-Baselines3: with --engine rllib read training.csv and the curve")
         require("rllib", "--engine rllib")
         prepare(address)
 
@@ -186,36 +189,39 @@ def _learn(
     newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], object] | None,
-    *,
-    logged: LogCallback,
 ) -> None:
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases."""
-    begin_log(run, logged)
     curriculum = curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
     remove_partial(run.checkpoints)
     model.set_logger(tensorboard_logger(run))
 
     def save() -> Path:
+        check_finite(run, settings, model)
         levels = None if curriculum is None else curriculum.levels
         return files.save_checkpoint(run.checkpoints, model, progress, levels)
 
     def save_and_show() -> None:
         written = save()
         if on_checkpoint is not None and stop.signal is None:
-            on_checkpoint(run)
+            ends_here = on_checkpoint(run) is True
             files.restore_random(model, files.load_state(written))  # loading a policy seeds the global generators
+            if ends_here:
+                raise StopLearningError
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
-    callbacks: list[BaseCallback] = [watch, logged, *filter(None, [curriculum, mirror_callback(settings)])]
+    callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [curriculum, mirror_callback(settings)])]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps
             model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
             watch.update_progress()
         except StopLearningError:
-            assert stop.signal is not None
-            raise stopped_early(progress.steps, stop.signal) from None
+            if stop.signal is not None:
+                raise stopped_early(progress.steps, stop.signal) from None
+        except (ValueError, RuntimeError):
+            check_finite(run, settings, model)
+            raise
         finally:
             watch.finish()
             model.logger.close()
@@ -224,6 +230,7 @@ def _learn(
         if (last / NORMALIZATION).is_file():
             write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)
+        (last / REPLAY_BUFFER).unlink(missing_ok=True)
     if stop.signal is not None:
         raise stopped_at_end(progress.steps, stop.signal)
 

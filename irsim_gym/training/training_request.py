@@ -17,6 +17,7 @@ from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.engines import RLLIB, Engine
 from irsim_gym.training.folders import as_name, default_folder, existing_folders, free_folder, setting_differences
+from irsim_gym.training.hyperparameter_files import change_hyperparameters
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
 from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.policies import policy_names
@@ -38,7 +39,7 @@ class TrainingRequest:
         seed: Seed of networks, exploration and levels.
         steps: Number of training steps; None for that of the hyper-parameter file.
         task: Shipped name or path of a task; None for the scenario's own.
-        hyperparameters: Path of a hyper-parameter file; None for the shipped one.
+        hyperparameters: Path of a hyper-parameter file, which is laid over the shipped one; None for none.
         team: Team mode, ``"episode"`` or ``"respawn"``; None for that of the hyper-parameter file.
         parameters: Values for the scenario's parameters.
         strict: Whether unused keys of the scenario are an error; False ignores them.
@@ -48,7 +49,8 @@ class TrainingRequest:
         mixture: Scenarios that are trained together. ``scenario`` is the first of them.
         mixture_name: Name of the file that lists them; None without one.
         engine: Settings of Ray RLlib; None for Stable-Baselines3.
-        log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
+        changes: Single changes of hyper-parameters by key, text as YAML; ``policy_kwargs.net_arch`` is in a mapping.
+        until: Success on ``dev`` levels [%] at which a checkpoint ends the run; None for that of the hyper-parameters.
     """
 
     scenario: str
@@ -66,12 +68,19 @@ class TrainingRequest:
     mixture: tuple[MixturePart, ...] = ()
     mixture_name: str | None = None
     engine: Engine | None = None
-    log: tuple[str, ...] = ()
+    changes: Mapping[str, object] | None = None
+    until: float | None = None
 
     @property
     def overrides(self) -> dict[str, Any]:
         """Hyper-parameters that have an option of their own."""
-        options = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "curriculum": self.curriculum}
+        options: dict[str, Any] = {
+            "n_timesteps": self.steps,
+            "team": self.team,
+            "device": self.device,
+            "curriculum": self.curriculum,
+            "until": self.until,
+        }
         return {name: value for name, value in options.items() if value is not None}
 
     def settings(self) -> Settings:
@@ -125,6 +134,7 @@ class TrainingRequest:
             "task": self.task_name,
             "images": _observes_images(learned),
             "file": self.hyperparameters,
+            "changes": self.changes,
         }
         found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
@@ -143,6 +153,8 @@ class TrainingRequest:
         marks += [] if self.curriculum is None else [self.curriculum]
         marks += [] if self.engine is None else [RLLIB]
         marks += self._changed(settings)
+        marks += [f"{name}={value}" for name, value in (self.changes or {}).items()]
+        marks += [] if self.until is None else [f"until={self.until:g}"]
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team
         if self.mixture:
@@ -162,7 +174,7 @@ class TrainingRequest:
             return []
         names = settings.algorithm, environment_id(self.scenario)
         images = _observes_images(load_task(settings.load(), self.task))
-        chosen: dict[str, Any] = {"task": self.task_name, "images": images, "given": self.overrides}
+        chosen: dict[str, Any] = {"task": self.task_name, "images": images}
         usual = stated_hyperparameters(*names, **chosen)
         stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
         changed = _changed_values(usual, stated)
@@ -201,7 +213,10 @@ class TrainingRequest:
         if self.hyperparameters is not None:
             return replace(settings.hyperparameters, device=begun.hyperparameters.device)
         own = {name: value for name, value in self.overrides.items() if name != "device"}
-        return replace(begun.hyperparameters, **own)
+        known = begun.hyperparameters.to_plain()
+        if self.changes:
+            known = change_hyperparameters(known, self.changes, find_algorithm(begun.algorithm))
+        return replace(Hyperparameters.from_plain(known), **own)
 
     def choose_folder(self, settings: Settings, resume: bool, overwrite: bool) -> tuple[Path, str]:
         """Choose the folder of a run if the user names none, and return it with a remark, which may be empty.

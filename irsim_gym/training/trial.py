@@ -14,7 +14,7 @@ import traceback
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -152,10 +152,11 @@ def run_briefly(file: str, reading: ReadOptions) -> tuple[Problem, ...]:
     scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
     _take_steps(_by_itself(scenario))
     compile(scenario)  # refuses robots that start in obstacles
+    unaudited = replace(scenario, task={**scenario.task, "audit": False})  # terms are played whatever they weigh
     with suppress(ScenarioError):  # no robot can learn there
-        _take_steps(_with_a_learner(scenario, reading.task))
+        _take_steps(_with_a_learner(unaudited, reading.task))
     with suppress(ScenarioError):
-        _take_steps(_as_a_team(scenario, reading.task) if len(scenario.robots) > 1 else iter(()))
+        _take_steps(_as_a_team(unaudited, reading.task) if len(scenario.robots) > 1 else iter(()))
     learned, _ = fitting_task(scenario, reading.task, team=reading.team)
     return (*(() if learned is None else survey(scenario, learned)), *_standing(scenario))
 

@@ -15,10 +15,11 @@ from irsim_gym.evaluation.tables import plain, write_text
 from irsim_gym.scenario.source import read_file
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.task import merged_task
+from irsim_gym.training.hyperparameter_files import with_value
 from irsim_gym.training.models import resolve_device
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import Settings
-from irsim_gym.training.search_space import DIGITS, SearchSpace, Values, with_value
+from irsim_gym.training.search_space import DIGITS, SearchSpace, Values
 from irsim_gym.training.training_request import TrainingRequest
 
 HYPERPARAMETERS, TASK = "hyperparameters.yaml", "task.yaml"
@@ -39,7 +40,9 @@ def write_settings(
     Raises:
         IrsimGymError: If the task has no such rewards, or they have no weights.
     """
-    chosen = {key: value for key, value in settings.hyperparameters.to_plain().items() if value is not None}
+    chosen = settings.hyperparameters.to_plain()
+    if chosen["until"] is not None:
+        raise IrsimGymError("'until' ends a single training: it does not go with tune and sweep")
     for key, value in hyperparameters.items():
         chosen = with_value(chosen, key, value)
     write_text(place / HYPERPARAMETERS, yaml.safe_dump({"default": plain(chosen)}, sort_keys=False))
@@ -47,7 +50,7 @@ def write_settings(
     if factors:
         write_text(place / TASK, yaml.safe_dump(weighted_task(settings, factors), sort_keys=False))
         own["task"] = str(place / TASK)
-    return replace(request, steps=None, team=None, curriculum=None, **own)
+    return replace(request, steps=None, team=None, curriculum=None, until=None, changes=None, **own)
 
 
 def weighted_task(settings: Settings, factors: Values) -> Values:

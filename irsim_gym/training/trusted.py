@@ -53,8 +53,6 @@ HARMLESS: dict[str, frozenset[str]] = {
         "stable_baselines3.dqn.policies": "CnnPolicy DQNPolicy MultiInputPolicy",
         "stable_baselines3.sac.policies": "CnnPolicy MultiInputPolicy SACPolicy",
         "stable_baselines3.td3.policies": "CnnPolicy MultiInputPolicy TD3Policy",
-        "sb3_contrib.common.recurrent.policies": "RecurrentActorCriticCnnPolicy RecurrentActorCriticPolicy "
-        "RecurrentMultiInputActorCriticPolicy",
         "sb3_contrib.tqc.policies": "CnnPolicy MultiInputPolicy TQCPolicy",
         "torch.nn.modules.activation": "ELU GELU LeakyReLU ReLU SiLU Sigmoid Tanh",
         "torch.optim.adam": "Adam",

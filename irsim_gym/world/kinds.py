@@ -7,7 +7,7 @@ same episode in any batch. What a kind remembers it keeps in ``group.arrays``, w
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 
@@ -49,6 +49,40 @@ class Steers(Protocol):
     @staticmethod
     def steer(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Turn the members' velocities in the world frame [m/s], in ``state.command``, into commands of the drive."""
+
+
+@runtime_checkable
+class NamesCommand(Protocol):
+    """A drive that says what the numbers of its command are."""
+
+    command_words: ClassVar[Annotated[tuple[tuple[str, str], ...], "meaning and unit of each number of a command"]]
+
+
+@runtime_checkable
+class MirrorsCommand(Protocol):
+    """A drive that says what its command becomes where left and right are exchanged, which ``mirror: true`` needs."""
+
+    mirrored_command: ClassVar[
+        Annotated[
+            tuple[tuple[int, int], ...],
+            "for each number of a command, the number that takes its place and the sign of that, such as "
+            "((0, 1), (1, -1)) for a speed and a turn rate",
+        ]
+    ]
+
+
+def mirror_problems(kind: type[Any]) -> Iterator[str]:
+    """Yield what is wrong with the ``mirrored_command`` of a drive."""
+    way, size = getattr(kind, "mirrored_command", ()), len(getattr(kind, "command_names", ()))
+    if not isinstance(way, tuple) or not way:
+        return
+    if sorted(place for place, _ in way) != list(range(size)) or any(
+        way[place] != (k, sign) or abs(sign) != 1 for k, (place, sign) in enumerate(way)
+    ):
+        yield (
+            f"'mirrored_command' must name each of the {size} numbers of a command once, with 1 or -1, and change "
+            f"nothing when it is applied twice, got {way}"
+        )
 
 
 class BehaviorKind(Protocol):
@@ -250,7 +284,7 @@ class Reports(Protocol):
         """
 
 
-DRIVE = Contract(DriveKind, (Steers,))
+DRIVE = Contract(DriveKind, (Steers, NamesCommand, MirrorsCommand), mirror_problems)
 BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins, Appears))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
 PLACEMENT = Contract(PlacementKind, (Confirms,))

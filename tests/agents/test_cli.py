@@ -24,7 +24,7 @@ robot:
   kinematics: {name: diff}
   distribution: {name: circle, radius: 3, center: [5, 5]}
 task:
-  team_reward: 0.5
+  team_reward: 0.6
 """
 
 
@@ -117,7 +117,7 @@ def test_check_tells_what_a_team_would_be_refused_for(
     said = capsys.readouterr()
     assert f"{file}: fine for one learner (robots: 2" in said.out
     assert "where all robots learn together it is refused" in said.out
-    assert f"{file}:6   task.team_reward: an episode that ends as 'collided' costs 3" in said.out
+    assert f"{file}:6   task.team_reward: an episode that ends as 'collided' costs 2.8" in said.out
     assert run(monkeypatch, "check", "--team", file) == 1
     assert f"{file}:6   task.team_reward: an episode" in capsys.readouterr().err
     # Whom the task names learns in either case.

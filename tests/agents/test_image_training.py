@@ -44,7 +44,7 @@ def written(folder: Path, observations: str, form: str = "flat") -> str:
     [
         (PICTURE, "ppo", {}),
         (BESIDE, "ppo", {"normalize": {"norm_obs_keys": ["vector"]}}),
-        (BESIDE, "recurrent_ppo", {}),
+        (BESIDE, "gru_ppo", {}),
     ],
 )
 def test_training_and_driving(observations: str, algorithm: str, own: dict[str, Any], tmp_path: Path) -> None:
@@ -106,8 +106,8 @@ def test_pictures_have_hyperparameters_of_their_own(tmp_path: Path) -> None:
     named = written(tmp_path, BESIDE, "dict")
     sac = TrainingRequest("cluttered_room", "sac", 0, None, named, None).settings().hyperparameters
     assert sac.arguments["buffer_size"] <= 50_000
-    recurrent = TrainingRequest("cluttered_room", "recurrent_ppo", 0, None, named, None).settings().hyperparameters
-    assert recurrent == load_hyperparameters("recurrent_ppo", "irsim_gym/cluttered_room-v0", images=True)
+    memory = TrainingRequest("cluttered_room", "gru_ppo", 0, None, named, None).settings().hyperparameters
+    assert memory == load_hyperparameters("gru_ppo", "irsim_gym/cluttered_room-v0", images=True)
 
 
 def test_the_shipped_task_observes_one_picture() -> None:

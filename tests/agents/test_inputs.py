@@ -107,7 +107,6 @@ def test_all_problems_of_a_training_are_told_at_once(
         "--team": ("epsode", "(did you mean 'episode'?)"),
         "--curriculum": ("learn", "curriculum must be learnability, got 'learn'"),
         "--from": ("runs/nowhere", NOWHERE),
-        "--log": ("wanb", "no log named 'wanb'"),
         "--out": ("file.txt", "file.txt is a file"),
     }
     given = [word for option, (value, _) in wrong.items() for word in (option, value)]

@@ -66,7 +66,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (place / f"{name}.yaml").write_text(yaml.safe_dump({**other, "endings": ["arrived"]}))
     for name, algorithm, own in (
         ("plain", "ppo", {}),
-        ("seen", "recurrent_ppo", {"normalize": True}),
+        ("seen", "gru_ppo", {"normalize": True}),
         ("choices", "ppo", {"normalize": True}),
     ):
         task = None if name == "plain" else str(place / f"{name}.yaml")

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 import yaml
+from stable_baselines3 import PPO
 
 from irsim_gym import sb3
 from irsim_gym.envs.worlds import Worlds
@@ -14,6 +16,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.scenario.library import find
+from irsim_gym.training import policies
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.policies import SavedPolicy, load_policies, load_policy, policy_names
 from irsim_gym.training.run import Settings
@@ -51,6 +54,23 @@ def test_it_acts_as_the_algorithm_predicts(tmp_path: Path) -> None:
     acted = policy.act(env.worlds.episodes, np.array([0, 1, 2]))
     np.testing.assert_allclose(acted, expected, atol=1e-6)
     assert policy.normalization.training is False
+
+
+@pytest.mark.parametrize(("most", "expected"), [(policies.MOST_WEIGHTS, 1), (100, 2)])
+def test_a_small_network_runs_on_one_thread(most: int, expected: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    env = sb3.make_vec_env("empty_goal", n_envs=2, seed=5, render_mode=None)
+    model = PPO("MlpPolicy", env, n_steps=8, batch_size=16, device="cpu")
+    predict, threads, before = model.predict, list[int](), torch.get_num_threads()
+    monkeypatch.setattr(
+        model, "predict", lambda *a, **k: (threads.append(torch.get_num_threads()), predict(*a, **k))[1]
+    )
+    monkeypatch.setattr(policies, "MOST_WEIGHTS", most)
+    env.reset()
+    torch.set_num_threads(2)
+    SavedPolicy(model).act(env.worlds.episodes, np.array([0, 1]))
+    after = torch.get_num_threads()
+    torch.set_num_threads(before)
+    assert (threads, after) == ([expected], 2)
 
 
 def test_all_unknown_policies_are_named_at_once() -> None:

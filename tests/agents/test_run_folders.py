@@ -100,7 +100,7 @@ def test_a_number_tells_runs_apart_whose_names_are_alike() -> None:
     assert wanted.choose_folder(settings, resume=True, overwrite=False)[0] == second
     assert wanted.choose_folder(settings, resume=False, overwrite=True)[0] == first
     Path("ppo.yaml").write_text(f"default: {{{TINY}, gamma: 0.5}}")
-    with pytest.raises(IrsimGymError, match=r"gamma nothing, asked for: 0\.5: its schedule cannot change during a run"):
+    with pytest.raises(IrsimGymError, match=r"gamma 0\.995, asked for: 0\.5: its schedule cannot change during a run"):
         wanted.resumed_settings(Run(first), wanted.settings())
 
 

@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.training.search_space import read_space, shipped_space, value_of, with_value
+from irsim_gym.training.hyperparameter_files import with_value
+from irsim_gym.training.search_space import read_space, shipped_space, value_of
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, weighted_task, write_settings
 

@@ -130,9 +130,6 @@ def test_activations(module: nn.Module) -> None:
 
 
 def test_what_cannot_be_exported_is_refused() -> None:
-    recurrent = made(CONTRIB.RecurrentPPO, "MlpLstmPolicy", VECTOR, STICK)
-    with pytest.raises(UnfitNetworkError, match="LSTM"):
-        export_network(recurrent, None)
     odd = made(SB3.PPO, "MlpPolicy", VECTOR, STICK, policy_kwargs={"activation_fn": nn.Softplus})
     with pytest.raises(UnfitNetworkError, match="Softplus cannot be exported"):
         export_network(odd, None)

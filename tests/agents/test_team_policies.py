@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from sb3_contrib import RecurrentPPO
 
 from irsim_gym import sb3
 from irsim_gym.envs.worlds import Worlds
@@ -85,10 +84,10 @@ def test_curve_of_a_team(scenario: Path) -> None:
     assert marks_table(points).title == "success of whole teams on 5 dev levels"
 
 
-def recurrent(scenario: Path) -> RecurrentPPO:
+def recurrent(scenario: Path) -> sb3.GruPPO:
     env = sb3.make_multi_agent_vec_env(scenario, 2, 0, render_mode=None)
-    arguments = {"n_lstm_layers": 2, "lstm_hidden_size": 8, "net_arch": [8]}
-    return RecurrentPPO("MlpLstmPolicy", env, n_steps=8, seed=1, device="cpu", policy_kwargs=arguments)
+    arguments = {"memory_size": 8, "net_arch": [8]}
+    return sb3.GruPPO("MlpGruPolicy", env, n_steps=8, batch_size=48, seed=1, device="cpu", policy_kwargs=arguments)
 
 
 def test_a_recurrent_policy_remembers_for_each_robot(scenario: Path) -> None:

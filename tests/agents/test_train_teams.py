@@ -41,8 +41,8 @@ SCENARIO = {
 }
 PPO: dict[str, Any] = {"n_steps": 16, "batch_size": 64, "n_epochs": 2, "policy_kwargs": {"net_arch": [16]}}
 SAC: dict[str, Any] = {"learning_starts": 24, "batch_size": 8, "buffer_size": 500, "policy_kwargs": {"net_arch": [16]}}
-LSTM: dict[str, Any] = {**PPO, "policy_kwargs": {"net_arch": [8], "lstm_hidden_size": 8}}
-ARGUMENTS = {"ppo": PPO, "sac": SAC, "recurrent_ppo": LSTM}
+GRU: dict[str, Any] = {**PPO, "policy_kwargs": {"net_arch": [8], "memory_size": 8}}
+ARGUMENTS = {"ppo": PPO, "sac": SAC, "gru_ppo": GRU}
 NORMALIZED = {"normalize": {"norm_reward": True}, "reward_scale": 2.0}
 CURRICULUM = {"curriculum": "learnability"}
 
@@ -75,8 +75,8 @@ def weights(run: Run) -> torch.Tensor:
         ("ppo", "episode", CURRICULUM),
         ("ppo", "respawn", CURRICULUM),
         ("sac", "episode", {}),
-        ("recurrent_ppo", "episode", NORMALIZED),
-        ("recurrent_ppo", None, {}),
+        ("gru_ppo", "episode", NORMALIZED),
+        ("gru_ppo", None, {}),
     ],
 )
 def test_a_resumed_team_run_equals_an_uninterrupted_one(

@@ -31,7 +31,6 @@ import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.engine import compile
 from irsim_gym.envs.parallel import WorldParallelEnv
-from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.envs.vector import WorldVectorEnv
 from irsim_gym.jit import config
@@ -302,7 +301,7 @@ def test_teams_learn_from_pictures():
         sb3.MaskedPPO(kind, env, policy_kwargs=policy, **SMALL).learn(48)
     extra = {"buffer_size": 200, "learning_starts": 6, "batch_size": 6, "device": "cpu"}
     SAC("MultiInputPolicy", env, policy_kwargs={**policy}, **extra, **sb3.buffers_for(SAC, env)).learn(18)
-    MaskedRecurrentPPO("MultiInputLstmPolicy", env, policy_kwargs={**policy, "lstm_hidden_size": 8}, **SMALL).learn(48)
+    sb3.GruPPO("MultiInputGruPolicy", env, policy_kwargs={**policy, "memory_size": 8}, **SMALL).learn(48)
 
 
 @pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")

@@ -1,10 +1,7 @@
-"""The log of a training: outcomes and reward terms of episodes, also at Weights & Biases and MLflow."""
+"""The log of a training: outcomes and reward terms of episodes."""
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import gymnasium
@@ -116,101 +113,8 @@ def test_only_the_latest_episodes_count() -> None:
 
 
 def test_what_cannot_be_logged_is_said() -> None:
-    with pytest.raises(
-        IrsimGymError, match=r"no log named 'wanbd' \(did you mean 'wandb'\?\); there are wandb and mlflow"
-    ):
-        sb3.LogCallback("wanbd")
-    with pytest.raises(IrsimGymError, match="mode: further arguments need exactly one service"):
-        sb3.LogCallback(mode="offline")
     with pytest.raises(IrsimGymError, match="window must be at least 1, got 0"):
         sb3.LogCallback(window=0)
     model = PPO("MlpPolicy", make_vec_env("CartPole-v1"), **HOW)
     with pytest.raises(IrsimGymError, match="is no environment of irsim_gym"):
         model.learn(64, callback=sb3.LogCallback())
-
-
-def test_a_service_that_is_not_installed_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "wandb", None)
-    with pytest.raises(IrsimGymError, match=r'wandb is not installed: pip install "irsim_gym\[wandb\]"'):
-        sb3.LogCallback("wandb")
-
-
-class StandIn:
-    """The part of Weights & Biases' public interface that is used; the tests below use the real one."""
-
-    def __init__(self) -> None:
-        self.run: Any = None
-        self.begun: list[dict[str, Any]] = []
-        self.logged: list[dict[str, float]] = []
-        self.finished = 0
-
-    def init(self, **given: Any) -> Any:
-        self.begun.append(given)
-        return self.opened(given.get("id", "fresh"))
-
-    def opened(self, run_id: str) -> Any:
-        return SimpleNamespace(id=run_id, define_metric=lambda *_, **__: None, log=self.logged.append, finish=self._end)
-
-    def _end(self) -> None:
-        self.finished += 1
-
-
-@pytest.fixture
-def wandb(monkeypatch: pytest.MonkeyPatch) -> StandIn:
-    found = StandIn()
-    monkeypatch.setitem(sys.modules, "wandb", found)
-    return found
-
-
-def test_a_run_is_begun_gets_all_numbers_and_ends(wandb: StandIn) -> None:
-    log = sb3.LogCallback("wandb", project="robots", name="first", config={"a": 1}, mode="offline")
-    model = PPO("MlpPolicy", ENVIRONMENTS["batch"](), **HOW)
-    model.learn(300, callback=log)
-    given = {"project": "robots", "name": "first", "config": {"a": 1}, "mode": "offline"}
-    assert (wandb.begun, wandb.finished, log.run_ids) == ([given], 1, {"wandb": "fresh"})
-    last = wandb.logged[-1]
-    assert {"outcome/timeout", "reward/progress", "rollout/success_rate", "train/value_loss", "steps"} <= set(last)
-    assert "time/iterations" not in last  # nor has TensorBoard
-    assert all(isinstance(value, float | int) for value in last.values())
-    model.learn(128, callback=log)  # the same run goes on
-    assert (wandb.begun[-1]["id"], wandb.begun[-1]["resume"], wandb.finished) == ("fresh", "allow", 2)
-
-
-def test_a_run_under_way_is_used_and_stays_open(wandb: StandIn) -> None:
-    wandb.run = wandb.opened("mine")
-    log = sb3.LogCallback("wandb")
-    PPO("MlpPolicy", ENVIRONMENTS["batch"](), **HOW).learn(300, callback=log)
-    assert (wandb.begun, wandb.finished, log.run_ids) == ([], 0, {"wandb": "mine"})
-    assert wandb.logged
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("default")  # of these packages about their own parts
-def test_weights_and_biases_writes_a_run_without_a_network(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    wandb = pytest.importorskip("wandb", reason="the extra `wandb` has it")
-    monkeypatch.setenv("WANDB_SILENT", "true")
-    log = sb3.LogCallback("wandb", project="robots", name="first", mode="offline", dir=str(tmp_path))
-    PPO("MlpPolicy", ENVIRONMENTS["batch"](), **HOW).learn(300, callback=log)
-    wandb.teardown()  # its process writes the rest
-    (file,) = tmp_path.glob(f"wandb/offline-run-*/run-{log.run_ids['wandb']}.wandb")
-    content = file.read_bytes()
-    for word in (b"outcome/timeout", b"reward/progress", b"rollout/success_rate", b"robots"):
-        assert word in content
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("default")  # of these packages about their own parts
-def test_mlflow_stores_a_run_and_goes_on_with_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    mlflow = pytest.importorskip("mlflow", reason="the extra `mlflow` has it")
-    mlflow.set_tracking_uri(f"sqlite:///{tmp_path.as_posix()}/mlflow.db")
-    log = sb3.LogCallback("mlflow", project="robots", name="first", config={"ppo": {"gamma": 0.9}})
-    model = PPO("MlpPolicy", ENVIRONMENTS["batch"](), **HOW)
-    model.learn(300, callback=log)
-    stored = mlflow.MlflowClient().get_run(log.run_ids["mlflow"])
-    assert (stored.info.run_name, stored.info.status) == ("first", "FINISHED")
-    assert stored.data.params == {"ppo.gamma": "0.9"}
-    assert {"outcome/timeout", "reward/progress", "rollout/success_rate"} <= set(stored.data.metrics)
-    model.learn(256, callback=sb3.LogCallback("mlflow", run_ids=log.run_ids), reset_num_timesteps=False)
-    history = mlflow.MlflowClient().get_metric_history(log.run_ids["mlflow"], "reward/progress")
-    assert [one.step for one in history] == sorted({one.step for one in history})
-    assert history[-1].step > 300

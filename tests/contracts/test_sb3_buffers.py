@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from sb3_contrib import RecurrentPPO
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.vec_env import VecNormalize
 from team_tools import ARRIVES, COLLIDES, KNOWN, LIMIT, MEET, Recorder, episodes_of
 
 import irsim_gym
 from irsim_gym import sb3
-from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO, MaskedRecurrentRolloutBuffer
 
 GAMMA, LAMBDA = 0.9, 0.8
 
@@ -154,10 +152,9 @@ def test_a2c_learns_without_minibatches():
 
 def test_algorithms_that_cannot_leave_out_waiting_are_refused():
     env, single = team(), sb3.make_vec_env("sparse_circles", 2, seed=0, render_mode=None)
-    assert sb3.buffers_for(MaskedRecurrentPPO, env) == {}
-    for kind in (PPO, RecurrentPPO):
-        with pytest.raises(TypeError, match=f"{kind.__name__} cannot tell .* sb3.MaskedPPO"):
-            sb3.buffers_for(kind, env)
+    assert sb3.buffers_for(sb3.GruPPO, env) == {}
+    with pytest.raises(TypeError, match=r"PPO cannot tell .* sb3\.MaskedPPO"):
+        sb3.buffers_for(PPO, env)
     with pytest.raises(TypeError, match="WorldVecEnv does not say which slots acted"):
         sb3.buffers_for(SAC, single)
     with pytest.raises(TypeError, match="WorldVecEnv does not say which slots acted"):
@@ -294,77 +291,3 @@ def test_ppo_learns_under_normalisation(wrapper, tmp_path):
 
 def test_package_shows_the_buffers():
     assert {"buffers_for", "make_multi_agent_vec_env", "MaskedRolloutBuffer"} <= set(irsim_gym.sb3.__all__)
-
-
-class FrozenRecurrent(MaskedRecurrentPPO):
-    """Collects and hands out, but does not change the policy."""
-
-    def train(self):
-        self.states = {name: getattr(self.rollout_buffer, name).copy() for name in ("hidden_states_pi", "acted")}
-        self.batches = list(self.rollout_buffer.get(self.batch_size))
-
-
-@pytest.mark.parametrize("form", ["flat", "dict"])
-def test_recurrent_sequences_hold_exactly_the_experience(form):
-    env = team(max_steps=20, task={**MEET["task"], "name": "navigation", "observation_form": form})
-    seen = Recorder()
-    policy = "MultiInputLstmPolicy" if form == "dict" else "MlpLstmPolicy"
-    model = FrozenRecurrent(
-        policy, env, seed=0, device="cpu", n_steps=32, batch_size=64, gamma=GAMMA, gae_lambda=LAMBDA,
-        policy_kwargs={"lstm_hidden_size": 4, "net_arch": [4]},
-    )  # fmt: skip
-    model.learn(2 * 32 * env.num_envs, callback=seen)  # in the second rollout some slots wait from the beginning on
-    acted = seen.table("acted")
-    np.testing.assert_array_equal(model.states["acted"], acted)
-    assert not acted[0].all()
-    buffer_rows = {
-        (seen.table("log_probs")[t, slot].item(), seen.table("values")[t, slot].item())
-        for t, slot in np.argwhere(acted).tolist()
-    }
-    given, sequences = [], 0
-    for batch in model.batches:
-        valid = batch.mask > 0.5
-        given += zip(batch.old_log_prob[valid].tolist(), batch.old_values[valid].tolist(), strict=True)
-        starts, length = batch.episode_starts.reshape(batch.lstm_states.pi[0].shape[1], -1), 0
-        sequences += len(starts)
-        length = valid.reshape(len(starts), -1).sum(dim=1)
-        for row, count in zip(starts, length.tolist(), strict=True):
-            assert not row[1:count].any()  # an episode begins at the head of a sequence, or the sequence goes on
-        observation = batch.observations
-        with torch.no_grad():  # the rows are in the order in which they were lived: the same numbers come out
-            values, log_prob, _ = model.policy.evaluate_actions(
-                observation, batch.actions, batch.lstm_states, batch.episode_starts
-            )
-        np.testing.assert_allclose(values.flatten()[valid], batch.old_values[valid], atol=1e-5)
-        np.testing.assert_allclose(log_prob[valid], batch.old_log_prob[valid], atol=1e-5)
-    assert len(given) == acted.sum() == len(set(given))
-    assert set(given) == buffer_rows
-    assert sequences >= env.num_envs
-
-
-def test_recurrent_ppo_learns_and_is_loaded(tmp_path):
-    weights = []
-    for _ in range(2):
-        model = MaskedRecurrentPPO(
-            "MlpLstmPolicy", team(max_steps=20), seed=0, device="cpu", n_steps=16, batch_size=64, n_epochs=2,
-            policy_kwargs={"lstm_hidden_size": 8, "net_arch": [8]},
-        )  # fmt: skip
-        model.learn(400)
-        weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
-    assert torch.equal(*weights)
-    model.save(tmp_path / "policy")
-    again = MaskedRecurrentPPO.load(tmp_path / "policy", env=team(max_steps=20), device="cpu")
-    assert type(again.rollout_buffer) is MaskedRecurrentRolloutBuffer
-    again.learn(200)
-
-
-def test_recurrent_learning_is_that_of_sb3_contrib_where_nobody_waits():
-    weights = []
-    for kind in (MaskedRecurrentPPO, RecurrentPPO):
-        model = kind(
-            "MlpLstmPolicy", team(respawn=True, max_steps=20), seed=0, device="cpu", n_steps=16, batch_size=64,
-            n_epochs=2, policy_kwargs={"lstm_hidden_size": 8, "net_arch": [8]},
-        )  # fmt: skip
-        model.learn(400)
-        weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
-    assert torch.equal(*weights)

@@ -6,7 +6,6 @@ import warnings
 
 import numpy as np
 import pytest
-from sb3_contrib import RecurrentPPO
 from stable_baselines3 import A2C, PPO, SAC
 from stable_baselines3.common.callbacks import EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
@@ -28,7 +27,7 @@ def plain(algorithm, env):
     if algorithm is SAC:
         return SAC("MlpPolicy", env, learning_starts=10**6, buffer_size=200, device="cpu")
     sizes = {} if algorithm is A2C else {"batch_size": ROWS}
-    return algorithm("MlpLstmPolicy" if algorithm is RecurrentPPO else "MlpPolicy", env, **ON_POLICY, **sizes)
+    return algorithm("MlpPolicy", env, **ON_POLICY, **sizes)
 
 
 def warnings_of(env, steps):
@@ -38,9 +37,7 @@ def warnings_of(env, steps):
     return [str(one.message) for one in caught if one.category is WaitingRobotsWarning]
 
 
-@pytest.mark.parametrize(
-    ("algorithm", "wrapped"), [(PPO, False), (A2C, True), (SAC, False), (RecurrentPPO, True)], ids=str
-)
+@pytest.mark.parametrize(("algorithm", "wrapped"), [(PPO, False), (A2C, True), (SAC, False)], ids=str)
 def test_an_algorithm_with_plain_buffers_is_warned_once(algorithm, wrapped):
     env = team()
     model = plain(algorithm, VecNormalize(env) if wrapped else env)

@@ -13,7 +13,7 @@ import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.envs.mirror import Mirror
 from irsim_gym.errors import IrsimGymError, KindError
-from irsim_gym.plugins import OBSERVATIONS, Mirrored, kind
+from irsim_gym.plugins import KINEMATICS, OBSERVATIONS, Mirrored, kind
 
 HEIGHT = 10.0
 LIDAR = {"name": "lidar2d", "number": 180, "angle_range": 4.0, "range_max": 4.0}
@@ -328,3 +328,59 @@ def test_actions_in_the_frame_of_the_world_are_refused() -> None:
     env = make(scene_of("omni"), "goal", action={"name": "velocity", "frame": "command"})
     with pytest.raises(IrsimGymError, match="actions are in the frame of the world"):
         env.unwrapped.mirror()
+
+
+@pytest.fixture
+def tracks() -> Iterator[Any]:
+    """Return a function that registers a drive with two tracks, and says how its command is mirrored."""
+
+    def register(*mirrored: tuple[int, int]) -> dict[str, Any]:
+        KINEMATICS._entries.pop("two_tracks", None)
+
+        @irsim_gym.drive("two_tracks", command=("left", "right"), mirrored_command=mirrored)
+        def two_tracks(ego: Any, command: Any) -> Any:
+            left, right = command
+            return (left + right) / 2, 0.0, (right - left) / 0.5
+
+        return scene_of(kinematics={"name": "two_tracks"}, vel_min=[-0.3, -0.3], vel_max=[1.0, 1.0])
+
+    yield register
+    KINEMATICS._entries.pop("two_tracks", None)
+
+
+def test_a_drive_with_two_tracks_exchanges_them(tracks: Any) -> None:
+    scene = tracks((1, 1), (0, 1))
+    for observed in ("velocity", "last_action", "goal"):
+        check_mirror(scene, observed)
+    mirror = make(scene, "goal").unwrapped.mirror()
+    np.testing.assert_array_equal(mirror.actions(np.array([[0.1, -0.7]])), [[-0.7, 0.1]])
+    mirror, here, there = both(scene, "velocity", "goal", action={"name": "discrete", "linear": 3, "angular": 3})
+    np.testing.assert_allclose(mirror.observation(here), there, atol=1e-4)
+    assert mirror.choices.tolist() == [0, 3, 6, 1, 4, 7, 2, 5, 8]
+
+
+def test_a_drive_that_cannot_be_mirrored_is_refused(tracks: Any) -> None:
+    scene = tracks()
+    with pytest.raises(IrsimGymError, match="'velocity' is of commands, and the drive 'two_tracks' does not say what"):
+        make(scene, "velocity").unwrapped.mirror()
+    scene = tracks((1, 1), (0, 1))
+    with pytest.raises(IrsimGymError, match="not all choices of the action 'discrete' have their mirror image"):
+        make(scene, "goal", action={"name": "discrete", "linear": 3, "angular": 5}).unwrapped.mirror()
+    scene["robot"][0]["vel_max"] = [1.0, 0.8]
+    with pytest.raises(IrsimGymError, match="limits of 'robot_0' to the left and to the right differ"):
+        make(scene, "goal").unwrapped.mirror()
+    scene = tracks((1, 1), (0, 1))
+    scene["robot"].append({**scene["robot"][0], "kinematics": {"name": "diff"}, "state": [5, 1, 0]})
+    del scene["robot"][1]
+    env = irsim_gym.make_vec(scene, 1, task={"name": "blank", "observations": ["goal"]}, max_steps=5)
+    assert env.unwrapped.mirror().action.columns.tolist() == [1, 0]
+    scene["robot"][1]["vel_min"] = [-0.3, -1.0]
+    batch = irsim_gym.make_batch(scene, 1, task={"name": "blank", "observations": ["goal"]})
+    with pytest.raises(IrsimGymError, match="of commands of drives that are mirrored in different ways"):
+        batch.mirror()
+
+
+@pytest.mark.parametrize("mirrored", [((0, 1), (0, 1)), ((1, 1), (0, -1)), ((1, 2), (0, 2)), ((0, 1),)])
+def test_a_wrong_mirrored_command_is_refused(tracks: Any, mirrored: Any) -> None:
+    with pytest.raises(KindError, match="'mirrored_command' must name each of the 2 numbers of a command once"):
+        tracks(*mirrored)

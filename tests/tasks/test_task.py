@@ -342,6 +342,13 @@ def test_what_is_said_to_be_used_is_used_whatever_lists_a_task_lacks() -> None:
     assert found.startswith("task.rewards: ")
 
 
+def test_rewards_of_which_a_crash_costs_as_much_are_accepted() -> None:
+    """4 for a collision, and at most 2 + 0.8 + 0.2 + 1 for a whole episode: what comes before a crash is paid too."""
+    assert load_task(scenario(task={"rewards": [{"name": "time", "weight": 3.0}]})).rewards
+    found = messages(scenario(task={"rewards": [{"name": "time", "weight": 3.001}]}))
+    assert len(found) == 2
+
+
 def test_rewards_that_make_a_crash_pay_are_refused() -> None:
     found = messages(scenario(task={"rewards": [{"name": "time", "weight": 4.5}]}))
     assert len(found) == 2

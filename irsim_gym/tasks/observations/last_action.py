@@ -42,9 +42,9 @@ class LastAction:
         named = [Columns(f"{name}, as requested", "-1 to 1, like actions") for name, _ in words]
         return [*named, *[Columns("unused")] * (term.action_size - len(words))]
 
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the columns; what is positive to the left changes its sign."""
-        return command_exchanged(term.action_size)
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the columns as the drive says; what is positive to the left changes its sign."""
+        return command_exchanged(term)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

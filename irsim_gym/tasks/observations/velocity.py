@@ -63,9 +63,9 @@ class Velocity:
         columns = [Columns(name, _scale(least, most, unit)) for (name, unit), (least, most) in pairs]
         return [*columns, *[Columns("unused")] * (term.action_size - len(columns))]
 
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the columns; what is positive to the left changes its sign."""
-        return command_exchanged(term.action_size)
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the columns as the drive says; what is positive to the left changes its sign."""
+        return command_exchanged(term)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

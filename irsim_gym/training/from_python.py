@@ -1,0 +1,68 @@
+"""The function ``irsim_gym.train``: what ``irsim-gym train`` does, from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.extras import require
+from irsim_gym.training.run import Run
+
+
+def train(
+    scenario: str | Path,
+    out: str | Path | None = None,
+    *,
+    algorithm: str | None = None,
+    steps: int | None = None,
+    seed: int = 0,
+    task: str | Path | None = None,
+    team: str | None = None,
+    hyperparameters: str | Path | Mapping[str, object] | None = None,
+    curriculum: str | None = None,
+    until: float | None = None,
+    origin: str | Path | None = None,
+    dev_levels: int = 1000,
+    resume: bool = False,
+    more_steps: int | None = None,
+    overwrite: bool = False,
+    device: str | None = None,
+    parameters: Mapping[str, object] | None = None,
+    strict: bool = True,
+) -> Run:
+    """Train a policy, score its checkpoints, and return the run, as ``irsim-gym train`` does.
+
+    ``run.folder`` is where the run is and ``run.policy`` its ``policy.zip``; ``irsim_gym.load_policy(run.folder)``,
+    ``irsim_gym.evaluate(scenario, run.folder)`` and all commands take the former. A second call with the same arguments
+    returns the finished run. Arguments that are not listed are the options of the command of the same name.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        out: Folder of the run; None for one in ``runs`` that is named after the settings.
+        hyperparameters: A YAML file that is laid over the shipped one, or single values by key.
+        origin: Folder or ``policy.zip`` of a run whose weights are the first ones (``--from``).
+        parameters: Values for the scenario's parameters (``--set``).
+
+    Raises:
+        IrsimGymError: If an argument is invalid, the folder holds another run, or the networks diverge.
+        TrainingInterruptedError: If a signal stops the training; ``resume=True`` continues it.
+    """
+    require("train", "irsim_gym.train")
+    from irsim_gym.training.commands import run_training
+    from irsim_gym.training.training_request import TrainingRequest
+
+    if not isinstance(scenario, str | Path):
+        raise IrsimGymError("a run reads its scenario from a file, to be resumed: save the scenario and name the file")
+    changes = hyperparameters if isinstance(hyperparameters, Mapping) else None
+    file = None if hyperparameters is None or changes is not None else Path(str(hyperparameters))
+    task, origin = (None if name is None else str(name) for name in (task, origin))
+    request = TrainingRequest(
+        *(str(scenario), algorithm, seed, steps, task, file),
+        *(team, parameters, strict, device, origin, curriculum),
+        changes=changes,
+        until=until,
+    )
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
+    return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how)
