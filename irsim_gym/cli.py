@@ -312,15 +312,17 @@ def draw(
 @app.command()
 def warmup(
     scenarios: Annotated[
-        list[str] | None, typer.Argument(help="Scenarios (default: all in configs/scenarios).")
+        list[str] | None,
+        typer.Argument(help="Scenarios, benchmarks or tiers of the suite (default: all in configs/scenarios)."),
     ] = None,
+    task: Task = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Compile the kernels of scenarios in advance, so that later commands start at once."""
     from irsim_gym.training.warmup import warm_up
 
-    warm_up(scenarios or [], strict=not lenient)
+    warm_up(scenarios or [], task=task, strict=not lenient)
 
 
 def run(command: Callable[..., object]) -> None:

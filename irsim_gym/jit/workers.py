@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from threading import Thread
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 from irsim_gym.jit.folder import cache_folder
 from irsim_gym.jit.kernels import Kernel
@@ -63,13 +63,13 @@ def compile_together(jobs: Iterable[Job]) -> None:
     if len(missing) < FEWEST:
         return
     missing.sort(key=lambda job: job.size, reverse=True)
-    with compilation().expecting(_n_kernels(missing), lambda: len(_files())), _working(missing):
+    with compilation().expecting(_n_kernels(missing), lambda: len(kept_kernels())), _working(missing):
         for waits in (False, True):
             for job in missing:
                 job.compile(waits=waits)
 
 
-def _files() -> list[str]:
+def kept_kernels() -> list[str]:
     """Return the names of the files of compiled code, without the digests in them."""
     folder = cache_folder()
     return [file.stem.rpartition("-")[0] for file in folder.glob("*.nbc")] if folder else []
@@ -79,26 +79,34 @@ def _n_kernels(jobs: Sequence[Job]) -> int:
     """Return about how many kernels have to be compiled: the jobs, and what they call and has no file at all."""
     called = {function for job in jobs for function in functions_of(job.kernel.__wrapped__)}
     called -= {job.kernel.__wrapped__ for job in jobs}
-    return len(jobs) + len({f"{one.__module__}.{one.__qualname__}" for one in called} - set(_files()))
+    return len(jobs) + len({f"{one.__module__}.{one.__qualname__}" for one in called} - set(kept_kernels()))
 
 
 @contextmanager
 def _working(jobs: Sequence[Job]) -> Iterator[None]:
     """Let workers compile what they can import, while the body runs; of several processes, one has workers."""
     folder, count = cache_folder(), n_processes() - 1
-    message = pickle.dumps([job for job in jobs if job.kernel.__module__.startswith("irsim_gym.")])
     with ExitStack() as stack:
         if folder and count and stack.enter_context(lock(folder / "workers", is_ordered=True, waits=False)):
-            for _ in range(count):
+            message = _message(jobs)
+            for _ in range(count if message else 0):
                 stack.enter_context(_worker(message, folder))
         yield
+
+
+def _message(jobs: Sequence[Job]) -> bytes:
+    """Return the jobs that a worker can import; nothing if one of them cannot be described to another process."""
+    try:
+        return pickle.dumps([job for job in jobs if job.kernel.__module__.startswith("irsim_gym.")])
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return b""
 
 
 @contextmanager
 def _worker(message: bytes, folder: Path) -> Iterator[None]:
     command = [sys.executable, "-P", "-m", __name__]
     # What this process imports and where it keeps code may differ from what its environment says.
-    path = os.pathsep.join(one or os.getcwd() for one in sys.path)
+    path = os.pathsep.join(one or str(Path.cwd()) for one in sys.path)
     environment = {**os.environ, "PYTHONPATH": path, "NUMBA_CACHE_DIR": str(folder.parent)}
     silent = subprocess.DEVNULL
     try:
@@ -106,15 +114,24 @@ def _worker(message: bytes, folder: Path) -> Iterator[None]:
     except (OSError, ValueError):
         yield
         return
+    assert process.stdin is not None
+    # A worker reads only after its imports, and a pipe holds little.
+    sender = Thread(target=_send, args=(process.stdin, message))
+    sender.start()
     try:
-        with suppress(OSError):
-            process.stdin.write(message)  # type: ignore[union-attr]
-            process.stdin.flush()  # type: ignore[union-attr]
         yield
     finally:
         process.kill()
+        sender.join()
         with suppress(OSError):
-            process.communicate()
+            process.stdin.close()
+        process.wait()
+
+
+def _send(pipe: IO[bytes], message: bytes) -> None:
+    with suppress(OSError):
+        pipe.write(message)
+        pipe.flush()
 
 
 def n_processes() -> int:

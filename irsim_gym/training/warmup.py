@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from functools import partial
 
 import numpy as np
 from rich.console import Console
@@ -22,45 +21,64 @@ from irsim_gym.evaluation.protocol import drive
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, reference_policy
 from irsim_gym.jit.folder import cache_folder
 from irsim_gym.jit.watch import compilation
+from irsim_gym.jit.workers import kept_kernels
 from irsim_gym.scenario.library import scenario_names
-from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
+from irsim_gym.suite.members import shipped_suite
 from irsim_gym.tasks import Episodes
+from irsim_gym.training.inputs import world_checks
 from irsim_gym.training.inspection import begin_level
+from irsim_gym.training.scenario_request import ScenarioRequest
 
 WARMUP_STEPS = 3
 """The first step is recorded. Later ones replay it, which uses other kernels."""
 
 
-def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
+def warm_up(names: Sequence[str], *, task: str | None = None, strict: bool = True) -> None:
     """Compile the kernels of scenarios, and print where they are cached.
 
     Args:
-        names: Shipped names, environment ids or paths of scenario files; empty for all shipped scenarios.
+        names: Shipped names, environment ids, paths of scenario files, and benchmarks or tiers of the suite; empty for
+            all shipped scenarios.
+        task: Shipped name or path of a task; None for the scenarios' own.
+        strict: Whether unused keys are an error.
+
+    Raises:
+        IrsimGymError: A name is unknown, or a file has mistakes; the message lists all of them.
     """
     begun, watch = time.perf_counter(), compilation()
-    before = watch.compiled
-    chosen = names or scenario_names()
-    report_together(*(partial(load_scenario, name, strict=strict, warn=False) for name in names))
-    watch.said = True  # the progress bar replaces the message about compilation
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        for name in progress.track(chosen, description="compiling"):
-            exercise(load_scenario(name, strict=strict))
     place = cache_folder()
+    # Workers compile too, so files are counted where there are any.
+    count = (lambda: len(kept_kernels())) if place else lambda: watch.compiled
+    before = count()
+    chosen = [one for name in names or scenario_names() for one in _requests(name, task, strict)]
+    report_together(*(check for one in chosen for check in world_checks(one)))
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        for one in progress.track(chosen, description="compiling"):
+            exercise(one.load(), task)
     kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
     ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
-    print(f"{ready}: {watch.compiled - before} kernels compiled in {spent:.0f} s, {kept}")
+    print(f"{ready}: {count() - before} kernels compiled in {spent:.0f} s, {kept}")
 
 
-def exercise(scenario: Scenario) -> None:
+def _requests(name: str, task: str | None, strict: bool) -> list[ScenarioRequest]:
+    """Return the scenarios that a name of the command stands for."""
+    suite = shipped_suite()
+    if name in suite.tiers or name in suite.members:
+        members = suite.chosen([name])
+        return [ScenarioRequest(one.scenario, task, parameters=one.parameters, strict=strict) for one in members]
+    return [ScenarioRequest(name, task, strict=strict)]
+
+
+def exercise(scenario: Scenario, task: str | None = None) -> None:
     """Take a few steps in a scenario without learners, with one, and as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
     for _ in range(WARMUP_STEPS):
         simulation.step()
     with suppress(ScenarioError):  # no robot can learn there
-        env = WorldEnv(scenario)
+        env = WorldEnv(scenario, task)
         env.reset(seed=0)
         for _ in range(WARMUP_STEPS):
             *_, terminated, truncated, _ = env.step(env.action_space.sample())
@@ -68,7 +86,7 @@ def exercise(scenario: Scenario) -> None:
                 env.reset()
         _drive(env.worlds.episodes)
     with suppress(ScenarioError):  # or not as a team
-        batch = make_batch(scenario)
+        batch = make_batch(scenario, task=task)
         batch.reset(seed=0)
         for _ in range(WARMUP_STEPS):
             batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
