@@ -14,6 +14,7 @@ from irsim_gym.engine import compile
 from irsim_gym.envs.batch import make_batch
 from irsim_gym.envs.pictures import make_renderer
 from irsim_gym.envs.single import WorldEnv
+from irsim_gym.envs.worlds import TaskSource
 from irsim_gym.errors import ScenarioError, report_together
 from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
@@ -22,9 +23,7 @@ from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, reference_poli
 from irsim_gym.jit.folder import cache_folder
 from irsim_gym.jit.watch import compilation
 from irsim_gym.jit.workers import kept_kernels
-from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.suite.members import shipped_suite
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.inputs import world_checks
 from irsim_gym.training.inspection import begin_level
@@ -34,14 +33,8 @@ WARMUP_STEPS = 3
 """The first step is recorded. Later ones replay it, which uses other kernels."""
 
 
-def warm_up(names: Sequence[str], *, task: str | None = None, strict: bool = True) -> None:
-    """Compile the kernels of scenarios, and print where they are cached.
-
-    Args:
-        names: Shipped names, environment ids, paths of scenario files, and benchmarks or tiers of the suite; empty for
-            all shipped scenarios.
-        task: Shipped name or path of a task; None for the scenarios' own.
-        strict: Whether unused keys are an error.
+def warm_up(chosen: Sequence[ScenarioRequest]) -> None:
+    """Compile the kernels of scenarios with their tasks, and print where they are cached.
 
     Raises:
         IrsimGymError: A name is unknown, or a file has mistakes; the message lists all of them.
@@ -51,27 +44,17 @@ def warm_up(names: Sequence[str], *, task: str | None = None, strict: bool = Tru
     # Workers compile too, so files are counted where there are any.
     count = (lambda: len(kept_kernels())) if place else lambda: watch.compiled
     before = count()
-    chosen = [one for name in names or scenario_names() for one in _requests(name, task, strict)]
     report_together(*(check for one in chosen for check in world_checks(one)))
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for one in progress.track(chosen, description="compiling"):
-            exercise(one.load(), task)
+            exercise(one.load(), one.task)
     kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
     ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
     print(f"{ready}: {count() - before} kernels compiled in {spent:.0f} s, {kept}")
 
 
-def _requests(name: str, task: str | None, strict: bool) -> list[ScenarioRequest]:
-    """Return the scenarios that a name of the command stands for."""
-    suite = shipped_suite()
-    if name in suite.tiers or name in suite.members:
-        members = suite.chosen([name])
-        return [ScenarioRequest(one.scenario, task, parameters=one.parameters, strict=strict) for one in members]
-    return [ScenarioRequest(name, task, strict=strict)]
-
-
-def exercise(scenario: Scenario, task: str | None = None) -> None:
+def exercise(scenario: Scenario, task: TaskSource = None) -> None:
     """Take a few steps in a scenario without learners, with one, and as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
