@@ -12,8 +12,8 @@ import irsim_gym
 from irsim_gym import cli, families
 from irsim_gym.envs.level_options import read_options
 from irsim_gym.scenario.option_tables import MARKER
-from irsim_gym.scenario.summary import FileSummary, summarize_file
 from irsim_gym.scenario.spec import Scenario
+from irsim_gym.scenario.summary import FileSummary, summarize_file
 from irsim_gym.suite.members import shipped_suite
 from irsim_gym.training import trial
 
@@ -350,8 +350,8 @@ def test_warmup_of_the_suite_and_of_a_task(monkeypatch: pytest.MonkeyPatch) -> N
         exercised.append((scenario.name, scenario.parameters.get("loops"), task))
 
     monkeypatch.setattr("irsim_gym.training.warmup.exercise", note)
-    assert run(monkeypatch, "warmup", "maze_0.65", "rooms", "--task", "general_navigation") == 0
-    assert exercised == [("maze", 0.65, "general_navigation"), ("rooms", None, "general_navigation")]
+    assert run(monkeypatch, "warmup", "maze_0.65", "dense_room", "--task", "general_navigation") == 0
+    assert exercised == [("maze", 0.65, "general_navigation"), ("dense_room", None, "general_navigation")]
     exercised.clear()
     assert run(monkeypatch, "warmup", "core") == 0
     assert len(exercised) == len(shipped_suite().tiers["core"])
