@@ -50,10 +50,9 @@ class Watch:
         spent = self.spent + time.perf_counter() - self._begun
         function = event.data["dispatcher"].py_func
         if function.__module__.startswith("irsim_gym"):
-            done = self._progress() or f"{self.compiled} done in {spent:.0f} s"
             what = f"about {self.expected} kernels" if self.expected else "kernels"
-            line = f"compiling kernels for this machine, once: {done}, now {function.__name__}"
-            self._say(spent, f"irsim_gym: {line}", f"irsim_gym: compiling {what} {ONCE}")
+            now = f", now {function.__name__}"
+            self._say(spent, lambda: (self._progress() or f"{self.compiled} done in {spent:.0f} s") + now, what)
 
     def on_end(self, event: Any) -> None:
         """Resume the garbage collector."""
@@ -68,9 +67,8 @@ class Watch:
     def on_wait(self, seconds: float) -> None:
         """Report on a terminal that another process compiles what this one needs; elsewhere that one reports."""
         self.waited += seconds
-        done = self._progress()
-        what = f"compiling kernels for this machine, once: {done}" if done else "waiting for kernels of another process"
-        self._say(self.waited, f"irsim_gym: {what}, waited for {self.waited:.0f} s")
+        waiting = f"waiting for another process for {self.waited:.0f} s"
+        self._say(self.waited, lambda: f"{self._progress()}, {waiting}" if self.expected else waiting)
 
     def on_wait_end(self) -> None:
         """Clear the line of the terminal."""
@@ -90,22 +88,22 @@ class Watch:
     def _progress(self) -> str:
         return f"kernel {self._count() + 1} of about {self.expected}" if self.expected else ""
 
-    def _say(self, spent: float, line: str, note: str = "") -> None:
+    def _say(self, spent: float, progress: Callable[[], str], what: str = "") -> None:
         """Report what takes a while: on a terminal in a line that is overwritten, elsewhere once.
 
         Args:
             spent: For how long it has been going on [s].
-            line: For a terminal.
-            note: For other places, nothing by default.
+            progress: Returns how far it is, for a terminal.
+            what: What is compiled, for other places; nothing by default.
         """
         if spent <= PATIENCE_S or self.said:
             return
         if self._is_shown or is_terminal():
             self._is_shown = True
-            write_over(line)
-        elif note:
+            write_over(f"irsim_gym: compiling kernels for this machine, once: {progress()}")
+        elif what:
             self.said = True
-            print(note, file=sys.stderr, flush=True)
+            print(f"irsim_gym: compiling {what} {ONCE}", file=sys.stderr, flush=True)
 
     def _clear(self) -> None:
         if self._is_shown:

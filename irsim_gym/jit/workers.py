@@ -138,7 +138,9 @@ def n_processes() -> int:
     """Return how many processes compile: as many as there are processors for this one, ``MOST`` at most."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     chosen = os.environ.get(SWITCH, "")
-    return max(1, int(chosen)) if chosen.isdecimal() else min(usable, MOST) if sys.executable else 1
+    if not sys.executable or hasattr(sys, "frozen"):  # no interpreter could be started
+        return 1
+    return max(1, int(chosen)) if chosen.isdecimal() else min(usable, MOST)
 
 
 def main() -> None:
