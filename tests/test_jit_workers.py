@@ -96,7 +96,7 @@ def test_without_workers_the_body_runs_alone(tmp_path: Path, monkeypatch: pytest
     def refuse(*arguments: object, **options: object) -> None:
         raise OSError("no more processes")
 
-    monkeypatch.setattr(workers.subprocess, "Popen", refuse)
+    monkeypatch.setattr(subprocess, "Popen", refuse)
     ran = []
     with workers._worker(b"", tmp_path):
         ran.append(True)

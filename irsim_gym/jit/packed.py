@@ -86,8 +86,8 @@ class PackedEntries:
         """Return where an entry is on disk; None where nothing can be kept."""
         if (signature, layout) not in self._places:
             files = files_of(self._function, self._options, f"packed {layout}")
-            file = files and (files, files.file(signature, target.target_context.codegen()))
-            self._places[signature, layout] = file
+            generator = target.target_context.codegen()
+            self._places[signature, layout] = None if files is None else (files, files.file(signature, generator))
         return self._places[signature, layout]
 
     def _find(self, signature: tuple[Any, ...], layout: str, waits: bool) -> int | None:

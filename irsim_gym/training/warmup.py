@@ -39,11 +39,9 @@ def warm_up(chosen: Sequence[ScenarioRequest]) -> None:
     Raises:
         IrsimGymError: A name is unknown, or a file has mistakes; the message lists all of them.
     """
-    begun, watch = time.perf_counter(), compilation()
+    begun = time.perf_counter()
     place = cache_folder()
-    # Workers compile too, so files are counted where there are any.
-    count = (lambda: len(kept_kernels())) if place else lambda: watch.compiled
-    before = count()
+    before = _n_compiled()
     report_together(*(check for one in chosen for check in world_checks(one)))
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for one in progress.track(chosen, description="compiling"):
@@ -51,7 +49,12 @@ def warm_up(chosen: Sequence[ScenarioRequest]) -> None:
     kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
     ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
-    print(f"{ready}: {count() - before} kernels compiled in {spent:.0f} s, {kept}")
+    print(f"{ready}: {_n_compiled() - before} kernels compiled in {spent:.0f} s, {kept}")
+
+
+def _n_compiled() -> int:
+    """Return how many kernels are compiled: by files, because other processes compile too, where there are any."""
+    return len(kept_kernels()) if cache_folder() else compilation().compiled
 
 
 def exercise(scenario: Scenario, task: TaskSource = None) -> None:
