@@ -105,6 +105,8 @@ endef
 $(INSTALLED): pyproject.toml constraints.txt
 	$(MAKE_VENV)
 	$(INSTALL) -e ".[train]"
+	@echo "Compiling the kernels of docs/start.md, so that they need not be waited for later."
+	@$(BIN)/irsim-gym warmup cluttered_room circle_swap || true
 	@touch $@
 
 $(TESTS_READY): pyproject.toml constraints.txt

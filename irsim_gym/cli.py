@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -311,15 +311,25 @@ def draw(
 @app.command()
 def warmup(
     scenarios: Annotated[
-        list[str] | None, typer.Argument(help="Scenarios (default: all in configs/scenarios).")
+        list[str] | None,
+        typer.Argument(help="Scenarios, benchmarks or tiers of the suite (default: all in configs/scenarios)."),
     ] = None,
+    task: Task = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Compile the kernels of scenarios in advance, so that later commands start at once."""
+    from irsim_gym.scenario.library import scenario_names
+    from irsim_gym.suite.members import shipped_suite
+    from irsim_gym.training.scenario_request import ScenarioRequest
     from irsim_gym.training.warmup import warm_up
 
-    warm_up(scenarios or [], strict=not lenient)
+    suite = shipped_suite()
+    worlds: list[tuple[str, Mapping[str, Any] | None]] = []
+    for name in scenarios or scenario_names():
+        of_suite = suite.chosen([name]) if name in suite.tiers or name in suite.members else []
+        worlds += [(one.scenario, one.parameters) for one in of_suite] or [(name, None)]
+    warm_up([ScenarioRequest(name, task, parameters=given, strict=not lenient) for name, given in worlds])
 
 
 def run(command: Callable[..., object]) -> None:

@@ -22,6 +22,7 @@ from numba.extending import intrinsic
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import Calls, Kernel, config, hooks, kernel
 from irsim_gym.jit.layout import COUNT, WORLDS
+from irsim_gym.jit.workers import Job
 from irsim_gym.structs import NotPackableError, Struct, Words, words_of
 
 BLOCK = 128
@@ -51,18 +52,19 @@ class Program:
         entries: Addresses of the packed entry and of the packed arguments of each call, shape ``(n_calls, 2)``.
     """
 
-    def __init__(self, calls: Calls, worlds: Ints) -> None:
+    def __init__(self, calls: Calls, worlds: Ints, compile_ahead: Callable[[], None] | None = None) -> None:
         """Pack recorded calls.
 
         Args:
             calls: From ``jit.record``.
             worlds: The array that stands for the worlds to treat: each run replaces it by its own.
+            compile_ahead: See ``PackedEntries.address``.
 
         Raises:
             NotRecordableError: A call cannot be packed.
         """
         self.calls = calls
-        packer = Packer(worlds)
+        packer = Packer(worlds, compile_ahead)
         entries = [packer.add(called, arguments) for called, arguments in calls]
         self.words = np.array(packer.words, np.int64)
         self.entries = np.array(entries, np.int64).reshape(-1, 2)
@@ -109,8 +111,9 @@ class Packer:
         words: All arguments so far, as machine words.
     """
 
-    def __init__(self, worlds: Ints) -> None:
+    def __init__(self, worlds: Ints, compile_ahead: Callable[[], None] | None = None) -> None:
         self.words = array("q")
+        self._compile_ahead = compile_ahead
         self._worlds = worlds
         self._known: dict[Hashable, Packed] = {}
         self._types: dict[Hashable, Any] = {}
@@ -128,13 +131,22 @@ class Packer:
         layout = "".join([marks for _, marks, _ in packed])
         key = called, layout, tuple([id(kind) for kind, _, _ in packed])
         if key not in self._entries:
-            self._entries[key] = _entry(called, tuple(kind for kind, _, _ in packed), layout)
+            self._entries[key] = _entry(called, tuple(kind for kind, _, _ in packed), layout, self._compile_ahead)
         if not self._entries[key]:
             raise NotRecordableError(f"{called.__name__} returns a value")
         first = len(self.words)
         for _, _, words in packed:
             self.words.extend(words)
         return self._entries[key], first
+
+    def job(self, called: Kernel, arguments: tuple[Any, ...]) -> Job:
+        """Return what has to be compiled for a call.
+
+        Raises:
+            NotRecordableError: An argument cannot be packed.
+        """
+        packed = [self._packed(value) for value in arguments]
+        return Job(called, tuple(kind for kind, _, _ in packed), "".join(marks for _, marks, _ in packed))
 
     def _packed(self, value: Any) -> Packed:
         key = _identity(value)
@@ -168,11 +180,11 @@ def _identity(value: Any) -> Hashable:
     return None
 
 
-def _entry(called: Kernel, given: tuple[Any, ...], layout: str) -> int:
+def _entry(called: Kernel, given: tuple[Any, ...], layout: str, compile_ahead: Callable[[], None] | None) -> int:
     """Return the address of a packed entry, 0 where the kernel returns a value."""
     if hooks.are_usable():
         try:
-            return called.packed.address(given, layout)
+            return called.packed.address(given, layout, compile_ahead)
         except NumbaError:
             raise  # in the kernel, which cannot be compiled at all
         except Exception as error:

@@ -15,6 +15,8 @@ from irsim_gym.training import trial
 
 # PyTorch's threads only wait for each other where every core has a test of its own.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# The same holds for workers that compile: the processes of tests share what is to be compiled among themselves.
+os.environ.setdefault("IRSIM_GYM_COMPILERS", "1")
 
 # The first example of a test may compile a kernel, and the machine may be busy.
 settings.register_profile("fast", deadline=None, max_examples=30)

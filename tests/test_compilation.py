@@ -78,12 +78,12 @@ from pathlib import Path
 from irsim_gym.jit.watch import compilation
 from irsim_gym.training.commands import run_rollout
 from irsim_gym.training.inspection import draw_level
-from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.trial import ReadOptions, run_briefly
+from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.warmup import warm_up
 
 name, folder = "empty_goal", Path(FOLDER)
-warm_up([name])
+warm_up([ScenarioRequest(name)])
 ready = compilation().compiled
 run_briefly(name, ReadOptions({}))
 draw_level(name, 0, "dev", None, folder / "level.png")

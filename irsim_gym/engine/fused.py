@@ -9,6 +9,7 @@ and may repeat one of them for the worlds in which it failed.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,11 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.promise import CALLS, Promise
 from irsim_gym.jit import Calls, is_recording, kernel, record
-from irsim_gym.replay import BLOCK, NotRecordableError, Program, call_all, is_possible
+from irsim_gym.jit.workers import Job, compile_together
+from irsim_gym.replay import BLOCK, NotRecordableError, Packer, Program, call_all, is_possible
 from irsim_gym.world.group import Shard
+
+_lists_jobs: ContextVar[bool] = ContextVar("lists_jobs", default=False)
 
 
 def only_kernels(kinds: Iterable[object]) -> bool:
@@ -26,6 +30,24 @@ def only_kernels(kinds: Iterable[object]) -> bool:
     A kind declares it with ``only_kernels = True`` in its own body: a class derived from it may do other things.
     """
     return all(vars(kind).get("only_kernels", False) for kind in kinds)
+
+
+class Recordings:
+    """The functions of a simulation that are recorded.
+
+    Attributes:
+        all: The functions.
+    """
+
+    def __init__(self) -> None:
+        self.all: list[Fused] = []
+        self._is_compiled = False
+
+    def compile_ahead(self) -> None:
+        """Compile what all functions will call, in several processes; only once, because the rest is little."""
+        if not self._is_compiled:
+            self._is_compiled = True
+            compile_together([job for function in self.all for job in function.jobs()])
 
 
 class Fused:
@@ -37,19 +59,25 @@ class Fused:
         function: The function. While it is recorded, its kernels are not executed.
         is_fusable: Whether it may be recorded.
         promise: Check of ``only_kernels`` of kinds from outside the package; nothing is replayed while it lasts.
+        recordings: The functions of the same simulation: where kernels are missing, those of all are compiled.
 
     Attributes:
         programs: What was recorded, by slot; None where it cannot be.
     """
 
     def __init__(
-        self, function: Callable[[Shard], None], is_fusable: bool = True, promise: Promise | None = None
+        self,
+        function: Callable[[Shard], None],
+        is_fusable: bool = True,
+        promise: Promise | None = None,
+        recordings: Recordings | None = None,
     ) -> None:
         self.function = function
         self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
         self.programs: dict[int, Program | None] = {}
         self._promise = promise
+        self._compile_ahead = None if recordings is None else recordings.compile_ahead
         self._on_trial: dict[int, Program] = {}
         self._trials = 0 if promise is None else CALLS
         self._left: dict[int, Ints] = {}
@@ -78,6 +106,10 @@ class Fused:
         """
         if self._promise is not None and self._promise.is_checking:
             self.function(shard)
+            return
+        if _lists_jobs.get():
+            self.function(shard)
+            call_until_done(shard.worlds, 0, 0, tries, failed, np.zeros(BLOCK, np.int64))
             return
         program = self._program(shard.slot)
         if program is not None:
@@ -158,7 +190,21 @@ class Fused:
         return record(self.function, Shard(worlds, slot)), worlds
 
     def _look(self, slot: int) -> Program:
-        return Program(*self._note(slot))
+        return Program(*self._note(slot), self._compile_ahead)
+
+    def jobs(self) -> list[Job]:
+        """Return what has to be compiled for the function; nothing while kinds from outside the package are checked."""
+        if not self.is_fusable or self._promise is not None:
+            return []
+        token = _lists_jobs.set(True)
+        try:
+            calls, worlds = self._note(0)
+            packer = Packer(worlds)
+            return [packer.job(*call) for call in calls]
+        except Exception:  # raised again where the function is really recorded
+            return []
+        finally:
+            _lists_jobs.reset(token)
 
     def __getstate__(self) -> dict[str, object]:
         # Recorded calls hold addresses, which mean nothing in another process.

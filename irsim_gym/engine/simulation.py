@@ -11,7 +11,7 @@ import numpy as np
 from irsim_gym import rng
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.engine import body_buckets, contact, field_of_view, outlines, respawn, restart
-from irsim_gym.engine.fused import Fused, only_kernels
+from irsim_gym.engine.fused import Fused, Recordings, only_kernels
 from irsim_gym.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.promise import Promise
@@ -47,7 +47,7 @@ class Simulation:
     fused: bool = True
 
     def __post_init__(self) -> None:
-        self._recorded: list[Fused] = []
+        self._recordings = Recordings()
         self._promise = Promise(self.rewire)
         levels = [group.kind for group in (*self.parts.maps, *self.parts.footprints, *self.parts.placements)]
         self._advance = self.fuse(self.advance)
@@ -69,12 +69,13 @@ class Simulation:
         groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
         called = [*kinds, *(group.kind for group in groups)]
         is_fusable = self.fused and only_kernels(called)
-        self._recorded.append(Fused(function, is_fusable, self._promise.among(called) if is_fusable else None))
-        return self._recorded[-1]
+        promise = self._promise.among(called) if is_fusable else None
+        self._recordings.all.append(Fused(function, is_fusable, promise, self._recordings))
+        return self._recordings.all[-1]
 
     def rewire(self) -> None:
         """Discard recorded steps, because arrays or lists of bodies were replaced."""
-        for function in self._recorded:
+        for function in self._recordings.all:
             function.forget()
 
     @property

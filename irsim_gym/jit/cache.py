@@ -69,9 +69,9 @@ class Files:
         digest = hashlib.blake2b("\n".join(key).encode(), digest_size=10).hexdigest()
         return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
 
-    def lock(self, file: Path) -> AbstractContextManager[None]:
+    def lock(self, file: Path, *, waits: bool = True) -> AbstractContextManager[bool]:
         """Return the lock of a file that does not exist yet: its holder compiles, and other processes wait."""
-        return lock(file, is_ordered=self.is_own)
+        return lock(file, is_ordered=self.is_own, waits=waits)
 
     @staticmethod
     def read(file: Path) -> bytes | None:

@@ -24,6 +24,11 @@ def function_key(function: FunctionType) -> str:
     A value that has no other description than its address gives another key in each process: the function is compiled
     anew then, and never stale.
     """
+    return hashlib.blake2b("\n".join(functions_of(function).values()).encode(), digest_size=16).hexdigest()
+
+
+def functions_of(function: FunctionType) -> dict[FunctionType, str]:
+    """Return a function and all that it calls, at any depth, with descriptions of what each is made of."""
     described: dict[FunctionType, str] = {}
     left = [function]
     while left:
@@ -31,7 +36,7 @@ def function_key(function: FunctionType) -> str:
         if one not in described:
             described[one], called = _description(one)
             left += called
-    return hashlib.blake2b("\n".join(described.values()).encode(), digest_size=16).hexdigest()
+    return described
 
 
 def type_key(kind: Any) -> str:

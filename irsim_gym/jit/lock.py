@@ -34,7 +34,7 @@ _held: ContextVar[tuple[Path, ...]] = ContextVar("held", default=())
 
 
 @contextmanager
-def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
+def lock(file: Path, *, is_ordered: bool, waits: bool = True) -> Iterator[bool]:
     """Hold the lock of a file of compiled code, if possible. Look for the file again in the body.
 
     Args:
@@ -42,17 +42,22 @@ def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
         is_ordered: Whether a process that holds some locks may wait for this one. It may if all of them belong to
             kernels that call each other in one direction, as those of the package do; otherwise two processes could
             wait for each other.
+        waits: Whether to wait for a process that holds it.
+
+    Yields:
+        Whether it is held now.
     """
     held = _held.get()
     path = file.with_suffix(".lock")
     # A lock that this thread holds already, further up in the same compilation, is not waited for.
-    descriptor = None if path in held else _acquire(path, PATIENCE_S if is_ordered or not held else 0.0)
+    may_wait = waits and (is_ordered or not held)
+    descriptor = None if path in held else _acquire(path, PATIENCE_S if may_wait else 0.0)
     if descriptor is None:
-        yield
+        yield False
         return
     before = _held.set((*held, path))
     try:
-        yield
+        yield True
     finally:
         _held.reset(before)
         _release(path, descriptor)

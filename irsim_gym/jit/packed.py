@@ -10,7 +10,8 @@ from __future__ import annotations
 import functools
 import hashlib
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -18,7 +19,7 @@ from llvmlite import binding
 from numba.core import codegen, compiler, registry, types
 from numba.core.compiler_lock import global_compiler_lock
 
-from irsim_gym.jit.cache import files_of
+from irsim_gym.jit.cache import Files, files_of
 from irsim_gym.jit.layout import entry_code
 from irsim_gym.jit.passes import pipelines
 
@@ -43,38 +44,67 @@ class PackedEntries:
         self._function = function
         self._options = options
         self._addresses: dict[tuple[Any, str], int] = {}
+        self._places: dict[tuple[Any, str], tuple[Files, Path] | None] = {}
 
     def __len__(self) -> int:
         return len(self._addresses)
 
-    def address(self, signature: tuple[Any, ...], layout: str) -> int:
+    def address(self, signature: tuple[Any, ...], layout: str, compile_ahead: Callable[[], None] | None = None) -> int:
         """Return the address of an entry, loaded or compiled if need be; 0 where the kernel returns a value.
 
         Args:
             signature: Numba's types of the arguments.
             layout: A letter for each word, of which ``layout.WORLDS`` and ``layout.COUNT`` are marks.
+            compile_ahead: Called if the entry is not on disk; may compile it together with others.
+        """
+        if compile_ahead is not None and self.is_missing(signature, layout):
+            compile_ahead()
+        return self.find(signature, layout, waits=True) or 0
+
+    def is_missing(self, signature: tuple[Any, ...], layout: str) -> bool:
+        """Return whether an entry could be on disk and is not."""
+        place = None if (signature, layout) in self._addresses else self._place(signature, layout)
+        return place is not None and not place[1].exists()
+
+    def find(self, signature: tuple[Any, ...], layout: str, *, waits: bool) -> int | None:
+        """Return the address of an entry, see ``address``.
+
+        Args:
+            signature: See ``address``.
+            layout: See ``address``.
+            waits: Whether to wait for another process that compiles it; if not, the result is None then.
         """
         address = self._addresses.get((signature, layout))
         if address is None:
             with global_compiler_lock:
-                address = self._addresses[signature, layout] = self._find(signature, layout)
+                address = self._find(signature, layout, waits)
+            if address is not None:
+                self._addresses[signature, layout] = address
         return address
 
-    def _find(self, signature: tuple[Any, ...], layout: str) -> int:
+    def _place(self, signature: tuple[Any, ...], layout: str) -> tuple[Files, Path] | None:
+        """Return where an entry is on disk; None where nothing can be kept."""
+        if (signature, layout) not in self._places:
+            files = files_of(self._function, self._options, f"packed {layout}")
+            generator = target.target_context.codegen()
+            self._places[signature, layout] = None if files is None else (files, files.file(signature, generator))
+        return self._places[signature, layout]
+
+    def _find(self, signature: tuple[Any, ...], layout: str, waits: bool) -> int | None:
         generator = target.target_context.codegen()
-        files = files_of(self._function, self._options, f"packed {layout}")
-        if files is None:
+        place = self._place(signature, layout)
+        if place is None:
             return self._compile(signature, layout, f"packed_{next(_numbers)}")[0]
-        file = files.file(signature, generator)
+        files, file = place
         # The file's name tells the entry from all others; its folder is left out, because it may be moved.
         name = f"packed_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
         found = _load(generator, name, files.read(file))
         # Found without the lock; the second look below finds what another process wrote while this one waited.
         if found is not None:
             return found
-        with files.lock(file):
+        with files.lock(file, waits=waits) as is_held:
             found = _load(generator, name, files.read(file))
-            if found is not None:
+            if found is not None or not (waits or is_held):
                 return found
             address, made = self._compile(signature, layout, name)
             if made is not None:

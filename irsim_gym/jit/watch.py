@@ -7,14 +7,13 @@ import gc
 import os
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 PATIENCE_S = 1.0
 """Seconds of compiling before anything is said."""
-NOTE = (
-    "irsim_gym: compiling kernels for this machine, some 10 s for a new kind of scenario, first use only "
-    "(`irsim-gym warmup` does it beforehand)"
-)
+ONCE = "for this machine, first use only (`irsim-gym warmup` does it beforehand)"
 
 
 class Watch:
@@ -24,7 +23,8 @@ class Watch:
         compiled: How many kernels have been compiled.
         spent: How long that took [s].
         waited: How long this process has waited for others that compile [s].
-        said: Whether the note has been printed, so that nothing more follows.
+        said: Whether a note has been printed, so that nothing more follows.
+        expected: About how many kernels this process and others compile together; 0 if that is not known.
     """
 
     def __init__(self) -> None:
@@ -32,6 +32,8 @@ class Watch:
         self.spent = 0.0
         self.waited = 0.0
         self.said = False
+        self.expected = 0
+        self._count: Callable[[], int] = int
         self._depth = 0
         self._begun = 0.0
         self._collects = False
@@ -48,8 +50,9 @@ class Watch:
         spent = self.spent + time.perf_counter() - self._begun
         function = event.data["dispatcher"].py_func
         if function.__module__.startswith("irsim_gym"):
-            what = f"compiling kernels for this machine, once: {self.compiled} done in {spent:.0f} s"
-            self._say(spent, f"irsim_gym: {what}, now {function.__name__}", NOTE)
+            what = f"about {self.expected} kernels" if self.expected else "kernels"
+            now = f", now {function.__name__}"
+            self._say(spent, lambda: (self._progress() or f"{self.compiled} done in {spent:.0f} s") + now, what)
 
     def on_end(self, event: Any) -> None:
         """Resume the garbage collector."""
@@ -64,30 +67,43 @@ class Watch:
     def on_wait(self, seconds: float) -> None:
         """Report on a terminal that another process compiles what this one needs; elsewhere that one reports."""
         self.waited += seconds
-        what = f"another process compiles kernels for this machine, once: waiting for {self.waited:.0f} s"
-        self._say(self.waited, f"irsim_gym: {what}")
+        waiting = f"waiting for another process for {self.waited:.0f} s"
+        self._say(self.waited, lambda: f"{self._progress()}, {waiting}" if self.expected else waiting)
 
     def on_wait_end(self) -> None:
         """Clear the line of the terminal."""
         if self._depth == 0:
             self._clear()
 
-    def _say(self, spent: float, line: str, note: str = "") -> None:
+    @contextmanager
+    def expecting(self, n_kernels: int, count: Callable[[], int]) -> Iterator[None]:
+        """Report progress as a share of all kernels while the body runs; ``count`` returns how many are on disk."""
+        before = count()
+        self.expected, self._count = n_kernels, lambda: count() - before
+        try:
+            yield
+        finally:
+            self.expected = 0
+
+    def _progress(self) -> str:
+        return f"kernel {self._count() + 1} of about {self.expected}" if self.expected else ""
+
+    def _say(self, spent: float, progress: Callable[[], str], what: str = "") -> None:
         """Report what takes a while: on a terminal in a line that is overwritten, elsewhere once.
 
         Args:
             spent: For how long it has been going on [s].
-            line: For a terminal.
-            note: For other places, nothing by default.
+            progress: Returns how far it is, for a terminal.
+            what: What is compiled, for other places; nothing by default.
         """
         if spent <= PATIENCE_S or self.said:
             return
         if self._is_shown or is_terminal():
             self._is_shown = True
-            write_over(line)
-        elif note:
+            write_over(f"irsim_gym: compiling kernels for this machine, once: {progress()}")
+        elif what:
             self.said = True
-            print(note, file=sys.stderr, flush=True)
+            print(f"irsim_gym: compiling {what} {ONCE}", file=sys.stderr, flush=True)
 
     def _clear(self) -> None:
         if self._is_shown:

@@ -14,7 +14,9 @@ import irsim_gym
 from irsim_gym import cli, families
 from irsim_gym.envs.level_options import read_options
 from irsim_gym.scenario.option_tables import MARKER
+from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.summary import FileSummary, summarize_file
+from irsim_gym.suite.members import shipped_suite
 from irsim_gym.training import trial
 
 BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
@@ -393,6 +395,20 @@ def test_warmup(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[s
     assert re.fullmatch(r"2 scenarios ready: \d+ kernels compiled in \d+ s, kept in .+\n", said)
     assert run(monkeypatch, "warmup", "empty_goal") == 0
     assert re.match(r"1 scenario ready: 0 kernels compiled in \d+ s", capsys.readouterr().out)
+
+
+def test_warmup_of_the_suite_and_of_a_task(monkeypatch: pytest.MonkeyPatch) -> None:
+    exercised: list[tuple[str, object, object]] = []
+
+    def note(scenario: Scenario, task: str | None) -> None:
+        exercised.append((scenario.name, scenario.parameters.get("loops"), task))
+
+    monkeypatch.setattr("irsim_gym.training.warmup.exercise", note)
+    assert run(monkeypatch, "warmup", "maze_0.65", "dense_room", "--task", "general_navigation") == 0
+    assert exercised == [("maze", 0.65, "general_navigation"), ("dense_room", None, "general_navigation")]
+    exercised.clear()
+    assert run(monkeypatch, "warmup", "core") == 0
+    assert len(exercised) == len(shipped_suite().tiers["core"])
 
 
 def test_the_command_line_starts_light() -> None:
