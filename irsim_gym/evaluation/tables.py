@@ -22,8 +22,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
+from irsim_gym.errors import UnreadableFileError
+from irsim_gym.evaluation.metrics import HITS, OUTCOMES, EpisodeRow, Rate, Summary
+from irsim_gym.outside_files import reading
 
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
@@ -53,6 +54,7 @@ LEGEND: Mapping[str, str] = MappingProxyType(
 )
 """Meaning of columns, by the beginning of their heads in one line."""
 COPIES = "95 % interval: none (-), because all levels are the same, and every episode is a copy of the first"
+ROWS = "table of episodes"
 Row = TypeVar("Row")
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
@@ -126,28 +128,52 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
     Raises:
         IrsimGymError: If the file cannot be read, or a column is missing.
     """
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            needed = [field.name for kind in kinds for field in fields(kind) if field.default is MISSING]
-            known = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
-            if missing := [name for name in dict.fromkeys(needed) if name in known]:
-                raise IrsimGymError(f"{path}:1: no column {', '.join(missing)}: it holds no rows of this version")
-            return [(f"{path}:{reader.line_num}", row) for row in reader]
-    except (OSError, ValueError, csv.Error) as error:
-        raise IrsimGymError(f"{path} cannot be read as rows of episodes: {error}") from error
+    with reading(path, ROWS), path.open(encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        needed = [field.name for kind in kinds for field in fields(kind) if field.default is MISSING]
+        known = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
+        if missing := [name for name in dict.fromkeys(needed) if name in known]:
+            raise UnreadableFileError(f"{path}:1", ROWS, f"no column {', '.join(missing)} of this version")
+        rows = [(f"{path}:{reader.line_num}", row) for row in reader]
+    for place, row in rows:
+        if None in row or None in row.values():
+            raise UnreadableFileError(place, ROWS, f"a row must have {len(reader.fieldnames or ())} cells")
+    return rows
 
 
 def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
     """Return the rows that ``write_episodes`` wrote, with rounded floats.
 
     Raises:
-        IrsimGymError: If the file cannot be read, or holds other rows.
+        UnreadableFileError: If the file cannot be read, or holds other rows, or two of one policy in one level.
     """
-    found: dict[str, list[EpisodeRow]] = {}
+    found: dict[str, dict[int, EpisodeRow]] = {}
     for place, row in read_rows(path, EpisodeRow):
-        found.setdefault(row.get("policy", ""), []).append(read_cells(place, EpisodeRow, row))
-    return found
+        episode, policy = read_cells(place, EpisodeRow, row), row.get("policy", "")
+        if episode.level in found.setdefault(policy, {}):
+            raise UnreadableFileError(place, ROWS, f"'{policy}' has two rows of level {episode.level}")
+        found[policy][episode.level] = episode
+    return {policy: list(episodes.values()) for policy, episodes in found.items()}
+
+
+def check_levels(path: Path, rows: Mapping[str, Sequence[Any]], levels: int) -> None:
+    """Check that rows that were read from a file are those of the first levels, in order.
+
+    Args:
+        path: The file.
+        rows: Rows by policy, each with its ``level``.
+        levels: Number of levels.
+
+    Raises:
+        UnreadableFileError: If levels are missing, or there are others.
+    """
+    for policy, episodes in rows.items():
+        found, whose = [row.level for row in episodes], f" of '{policy}'" if policy else ""
+        if found != list(range(levels)):
+            missing = ", ".join(map(str, [number for number in range(levels) if number not in set(found)][:3]))
+            what = f"no row of level {missing}" if missing else f"they are {len(found):,}, or in another order"
+            wish = f"its rows{whose} must be those of the levels 0 to {levels - 1:,}, in order"
+            raise UnreadableFileError(str(path), ROWS, f"{wish}: {what}")
 
 
 def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
@@ -164,10 +190,23 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
     """
     every = _readers(kind)  # type: ignore[arg-type]  # every class can be hashed
     readers = {name: read for name, read in every.items() if name in row and name not in given}
-    try:
-        return kind(**given, **{name: read(row[name]) for name, read in readers.items()})
-    except (KeyError, TypeError, ValueError) as error:
-        raise IrsimGymError(f"{place}: no row of {kind.__name__}: {error!r}") from error
+    cells: dict[str, Any] = {}
+    for name, read in readers.items():
+        try:
+            cells[name] = read(row[name])
+        except (KeyError, TypeError, ValueError):
+            wish = _WORDS[get_type_hints(kind)[name]]
+            raise UnreadableFileError(place, ROWS, f"{name} must be {wish}, got {row[name][:40]!r}") from None
+    for name, known in (("outcome", OUTCOMES), ("hit", ("", *HITS, "map"))):
+        if name in cells and cells[name] not in known:
+            wish = ", ".join(word or "none" for word in known)
+            raise UnreadableFileError(place, ROWS, f"{name} must be one of {wish}, got {cells[name][:40]!r}")
+    needed = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
+    for name in needed:
+        least = -math.inf if name == "min_clearance" else 1e-9 if name == "top_speed" else 0
+        if name in cells and not isinstance(cells[name], str) and not cells[name] >= least:
+            raise UnreadableFileError(place, ROWS, f"{name} must be a number >= {least:g}, got {row[name] or 'none'}")
+    return kind(**given, **cells)
 
 
 @cache
@@ -312,6 +351,7 @@ _READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
         bool: lambda text: {"True": True, "False": False}[text],
     }
 )
+_WORDS = {int: "a whole number", float: "a number", bool: "True or False"}
 
 
 def _rounded(value: object) -> object:

@@ -23,6 +23,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
 from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
+from irsim_gym.outside_files import reading
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
     PARTIAL,
@@ -88,8 +89,15 @@ def export_policy(path: Path, model: BaseAlgorithm) -> None:
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
-    """Read the state of worlds, random generators and curriculum. It is a pickle: open only files that you trust."""
-    state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
+    """Read the state of worlds, random generators and curriculum. It is a pickle: open only files that you trust.
+
+    Raises:
+        UnreadableFileError: It is damaged, or another version has written it.
+    """
+    with reading(checkpoint / STATE, "state that this version can resume"):
+        state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
+        if not isinstance(state, dict):
+            raise TypeError(f"got {type(state).__name__}")
     return state
 
 

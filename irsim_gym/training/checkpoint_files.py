@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from irsim_gym.outside_files import checked, json_object, reading
 
 POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
 STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
@@ -41,8 +42,13 @@ def newest_checkpoint(folder: Path) -> Path | None:
 
 
 def load_progress(checkpoint: Path) -> RunProgress:
-    """Read the progress of a checkpoint."""
-    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text(encoding="utf-8")))
+    """Read the progress of a checkpoint.
+
+    Raises:
+        UnreadableFileError: It is damaged.
+    """
+    with reading(checkpoint / PROGRESS, "file with the progress of a training"):
+        return checked(RunProgress(**json_object(checkpoint / PROGRESS)))
 
 
 def remove_partial(folder: Path) -> None:

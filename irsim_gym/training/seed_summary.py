@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import write_figure, write_json
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.training.checkpoint_files import list_checkpoints
 from irsim_gym.training.run import Run
 
@@ -121,7 +121,8 @@ def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) 
     Raises:
         IrsimGymError: If later checkpoints have no scores, so that the curve ends before the training did.
     """
-    config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
+    with reading(run, "folder of a run with its curve"):
+        config, curve = (json_object(run / file) for file in ("config.json", "curve.json"))
     if part is not None:
         from irsim_gym.training.score import scenario_point, seconds_to
 

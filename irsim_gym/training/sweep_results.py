@@ -11,7 +11,9 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.tables import plain, print_table, write_csv, write_json
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.training.sweep_file import SweepTrial
 
 TABLE, RESULT = "sweep.csv", "result.json"
@@ -26,10 +28,11 @@ def write_result(place: Path, point: Mapping[str, Any]) -> None:
 def read_result(place: Path) -> dict[str, Any] | None:
     """Return the result of a training; None where it has not ended."""
     try:
-        found: dict[str, Any] = json.loads((place / RESULT).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        with reading(place / RESULT, "result of a training"):
+            found = json_object(place / RESULT)
+            return {**found, "success": float(found["success"])}
+    except UnreadableFileError:
         return None
-    return found
 
 
 def write_sweep(folder: Path, trials: Sequence[SweepTrial], results: Sequence[Mapping[str, Any]]) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 
 from irsim_gym.evaluation.tables import write_json
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.sb3 import LogCallback
 from irsim_gym.training.run import TRACKING, Run, Settings
 
@@ -30,7 +30,8 @@ def make_log(run: Run, settings: Settings, services: Sequence[str], *, resumed: 
         IrsimGymError: If there is no such service, or its package is not installed.
     """
     file = run.folder / TRACKING
-    run_ids = json.loads(file.read_text(encoding="utf-8")) if resumed and file.is_file() else {}
+    with reading(file, "file with the ids of runs at services"):
+        run_ids = json_object(file) if resumed and file.is_file() else {}
     project = None if any(os.environ.get(name) for name in PROJECT_VARIABLES) else PROJECT
     folder = run.folder.resolve()
     name = f"{folder.parent.name}/{folder.name}" if folder.name.startswith(GROUP) else folder.name

@@ -539,7 +539,7 @@ def test_what_cannot_be_exported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         (("dash", "mine"), "dash is a behavior, which has no weights"),
         ((shelf_file("cluttered_room"), "mine"), "is not a trained policy of Stable-Baselines3"),
         ((AGENTS / "policies" / "cluttered_room_images_seed_100.zip", "x", "--results", results), "has no row of its"),
-        ((zipped, "dense", "--results", __file__), "holds no figures of policies"),
+        ((zipped, "dense", "--results", __file__), "is no file with figures of policies"),
     ):
         assert run(monkeypatch, "policies", "export", *words, "--out", tmp_path) == 1
         assert said in capsys.readouterr().err
