@@ -1,5 +1,7 @@
 """Reads files from outside: whatever is wrong with one ends as an error that names the file and the reason.
 
+Errors of writing name their file too, and nothing is removed behind a link.
+
 All files that other programs or other people may have written are read within ``reading``: damaged bytes make NumPy,
 ``zipfile``, ``zlib``, ``pickle`` and JSON raise errors of nearly any class. No file stays open.
 """
@@ -137,6 +139,16 @@ def _array(name: str, content: bytes) -> NDArray[Any]:
         raise ValueError(f"{name} of {dtype} with shape {shape} needs {wanted:,} bytes, got {there:,}")
     flat = np.frombuffer(content, dtype, offset=stream.tell()) if wanted else np.zeros(0, dtype)
     return np.array(flat.reshape(shape, order="F" if is_fortran else "C"))
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Let each error of the file system name the file: that of a full disk does not."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = str(path) if error.filename is None else error.filename
+        raise
 
 
 def remove(path: Path) -> None:

@@ -21,7 +21,7 @@ PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
 
 # Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
-COMMON = {"errors", "extras", "registry", "families", "arraytypes", "byte_planes", "contract"}
+COMMON = {"errors", "extras", "registry", "families", "arraytypes", "byte_planes", "contract", "outside_files"}
 KIND = {"jit", "rng", "structs", "geometry", "world", "scenario.options"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
@@ -30,6 +30,7 @@ ALLOWED: dict[str, set[str]] = {
     "families": set(),
     "arraytypes": set(),
     "byte_planes": set(),
+    "outside_files": {"pydantic"},
     "contract": {"scenario.options", "pydantic"},
     "jit": {"numba", "llvmlite", "rich"},
     "replay": {"numba", "llvmlite", "jit", "structs"},
@@ -58,7 +59,7 @@ ALLOWED: dict[str, set[str]] = {
         "scenario.image_files",
         "matplotlib",
         "raster",
-        "imageio",
+        "imageio_ffmpeg",
         "moviepy",
         "PIL",
         "rich",
@@ -93,7 +94,7 @@ HEAVY = {
     "stable_baselines3",
     "shapely",
     "moviepy",
-    "imageio",
+    "imageio_ffmpeg",
     "rich",
     "PIL",
     "scipy",

@@ -24,7 +24,7 @@ from rich.text import Text
 
 from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.metrics import HITS, OUTCOMES, EpisodeRow, Rate, Summary
-from irsim_gym.outside_files import reading
+from irsim_gym.outside_files import reading, writing
 
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
@@ -71,7 +71,7 @@ def write_bytes(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with writing(path), os.fdopen(handle, "wb") as file:
             file.write(content)
         Path(temporary).chmod(0o644)
         Path(temporary).replace(path)
@@ -161,7 +161,7 @@ def check_levels(path: Path, rows: Mapping[str, Sequence[Any]], levels: int) -> 
 
     Args:
         path: The file.
-        rows: Rows by policy, each with its ``level``.
+        rows: Rows by policy, each with its ``level``; for a team with its ``agents``, the same in each.
         levels: Number of levels.
 
     Raises:
@@ -174,6 +174,11 @@ def check_levels(path: Path, rows: Mapping[str, Sequence[Any]], levels: int) -> 
             what = f"no row of level {missing}" if missing else f"they are {len(found):,}, or in another order"
             wish = f"its rows{whose} must be those of the levels 0 to {levels - 1:,}, in order"
             raise UnreadableFileError(str(path), ROWS, f"{wish}: {what}")
+        teams = [{agent.agent for agent in getattr(row, "agents", ())} for row in episodes]
+        for number, team in enumerate(teams):
+            if missing := sorted(set.union(*teams) - team):
+                reason = f"level {number}{whose} has no row of {', '.join(missing)}"
+                raise UnreadableFileError(str(path), ROWS, reason)
 
 
 def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
@@ -265,9 +270,14 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     return figure_table(title, heads, rows, **NARROW)
 
 
+def titled_table(title: str, **layout: Any) -> Table:
+    """Return a table with a title that is printed as it is, also where it looks like markup."""
+    return Table(title=Text(title, "table.title"), title_justify="left", **layout)
+
+
 def figure_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]], **layout: Any) -> Table:
     """Return a table whose first column names its rows, and whose other columns hold figures."""
-    table = Table(title=title, title_justify="left", **layout)
+    table = titled_table(title, **layout)
     for k, head in enumerate(heads):
         table.add_column(Text(head), justify="right" if k else "left", no_wrap=not k)
     for cells in rows:

@@ -74,7 +74,7 @@ def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
     Raises:
         IrsimGymError: If a cell holds an invalid value.
     """
-    levels, last = dict[int, TeamRow](), ""
+    levels: dict[int, TeamRow] = {}
     for place, row in rows:
         episode = read_cells(place, EpisodeRow, row)
         agent = read_cells(place, AgentRow, row, episode=episode)
@@ -82,11 +82,6 @@ def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
         if agent.agent in [other.agent for other in level.agents]:
             raise UnreadableFileError(place, ROWS, f"'{agent.agent}' has two rows in level {level.level}")
         levels[episode.level] = replace(level, agents=(*level.agents, agent))
-        last = place
-    names = [[agent.agent for agent in level.agents] for level in levels.values()]
-    for level, own in zip(levels, names, strict=True):
-        if missing := sorted(set(max(names, key=len)).difference(own)):
-            raise UnreadableFileError(last, ROWS, f"level {level} has no row of {', '.join(missing)}")
     return list(levels.values())
 
 

@@ -11,7 +11,6 @@ import io
 import json
 import pickle
 import random
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
 from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
-from irsim_gym.outside_files import reading
+from irsim_gym.outside_files import reading, remove, writing
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
     PARTIAL,
@@ -57,9 +56,27 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     """
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
-    shutil.rmtree(partial, ignore_errors=True)
+    remove(partial)
     partial.mkdir(parents=True)
-    model.save(partial / POLICY)
+    with writing(target):
+        _write_parts(partial, model, progress, state)
+    remove(target)
+    partial.rename(target)
+    for older in list_checkpoints(folder):
+        if older != target:
+            remove_state(older)
+    return target
+
+
+def _write_parts(partial: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> None:
+    """Write the files of a checkpoint.
+
+    Raises:
+        OSError: The disk is full. A model is written in memory first: PyTorch has another error for that.
+    """
+    content = io.BytesIO()
+    model.save(content)
+    (partial / POLICY).write_bytes(content.getbuffer())
     normalization = model.get_vec_normalize_env()
     if normalization is not None:
         normalization.save(str(partial / NORMALIZATION))
@@ -67,12 +84,6 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
         model.save_replay_buffer(partial / REPLAY_BUFFER)
     (partial / STATE).write_bytes(pickle.dumps(dict(state)))
     (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))), encoding="utf-8")
-    shutil.rmtree(target, ignore_errors=True)
-    partial.rename(target)
-    for older in list_checkpoints(folder):
-        if older != target:
-            remove_state(older)
-    return target
 
 
 def export_policy(path: Path, model: BaseAlgorithm) -> None:

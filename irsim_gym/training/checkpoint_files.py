@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from irsim_gym.outside_files import checked, json_object, reading
+from irsim_gym.outside_files import checked, json_object, reading, remove
 
 POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
 STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
@@ -54,7 +53,7 @@ def load_progress(checkpoint: Path) -> RunProgress:
 def remove_partial(folder: Path) -> None:
     """Remove incomplete checkpoints, which a killed process leaves behind."""
     for unfinished in folder.glob(f"{PARTIAL}*"):
-        shutil.rmtree(unfinished)
+        remove(unfinished)
 
 
 def remove_state(checkpoint: Path) -> None:

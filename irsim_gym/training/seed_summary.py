@@ -222,20 +222,21 @@ def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) 
     """Draw the learning curves of all seeds over the training time."""
     from matplotlib.figure import Figure
 
+    from irsim_gym.render.fonts import label
+
     figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
     axes = figure.add_subplot()
     for seed in seeds:
         seconds = [point["training_seconds"] for point in seed["curve"]]
-        axes.plot(
-            seconds, [100 * point["success"] for point in seed["curve"]], lw=1.4, marker="o", ms=2.5, label=seed["run"]
-        )
+        shares = [100 * point["success"] for point in seed["curve"]]
+        axes.plot(seconds, shares, lw=1.4, marker="o", ms=2.5, label=label(seed["run"]))
     for mark in (95, 98):
         axes.axhline(mark, color="#d9dee3", lw=1, zorder=0)
     worst = 100 * min(point["success"] for seed in seeds for point in seed["curve"])
     levels = seeds[0]["curve"][-1]["levels"]
     axes.set(xlabel="training time [s]", ylabel=f"{success} on {levels:,.0f} dev levels [%]")
     axes.set(ylim=(max(0.0, worst // 10 * 10 - 10), 100.5), xlim=(0, None))
-    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_title(title, loc="left", fontsize=10, parse_math=False)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8, loc="lower right")
     write_figure(path, figure)

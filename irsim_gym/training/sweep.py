@@ -15,6 +15,7 @@ from rich.console import Console
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import PLAIN, plain, write_json
 from irsim_gym.outside_files import json_object, reading, remove
+from irsim_gym.training.folders import sole_writer
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.ray_session import ray_session
 from irsim_gym.training.run import Run, lasting, scenario_name
@@ -59,15 +60,16 @@ def run_sweep(
     sweep, console = read_sweep(file), Console(stderr=True)
     folder = (out or Path("runs") / f"sweep-{file.stem}").resolve()
     trials = sweep.trials()
-    _begin(folder, sweep, trials, overwrite)
     places = [folder / TRIALS / f"{number:04d}" for number in range(len(trials))]
-    left = [number for number, place in enumerate(places) if read_result(place) is None]
-    console.print(f"sweep of {len(trials)} trainings, {len(left)} of them to do, in {folder}", **PLAIN)
-    if left:
-        jobs = [_job(sweep, trials[number], places[number], number, modules) for number in left]
-        with ray_session(address, workers):
-            errors = _fit(jobs, folder)
-        _check(folder, places, errors)
+    with sole_writer(folder):
+        _begin(folder, sweep, trials, overwrite)
+        left = [number for number, place in enumerate(places) if read_result(place) is None]
+        console.print(f"sweep of {len(trials)} trainings, {len(left)} of them to do, in {folder}", **PLAIN)
+        if left:
+            jobs = [_job(sweep, trials[number], places[number], number, modules) for number in left]
+            with ray_session(address, workers):
+                errors = _fit(jobs, folder)
+            _check(folder, places, errors)
     results = [read_result(place) or {} for place in places]
     write_sweep(folder, trials, results)
     show_sweep(trials, results, file.stem)

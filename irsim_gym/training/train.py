@@ -29,7 +29,7 @@ from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import copy_weights
-from irsim_gym.training.folders import check_replaceable, setting_differences
+from irsim_gym.training.folders import check_replaceable, setting_differences, sole_writer
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
 from irsim_gym.training.models import curriculum_of, mirror_callback, new_model, resolve_device, restored_model
@@ -72,33 +72,35 @@ def train(
         log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
-        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed.
+        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed, or another process
+            trains into it.
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
     """
     run, screen = Run(folder), console or Console(stderr=True)
     check_folder(run.folder)
-    now = settings.snapshot()
-    if overwrite:
-        check_replaceable(run)
-    elif run.exists():
-        _check_run(run, settings, now, resume, screen)
-    resumed = run.exists() and not overwrite
-    if resumed and run.finished():
-        _remove_leftovers(run)
+    with sole_writer(run.folder):
+        now = settings.snapshot()
+        if overwrite:
+            check_replaceable(run)
+        elif run.exists():
+            _check_run(run, settings, now, resume, screen)
+        resumed = run.exists() and not overwrite
+        if resumed and run.finished():
+            _remove_leftovers(run)
+            return run
+        used = run.own_settings() if resumed else settings
+        newest = newest_checkpoint(run.checkpoints) if resumed else None
+        _check_engine(used, address, log)
+        logged = make_log(run, settings, log, resumed=resumed)
+        model, progress = _model(used, newest, device, screen)
+        _begin(run, settings, now, resumed=resumed)
+        try:
+            _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
+        finally:
+            logged.close()
+            _write_log(run, progress)
+            _close(model)
         return run
-    used = run.own_settings() if resumed else settings
-    newest = newest_checkpoint(run.checkpoints) if resumed else None
-    _check_engine(used, address, log)
-    logged = make_log(run, settings, log, resumed=resumed)
-    model, progress = _model(used, newest, device, screen)
-    _begin(run, settings, now, resumed=resumed)
-    try:
-        _learn_with(used, address, logged)(run, used, model, progress, newest, screen, on_checkpoint)
-    finally:
-        logged.close()
-        _write_log(run, progress)
-        _close(model)
-    return run
 
 
 def _close(model: BaseAlgorithm) -> None:

@@ -17,6 +17,7 @@ from irsim_gym.extras import require
 from irsim_gym.outside_files import json_object, reading, remove
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
+from irsim_gym.training.folders import sole_writer
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.request_checks import check_request
@@ -118,9 +119,10 @@ def run_tuning(
     run = request.folder(settings)
     folder = out or run.with_name(f"tune-{run.name}")
     tuning = Tuning(request, settings, chosen, dev_levels, folder, optuna, tuple(modules))
-    _begin(tuning, overwrite)
     try:
-        with ctrl_c_as_error("stopped at once; finished trials and the newest checkpoint are kept"):
+        told = "stopped at once; finished trials and the newest checkpoint are kept"
+        with sole_writer(folder), ctrl_c_as_error(told):
+            _begin(tuning, overwrite)
             found = _run_trials(tuning, _study(tuning), trials)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None

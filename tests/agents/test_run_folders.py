@@ -293,7 +293,9 @@ def test_a_config_of_another_program_is_named(content: str) -> None:
     with pytest.raises(IrsimGymError, match=r"^run/config.json is no file with the settings of a training run: ."):
         Run(Path("run")).settings()
     Path("run/config.json").unlink()
-    with pytest.raises(IrsimGymError, match=r"^run/config.json is no file with the settings of a training run: no such file"):
+    with pytest.raises(
+        IrsimGymError, match=r"^run/config.json is no file with the settings of a training run: no such file"
+    ):
         Run(Path("run")).settings()
 
 

@@ -136,7 +136,7 @@ class Mischief:
     [
         (lambda file: Mischief((Path.touch, (file,))), "it needs pathlib.Path"),
         (lambda file: Mischief((eval, (f"open({str(file)!r}, 'w')",))), "it needs builtins.eval, which is not read"),
-        (lambda _: np.array([{}], object), "cannot be read as a pickle of numbers"),
+        (lambda _: np.array([{}], object), "is no pickle of numbers"),
         (lambda _: [1, 2], "holds no state of JaxNav"),
     ],
 )

@@ -79,13 +79,13 @@ def mistakes_of(file: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("benchmarks: [maze]\ntiers: {core: [maze]}\n", "benchmarks: must be a mapping, got a list"),
+        ("benchmarks: [maze]\ntiers: {core: [maze]}\n", "benchmarks: must be a mapping, got ['maze']"),
         ("benchmarks: {maze: 3}\ntiers: {core: [maze]}\n", "benchmarks.maze: must be a mapping, got 3"),
         ("benchmarks: {maze: {levels: many}}\ntiers: {}\n", "levels: must be a whole number > 0, got 'many'"),
         ("benchmarks: {maze: {asks: x}}\ntiers: {core: 5}\n", "tiers.core: must be a list of benchmarks, got 5"),
         ("benchmarks: {maze: {asks: x}}\ntiers: {core: [[maze]]}\n", "tiers.core[0]: no benchmark"),
-        ("- 1\n", "benchmarks: must be a mapping, got null"),
-        ("", "tiers: must be a mapping, got null"),
+        ("- 1\n", "benchmarks: must be a mapping, got nothing"),
+        ("", "tiers: must be a mapping, got nothing"),
         ("benchmarks: {maze: {parameters: [1]}}\ntiers: {}\n", "parameters: must be a mapping of values by name"),
     ],
 )
