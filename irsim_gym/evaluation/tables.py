@@ -54,7 +54,7 @@ LEGEND: Mapping[str, str] = MappingProxyType(
 )
 """Meaning of columns, by the beginning of their heads in one line."""
 COPIES = "95 % interval: none (-), because all levels are the same, and every episode is a copy of the first"
-ROWS = "table of episodes"
+ROWS, ROW = "table of episodes", "row of an episode"
 Row = TypeVar("Row")
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
@@ -137,7 +137,7 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
         rows = [(f"{path}:{reader.line_num}", row) for row in reader]
     for place, row in rows:
         if None in row or None in row.values():
-            raise UnreadableFileError(place, ROWS, f"a row must have {len(reader.fieldnames or ())} cells")
+            raise UnreadableFileError(place, ROW, f"a row must have {len(reader.fieldnames or ())} cells")
     return rows
 
 
@@ -151,7 +151,7 @@ def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
     for place, row in read_rows(path, EpisodeRow):
         episode, policy = read_cells(place, EpisodeRow, row), row.get("policy", "")
         if episode.level in found.setdefault(policy, {}):
-            raise UnreadableFileError(place, ROWS, f"'{policy}' has two rows of level {episode.level}")
+            raise UnreadableFileError(place, ROW, f"'{policy}' has two rows of level {episode.level}")
         found[policy][episode.level] = episode
     return {policy: list(episodes.values()) for policy, episodes in found.items()}
 
@@ -201,16 +201,16 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
             cells[name] = read(row[name])
         except (KeyError, TypeError, ValueError):
             wish = _WORDS[get_type_hints(kind)[name]]
-            raise UnreadableFileError(place, ROWS, f"{name} must be {wish}, got {row[name][:40]!r}") from None
+            raise UnreadableFileError(place, ROW, f"{name} must be {wish}, got {row[name][:40]!r}") from None
     for name, known in (("outcome", OUTCOMES), ("hit", ("", *HITS, "map"))):
         if name in cells and cells[name] not in known:
             wish = ", ".join(word or "none" for word in known)
-            raise UnreadableFileError(place, ROWS, f"{name} must be one of {wish}, got {cells[name][:40]!r}")
+            raise UnreadableFileError(place, ROW, f"{name} must be one of {wish}, got {cells[name][:40]!r}")
     needed = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
     for name in needed:
         least = -math.inf if name == "min_clearance" else 1e-9 if name == "top_speed" else 0
         if name in cells and not isinstance(cells[name], str) and not cells[name] >= least:
-            raise UnreadableFileError(place, ROWS, f"{name} must be a number >= {least:g}, got {row[name] or 'none'}")
+            raise UnreadableFileError(place, ROW, f"{name} must be a number >= {least:g}, got {row[name] or 'none'}")
     return kind(**given, **cells)
 
 

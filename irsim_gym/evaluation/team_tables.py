@@ -15,7 +15,7 @@ from irsim_gym.evaluation.tables import (
     COMPACT,
     EPISODE_COLUMNS,
     NARROW,
-    ROWS,
+    ROW,
     PlacedRow,
     figure_table,
     interval,
@@ -80,7 +80,7 @@ def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
         agent = read_cells(place, AgentRow, row, episode=episode)
         level = levels.get(episode.level) or read_cells(place, TeamRow, row, agents=(), **given)
         if agent.agent in [other.agent for other in level.agents]:
-            raise UnreadableFileError(place, ROWS, f"'{agent.agent}' has two rows in level {level.level}")
+            raise UnreadableFileError(place, ROW, f"'{agent.agent}' has two rows in level {level.level}")
         levels[episode.level] = replace(level, agents=(*level.agents, agent))
     return list(levels.values())
 

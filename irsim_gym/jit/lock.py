@@ -67,7 +67,7 @@ def sole(path: Path) -> Iterator[bool]:
     descriptor, is_free = None, True
     try:
         while descriptor is None:
-            descriptor = open_private(path)
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
             is_free = _try(descriptor)
             if is_free and not os.fstat(descriptor).st_nlink:  # its holder has just removed it
                 os.close(descriptor)

@@ -72,7 +72,7 @@ def train(
         log: Services that receive the log besides TensorBoard: ``"wandb"``, ``"mlflow"``.
 
     Raises:
-        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed, or another process
+        IrsimGymError: If the folder is a file, holds another run or one that has to be resumed, or another process
             trains into it.
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops the training. A checkpoint is on disk.
     """

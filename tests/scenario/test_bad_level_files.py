@@ -31,7 +31,8 @@ def arrays(**changes: Any) -> dict[str, Any]:
     """Three levels for the scenario; None leaves an array out."""
     goal = np.full((3, 3, 3), np.nan)
     goal[:, 0] = [8, 8, 0]
-    whole = {"bodies": ["robot_0", "obstacle_2", "obstacle_3"], "start": np.ones((3, 3, 3)), "goal": goal, **DISC}
+    start = np.tile([[1.0, 1.0, 1.0], [5.0, 5.0, 1.0], [7.0, 3.0, 1.0]], (3, 1, 1))
+    whole = {"bodies": ["robot_0", "obstacle_2", "obstacle_3"], "start": start, "goal": goal, **DISC}
     return {name: value for name, value in (whole | changes).items() if value is not None}
 
 

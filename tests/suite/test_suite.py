@@ -62,8 +62,8 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
     )
     known = "asks, scenario, parameters, team, levels, differs"
     assert mistakes_of(file) == [
-        f":2   benchmarks.a.tem: unknown key (did you mean 'team'?); known: {known}",
         ":2   benchmarks.a.scenario: no shipped scenario 'corridr' (did you mean 'corridor'?)",
+        f":2   benchmarks.a.tem: unknown key (did you mean 'team'?); known: {known}",
         ":3   benchmarks.cave.asks: is missing; say what it asks of a policy",
         ":4   tiers.cave: is also the name of a benchmark",
         ":4   tiers.core[0]: no benchmark 'cav' (did you mean 'cave'?)",
@@ -85,7 +85,7 @@ def mistakes_of(file: Path) -> list[str]:
         ("benchmarks: {maze: {asks: x}}\ntiers: {core: 5}\n", "tiers.core: must be a list of benchmarks, got 5"),
         ("benchmarks: {maze: {asks: x}}\ntiers: {core: [[maze]]}\n", "tiers.core[0]: no benchmark"),
         ("- 1\n", "benchmarks: must be a mapping, got nothing"),
-        ("", "tiers: must be a mapping, got nothing"),
+        ("", "the file is empty"),
         ("benchmarks: {maze: {parameters: [1]}}\ntiers: {}\n", "parameters: must be a mapping of values by name"),
     ],
 )
@@ -163,7 +163,7 @@ def test_rows_survive_their_file(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text(text.replace(",jerk,", ",jolt,"))  # a file of an earlier version
     assert math.isnan(read_rows(tmp_path / "rows.csv")[0].agents[0].episode.jerk)
     (tmp_path / "rows.csv").write_text(text.replace("success", "success,9", 1).replace(",50,", ",many,"))
-    with pytest.raises(IrsimGymError, match=r"rows.csv:2: "):
+    with pytest.raises(IrsimGymError, match=r"rows.csv:2 is no row of an episode: a row must have 21 cells"):
         read_rows(tmp_path / "rows.csv")
     (tmp_path / "rows.csv").write_text("level,outcome\n")
     with pytest.raises(IrsimGymError, match=r"rows.csv:1: no column hit, steps"):
