@@ -75,8 +75,8 @@ class Archive:
         """
         with reading(self.folder / SUMMARY, ARENA):
             told: dict[str, Any] = json_object(self.folder / SUMMARY)["arena"]
-            if not all(isinstance(policy["name"], str) for policy in told["policies"]):
-                raise ValueError("each of its policies must have a name")
+            if not all(isinstance(policy["name"], str) and "source" in policy for policy in told["policies"]):
+                raise ValueError("each of its policies must have a name and a source")
         return told
 
     def keep(self, name: str, rows: Sequence[Row]) -> None:

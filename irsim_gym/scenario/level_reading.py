@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags
 from irsim_gym.errors import Problem, ScenarioError, UnreadableFileError, suggestion
-from irsim_gym.outside_files import npz_arrays, reading
+from irsim_gym.outside_files import json_text, npz_arrays, reading
 from irsim_gym.scenario.level_set import ARRAYS, NEEDED, SPLITS, LevelSet, with_goal_axis
 from irsim_gym.scenario.options import LARGEST
 
@@ -126,10 +125,9 @@ def complete_levels(file: str, arrays: Mapping[str, Any], about: Mapping[str, An
 def _about(text: NDArray[Any] | None) -> Mapping[str, Any]:
     """Return the file's description of itself; empty if it is not a JSON object."""
     try:
-        said = {} if text is None else json.loads(str(text))
-    except ValueError:
+        return {} if text is None else json_text(str(text))
+    except (ValueError, RecursionError):
         return {}
-    return said if isinstance(said, dict) else {}
 
 
 def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:

@@ -58,8 +58,12 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     partial = folder / f"{PARTIAL}-{target.name}"
     remove(partial)
     partial.mkdir(parents=True)
-    with writing(target):
-        _write_parts(partial, model, progress, state)
+    try:
+        with writing(target):
+            _write_parts(partial, model, progress, state)
+    except BaseException:
+        remove(partial)
+        raise
     remove(target)
     partial.rename(target)
     for older in list_checkpoints(folder):

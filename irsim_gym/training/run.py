@@ -186,7 +186,10 @@ class Run:
             UnreadableFileError: If the folder holds no run, or its ``config.json`` is another file.
         """
         with reading(self.config, CONFIG_KIND):
-            return checked(Settings.from_plain(json_object(self.config)["settings"]))
+            made = Settings.from_plain(json_object(self.config)["settings"])
+            for part in (made.hyperparameters, *made.mixture, *([] if made.engine is None else [made.engine])):
+                checked(part)
+            return checked(made)
 
     def begin(self, settings: Settings, now: Snapshot | None = None) -> None:
         """Write the settings, and a copy of the scenario and its task.

@@ -46,7 +46,9 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
 def _normalization(path: Path) -> VecNormalize | None:
     if not path.is_file():
         return None
-    loaded: VecNormalize = load_pickle(path)
+    loaded = load_pickle(path)
+    if not isinstance(loaded, VecNormalize):
+        raise TypeError(f"got {type(loaded).__name__}")
     loaded.training = False
     return loaded
 

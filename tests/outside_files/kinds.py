@@ -23,7 +23,7 @@ from irsim_gym.evaluation.team_tables import read_agents, write_agents
 from irsim_gym.levels.barn import import_barn
 from irsim_gym.levels.certificate import read_certificate
 from irsim_gym.levels.jaxnav import import_jaxnav
-from irsim_gym.render import replay_page
+from irsim_gym.render import images, replay_page
 from irsim_gym.render.page_parts import deflated, held
 from irsim_gym.render.replay_page import read_html
 from irsim_gym.scenario import load_scenario
@@ -84,10 +84,8 @@ def levels(file: Path) -> None:
 
 
 def load_levels(file: Path) -> object:
-    scenario = file.with_name(f"{file.name}.yaml")
     robot = "{kinematics: {name: diff}, distribution: {name: random}}"
-    scenario.write_text(f"robot: {robot}\nobstacle: {{shape: {{name: circle}}}}\nlevels: {file.name}\n")
-    return load_scenario(scenario)
+    return load_with(f"robot: {robot}\nobstacle: {{shape: {{name: circle}}}}\nlevels: {file.name}\n")(file)
 
 
 def demonstrations(file: Path) -> None:
@@ -216,6 +214,22 @@ def load_pickled_state(file: Path) -> object:
     return load_state(file.parent)
 
 
+def load_with(text: str) -> Callable[[Path], object]:
+    """Return the function that loads a scenario beside a file, which uses it."""
+
+    def load(file: Path) -> object:
+        scenario = file.with_name(f"{file.name}.yaml")
+        scenario.write_text(text)
+        return load_scenario(scenario)
+
+    return load
+
+
+def read_image(file: Path) -> object:
+    images._read.cache_clear()
+    return images.load_image(file)
+
+
 def load_own_task(file: Path) -> object:
     return load_task(load_scenario("maze", warn=False), file)
 
@@ -262,6 +276,19 @@ KINDS = {
     ),
     "scenario": Kind("s.yaml", shipped("scenarios/cluttered_room.yaml"), load_scenario, TEXT),
     "scenario of a map": Kind("m.yaml", shipped("benchmarks/maze.yaml"), load_scenario, TEXT),
+    "map image": Kind(
+        "map.png", shipped("maps/cavern.png"), load_with("world: {obstacle_map: {name: image, path: map.png}}")
+    ),
+    "recording": Kind(
+        "r.txt",
+        shipped("recordings/square.txt"),
+        load_with(
+            "obstacle: {kinematics: {name: omni}, vel_min: [-2, -2], vel_max: [2, 2], "
+            "behavior: {name: recorded, file: r.txt}}"
+        ),
+        TEXT,
+    ),
+    "image of a body": Kind("b.png", shipped("images/car_red.png"), read_image),
     "task": Kind("t.yaml", shipped("tasks/navigation.yaml"), load_own_task, TEXT),
     "suite": Kind("suite.yaml", shipped("suite.yaml"), read_suite, TEXT),
     "mixture": Kind(
