@@ -605,3 +605,20 @@ def test_what_kernels_access_is_read_from_their_bodies() -> None:
     assert tick.writes == {("state", "step"), ("state", "time")}
     moved = found["irsim_gym.kinematics.differential", "move_differential"].writes
     assert moved == {("state", "pose"), ("state", "direction"), ("state", "twist")}
+
+
+def test_files_from_outside_have_one_reader() -> None:
+    """Others read what they have just written, what a child of theirs has, or objects after their own checks."""
+    calls = {"np.load", "json.load", "json.loads", "pickle.load", "pickle.loads", "zipfile.ZipFile"}
+    others = {
+        *("jit/cache.py", "render/replay_items.py", "training/checkpoint.py", "training/environment.py"),
+        *("training/exporting.py", "training/saved_models.py", "training/sweep.py", "training/trial.py"),
+        "training/trusted.py",
+    }
+    places = {
+        module.place
+        for module in modules()
+        for node in module.nodes
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in calls
+    }
+    assert places == {"outside_files.py", *others}

@@ -197,7 +197,7 @@ class _Mp4(_Encoder):
         process, self._process = self._process, None
         told = process.communicate()[1].decode(errors="replace").strip()
         if process.returncode:
-            reason = told.splitlines()[0] if told else f"status {process.returncode}"
+            reason = told.splitlines()[0].rpartition("] ")[2] if told else f"status {process.returncode}"
             raise OSError(errno.EIO, f"ffmpeg could not write the film: {reason}")
 
     def abandon(self) -> None:

@@ -30,7 +30,7 @@ def read_rows(path: Path, levels: int | None = None) -> list[TeamRow]:
     Raises:
         UnreadableFileError: If a column or a row is missing or a value is invalid; the message names the line.
     """
-    rows = read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow))
+    rows = read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow), in_order=levels is not None)
     if levels is not None:
         tables.check_levels(path, {"": rows}, levels)
     return rows

@@ -121,12 +121,14 @@ def edited(file: Path, *edits: tuple[str, str]) -> str:
 def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
     file = tmp_path / "rows.csv"
     line = "dash,2,success,,20,2.0,5.0,4.0,0.25,,,,,,,,,0.8,,1.25\n"
-    assert edited(file, (line, "")) == (
-        "rows.csv is no table of episodes: its rows of 'dash' must be those of the levels 0 to 3, in order: "
-        "no row of level 2"
-    )
-    assert edited(file, (line, line + line)) == "rows.csv:5 is no row of an episode: 'dash' has two rows of level 2"
-    assert edited(file, ("dash,2,", "dash,7,")).endswith("no row of level 2")
+    why = "a row before it is missing, or this one is there twice"
+    assert edited(file, (line, "")) == f"rows.csv:4 is no row of an episode: level must be 2, got 3: {why}"
+    assert edited(file, (line, line + line)) == f"rows.csv:5 is no row of an episode: level must be 3, got 2: {why}"
+    assert edited(file, ("dash,2,", "dash,7,")) == f"rows.csv:4 is no row of an episode: level must be 2, got 7: {why}"
+    assert edited(file, ("dash,3,", "bash,3,")).startswith("rows.csv:5 is no row of an episode: level must be 0, got 3")
+    last = "dash,3,collision,obstacle,7,0.7,1.0,inf,0.0,,,,,,,,,0.0,,\n"
+    told = "rows.csv is no table of episodes: its rows of 'dash' must be those of 4 levels, got 3"
+    assert edited(file, (last, "")) == told
     assert (
         edited(file, ("dash,2,", "dash,-2,"))
         == "rows.csv:4 is no row of an episode: level must be a number >= 0, got -2"
