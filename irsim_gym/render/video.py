@@ -25,8 +25,10 @@ from irsim_gym.outside_files import writing
 
 # Constant quality without visible loss; with the index at the front, browsers can start before the download ends. For
 # flat colours, the preset "medium" takes twice the time for a file of the same size.
-CODEC = ("-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-preset", "veryfast")
-CODEC += ("-movflags", "+faststart", "-loglevel", "error")
+CODEC = (
+    *("-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-preset", "veryfast"),
+    *("-movflags", "+faststart", "-loglevel", "error"),
+)
 # Browsers slow down gifs with shorter frames [hundredths of a second].
 SHORTEST_GIF_FRAME = 2
 GIF_COLOURS = 256

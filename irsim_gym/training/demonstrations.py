@@ -179,9 +179,10 @@ def _checked(found: Demonstrations) -> Demonstrations:
         rows, kinds = getattr(found, name), KINDS.get(name, "biuf")
         if rows.dtype.kind not in kinds or rows.ndim != 1 + (name == "actions" and rows.ndim > 1):
             raise ValueError(f"its {name} must be {WORDS[kinds]}, one for each row, got {rows.dtype} {rows.shape}")
-    _check_rows("actions", found.actions, found.about["action_space"])
+    about: Mapping[str, Any] = found.about
+    _check_rows("actions", found.actions, about["action_space"])
     for name in OBSERVED:
-        seen, space = getattr(found, name), found.about["observation_space"]
+        seen, space = getattr(found, name), about["observation_space"]
         parts = seen if isinstance(seen, dict) else {"": seen}
         spaces = space["spaces"] if isinstance(seen, dict) else {"": space}
         for key, described in spaces.items():
