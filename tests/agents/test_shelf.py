@@ -475,7 +475,7 @@ def test_the_general_policy_drives_every_single_robot_of_core(name: str) -> None
 def test_the_settings_of_a_run_are_not_replaced_by_a_card(trained: Run, tmp_path: Path) -> None:
     folder = tmp_path / "run"
     shutil.copytree(trained.folder, folder)
-    for overwrite, said in ((False, "choose another name or folder"), (True, "is not a policy card")):
+    for overwrite, said in ((False, "choose another name or folder"), (True, "is no policy card")):
         with pytest.raises(IrsimGymError, match=rf"config\.json.*{said}"):
             export(folder, "config", folder, levels=1, overwrite=overwrite)
     assert (folder / "config.json").read_bytes() == trained.config.read_bytes()
