@@ -48,5 +48,5 @@ def _unreadable(file: Path, name: str) -> str:
     try:
         with reading(file, "image"), Image.open(file):
             return ""
-    except UnreadableFileError as error:
-        return f"{show(name)} cannot be read as an image: {error.reason}"
+    except UnreadableFileError:
+        return f"{show(name)} cannot be read as an image"

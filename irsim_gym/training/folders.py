@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -178,13 +178,19 @@ def sole_writer(folder: Path) -> Iterator[None]:
         IrsimGymError: Another process trains into the folder.
     """
     place = folder.resolve()
+    made = [one for one in place.parents if not one.exists()]
     place.parent.mkdir(parents=True, exist_ok=True)
-    with sole(place.with_name(f".{place.name}.lock")) as is_free:
-        if not is_free:
-            raise IrsimGymError(
-                f"another process trains into {folder}: wait for its end, or choose another folder with --out"
-            )
-        yield
+    try:
+        with sole(place.with_name(f".{place.name}.lock")) as is_free:
+            if not is_free:
+                raise IrsimGymError(
+                    f"another process trains into {folder}: wait for its end, or choose another folder with --out"
+                )
+            yield
+    finally:
+        with suppress(OSError):  # folders that hold something stay
+            for one in made:
+                one.rmdir()
 
 
 def check_replaceable(run: Run) -> None:

@@ -217,7 +217,7 @@ def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
             irsim_gym.load_policy(file)
     card_file(file).write_text('{"name": 3}')
     file.write_bytes(shelf_file("cluttered_room").read_bytes())
-    with pytest.raises(IrsimGymError, match=r"later.json is not a policy card: name: .*; scenario: Field required"):
+    with pytest.raises(IrsimGymError, match=r"later.json is no policy card: name: .*; scenario: Field required"):
         irsim_gym.load_policy(file)
 
 
