@@ -54,14 +54,15 @@ def from_planes(layout: Layout, planes: Bytes) -> dict[str, NDArray[Any]]:
         kind, count = np.dtype(kind_name), math.prod(shape)
         if kind.kind not in NUMBERS or count < 0:
             raise ValueError(f"{name} is of type {kind_name} and shape {shape}")
-        rows = np.empty((count, kind.itemsize), np.uint8)
-        for place in range(kind.itemsize):
+        content = []
+        for _ in range(kind.itemsize):
             stream = zlib.decompressobj(DEFLATE)
             plane = stream.decompress(rest, count + 1)
             if len(plane) != count or not stream.eof:
                 raise ValueError(f"{name} has no {count:,} numbers")
-            rows[:, place], rest = np.frombuffer(plane, np.uint8), stream.unused_data
-        arrays[name] = rows.reshape(-1).view(kind).reshape(shape)
+            content.append(np.frombuffer(plane, np.uint8))
+            rest = stream.unused_data
+        arrays[name] = np.stack(content, axis=1).reshape(-1).view(kind).reshape(shape)
     if rest:
         raise ValueError(f"{len(rest):,} bytes more than its arrays have")
     return arrays

@@ -375,9 +375,8 @@ def _guarded(command: typer.Typer) -> None:
         print(error or "there is not enough memory", file=sys.stderr)
         sys.exit(1)
     except OSError as error:
-        if error.filename is None:
-            raise
-        print(f"cannot use {error.filename}: {error.strerror}", file=sys.stderr)
+        what = "" if error.filename is None else f"cannot use {error.filename}: "
+        print(f"{what}{error.strerror or error}", file=sys.stderr)
         sys.exit(1)
 
 

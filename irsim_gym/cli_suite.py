@@ -9,6 +9,7 @@ import typer
 
 from irsim_gym.cli_options import Imports, Levels, Split
 from irsim_gym.errors import IrsimGymError, report_together
+from irsim_gym.outside_files import reading
 
 suite = typer.Typer(help="The benchmark suite: list it, play policies on it, print tables.", no_args_is_help=True)
 
@@ -72,8 +73,10 @@ def print_table(
     """Print the tables of a run, with the conditions of its results."""
     from irsim_gym.suite import suite_tables
     from irsim_gym.suite.scores import score_suite
-    from irsim_gym.suite.suite_record import read_record
+    from irsim_gym.suite.suite_record import RECORD, SUMMARY, read_record
 
     record = read_record(folder)
-    score_suite(record, folder)
-    print(suite_tables.latex(record) if latex else suite_tables.markdown(record))
+    with reading(folder / SUMMARY, RECORD):
+        score_suite(record, folder)
+        tables = suite_tables.latex(record) if latex else suite_tables.markdown(record)
+    print(tables)

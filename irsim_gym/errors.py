@@ -110,6 +110,23 @@ def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
     return "\n".join([head, *rows])
 
 
+class UnreadableFileError(IrsimGymError, ValueError):
+    """A file that cannot be read, or is something else than it should be.
+
+    Args:
+        file: The file.
+        kind: What it should be, e.g. ``"certificate of levels"``.
+        reason: What is wrong with it.
+    """
+
+    def __init__(self, file: str, kind: str, reason: str) -> None:
+        self.file, self.kind, self.reason = file, kind, reason
+        super().__init__(f"{file} is no {kind}: {reason}")
+
+    def __reduce__(self) -> tuple[type[UnreadableFileError], tuple[str, str, str]]:
+        return type(self), (self.file, self.kind, self.reason)
+
+
 class SeveralProblemsError(IrsimGymError):
     """Several arguments cannot be used; the message lists what is wrong with each.
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.arenas.board import Row
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import plain, read_episodes, write_episodes, write_json
+from irsim_gym.errors import IrsimGymError, UnreadableFileError
+from irsim_gym.evaluation.tables import check_levels, plain, read_episodes, write_episodes, write_json
 from irsim_gym.evaluation.team_tables import read_agents, write_agents, write_levels
+from irsim_gym.outside_files import json_object, reading, remove
 from irsim_gym.scenario.messages import show
 
 SUMMARY, EPISODES, LEVELS, TABLE, PAGE = "summary.json", "episodes.csv", "levels.csv", "table.txt", "arena.html"
+ARENA = "summary of an arena that could be resumed"
 PARTS = "parts"
 """Folder with the rows of finished policies while others still play."""
 
@@ -27,19 +28,21 @@ class Archive:
         folder: The folder.
         team: Whether rows are of agents of teams.
         limit: The time limit [s].
+        levels: Number of levels that each policy plays.
         rows: Rows of the finished policies, rounded as they are on disk.
     """
 
     folder: Path
     team: bool
     limit: float
+    levels: int = 0
     rows: dict[str, list[Any]] = field(default_factory=dict)
 
     def begin(self, told: Mapping[str, object]) -> None:
         """Write the description of the arena, and remove the files of an earlier one."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        for path in (*map(self.folder.joinpath, (EPISODES, LEVELS, TABLE, PAGE)), *self._parts()):
-            path.unlink(missing_ok=True)
+        for name in (EPISODES, LEVELS, TABLE, PAGE, PARTS):
+            remove(self.folder / name)
         write_json(self.folder / SUMMARY, {"finished": False, "arena": told})
 
     def go_on(self, told: Mapping[str, Any]) -> None:
@@ -49,11 +52,14 @@ class Archive:
             IrsimGymError: If the folder holds no arena, or an arena with other levels or policies.
         """
         before = self.told()
-        found = _differences(before, plain(told))
+        with reading(self.folder / SUMMARY, ARENA):
+            found = _differences(before, plain(told))
         if found:
             raise IrsimGymError(
                 f"{self.folder} holds an arena that is not this one, so that it cannot be resumed: {'; '.join(found)}"
             )
+        if (self.folder / PARTS).is_symlink():  # nothing is written or removed behind a link
+            remove(self.folder / PARTS)
         known = [self.folder / EPISODES] if (self.folder / EPISODES).is_file() else []
         for path in (*known, *self._parts()):
             self.rows |= self._read(path)
@@ -67,11 +73,11 @@ class Archive:
         Raises:
             IrsimGymError: If the folder holds no arena.
         """
-        try:
-            told: dict[str, Any] = json.loads((self.folder / SUMMARY).read_text(encoding="utf-8"))["arena"]
-            return told
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise IrsimGymError(f"{self.folder} holds no arena that could be resumed: {error}") from error
+        with reading(self.folder / SUMMARY, ARENA):
+            told: dict[str, Any] = json_object(self.folder / SUMMARY)["arena"]
+            if not all(isinstance(policy["name"], str) and "source" in policy for policy in told["policies"]):
+                raise ValueError("each of its policies must have a name and a source")
+        return told
 
     def keep(self, name: str, rows: Sequence[Row]) -> None:
         """Write the rows of a finished policy."""
@@ -95,7 +101,10 @@ class Archive:
         return sorted((self.folder / PARTS).glob("[0-9]*.csv"))
 
     def _read(self, path: Path) -> dict[str, list[Any]]:
-        return dict(read_agents(path, self.limit)) if self.team else dict(read_episodes(path))
+        rows: dict[str, list[Any]] = {}
+        rows |= read_agents(path, self.limit) if self.team else read_episodes(path)
+        check_levels(path, rows, self.levels)
+        return rows
 
     def _write(self, path: Path, rows: Mapping[str, Sequence[Any]]) -> None:
         if self.team:
@@ -107,8 +116,9 @@ class Archive:
 def holds_arena(folder: Path) -> bool:
     """Return whether an arena has begun in a folder."""
     try:
-        return "arena" in json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        with reading(folder / SUMMARY, ARENA):
+            return "arena" in json_object(folder / SUMMARY)
+    except UnreadableFileError:
         return False
 
 

@@ -138,7 +138,7 @@ class Contest:
         report_perceptions(self.players, self.worlds)
         self.level_set = played_levels(episodes.simulation, split, levels)
         limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
-        self.archive = Archive(folder, team, limit)
+        self.archive = Archive(folder, team, limit, levels)
 
     def told(self, source: ScenarioSource, task: TaskSource) -> dict[str, Any]:
         """Return the description of the arena, as plain data.

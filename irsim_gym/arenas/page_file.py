@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.page_data import SCHEMA, VERSION
 from irsim_gym.arenas.shown_episodes import ShownEpisode, count_failures
+from irsim_gym.outside_files import reading
 
 if TYPE_CHECKING:
     from irsim_gym.render.replay_data import Recording
@@ -73,12 +74,11 @@ def read_page(path: str | Path) -> dict[str, Any]:
     """Return the data of an arena's page, with its replays as ``episodes``.
 
     Raises:
-        ValueError: If the file is not such a page.
+        UnreadableFileError: If the file is not such a page; it is a ValueError.
     """
-    from irsim_gym.render.page_parts import held_data, inflated
+    from irsim_gym.render.page_parts import held_data, inflated, main_data
 
-    found = held_data(Path(path))
-    data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}
-    if data.get("schema") != SCHEMA or data.get("version") != VERSION:
-        raise ValueError(f"{path} is no arena of version {VERSION}")
-    return {**data, "episodes": [inflated(found[f"replay-{i}"]) for i in range(len(data["replays"]))]}
+    with reading(path, f"arena of version {VERSION}"):
+        found = held_data(Path(path))
+        data = main_data(found, SCHEMA, VERSION)
+        return {**data, "episodes": [inflated(found[f"replay-{i}"]) for i in range(len(data["replays"]))]}

@@ -6,13 +6,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 
 def progress_bar(console: Console | None = None) -> Progress:
     """Return a progress bar for a console, or for standard error."""
     screen = console or Console(stderr=True)
-    return Progress(console=screen, disable=not screen.is_terminal, transient=True)
+    words = TextColumn("{task.description}", style="progress.description", markup=False)  # names are no markup
+    columns = (words, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    return Progress(*columns, console=screen, disable=not screen.is_terminal, transient=True)
 
 
 @contextmanager

@@ -22,8 +22,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
+from irsim_gym.errors import UnreadableFileError
+from irsim_gym.evaluation.metrics import HITS, OUTCOMES, EpisodeRow, Rate, Summary
+from irsim_gym.outside_files import reading, writing
 
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
@@ -53,6 +54,7 @@ LEGEND: Mapping[str, str] = MappingProxyType(
 )
 """Meaning of columns, by the beginning of their heads in one line."""
 COPIES = "95 % interval: none (-), because all levels are the same, and every episode is a copy of the first"
+ROWS, ROW = "table of episodes", "row of an episode"
 Row = TypeVar("Row")
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
@@ -69,7 +71,7 @@ def write_bytes(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with writing(path), os.fdopen(handle, "wb") as file:
             file.write(content)
         Path(temporary).chmod(0o644)
         Path(temporary).replace(path)
@@ -126,28 +128,71 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
     Raises:
         IrsimGymError: If the file cannot be read, or a column is missing.
     """
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            needed = [field.name for kind in kinds for field in fields(kind) if field.default is MISSING]
-            known = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
-            if missing := [name for name in dict.fromkeys(needed) if name in known]:
-                raise IrsimGymError(f"{path}:1: no column {', '.join(missing)}: it holds no rows of this version")
-            return [(f"{path}:{reader.line_num}", row) for row in reader]
-    except (OSError, ValueError, csv.Error) as error:
-        raise IrsimGymError(f"{path} cannot be read as rows of episodes: {error}") from error
+    with reading(path, ROWS), path.open(encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        needed = [field.name for kind in kinds for field in fields(kind) if field.default is MISSING]
+        known = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
+        if missing := [name for name in dict.fromkeys(needed) if name in known]:
+            raise UnreadableFileError(f"{path}:1", ROWS, f"no column {', '.join(missing)} of this version")
+        rows = [(f"{path}:{reader.line_num}", row) for row in reader]
+    for place, row in rows:
+        if None in row or None in row.values():
+            raise UnreadableFileError(place, ROW, f"a row must have {len(reader.fieldnames or ())} cells")
+    return rows
 
 
 def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
     """Return the rows that ``write_episodes`` wrote, with rounded floats.
 
     Raises:
-        IrsimGymError: If the file cannot be read, or holds other rows.
+        UnreadableFileError: If the file cannot be read, or holds other rows, or those of a policy are not of the levels
+            0, 1, ...
     """
-    found: dict[str, list[EpisodeRow]] = {}
+    found: dict[str, dict[int, EpisodeRow]] = {}
     for place, row in read_rows(path, EpisodeRow):
-        found.setdefault(row.get("policy", ""), []).append(read_cells(place, EpisodeRow, row))
-    return found
+        episode, policy = read_cells(place, EpisodeRow, row), row.get("policy", "")
+        check_next(place, episode.level, len(found.setdefault(policy, {})))
+        found[policy][episode.level] = episode
+    return {policy: list(episodes.values()) for policy, episodes in found.items()}
+
+
+def check_next(place: str, level: int, number: int) -> None:
+    """Check that a row is the next one of its policy.
+
+    Args:
+        place: File and line.
+        level: Its level.
+        number: Number of levels before it.
+
+    Raises:
+        UnreadableFileError: It is that of another level.
+    """
+    if level != number:
+        reason = f"level must be {number}, got {level}: a row before it is missing, or this one is there twice"
+        raise UnreadableFileError(place, ROW, reason)
+
+
+def check_levels(path: Path, rows: Mapping[str, Sequence[Any]], levels: int) -> None:
+    """Check that rows that were read from a file are those of all levels, and of all agents of a team.
+
+    Args:
+        path: The file.
+        rows: Rows by policy, each with its ``level``; for a team with its ``agents``, the same in each.
+        levels: Number of levels.
+
+    Raises:
+        UnreadableFileError: If some are missing, or there are more.
+    """
+    for policy, episodes in rows.items():
+        whose = f" of '{policy}'" if policy else ""
+        if len(episodes) != levels:
+            reason = f"its rows{whose} must be those of {levels:,} levels, got {len(episodes):,}"
+            raise UnreadableFileError(str(path), ROWS, reason)
+        teams = [{agent.agent for agent in getattr(row, "agents", ())} for row in episodes]
+        for number, team in enumerate(teams):
+            if missing := sorted(set.union(*teams) - team):
+                reason = f"level {number}{whose} has no row of {', '.join(missing)}"
+                raise UnreadableFileError(str(path), ROWS, reason)
 
 
 def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
@@ -164,10 +209,23 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
     """
     every = _readers(kind)  # type: ignore[arg-type]  # every class can be hashed
     readers = {name: read for name, read in every.items() if name in row and name not in given}
-    try:
-        return kind(**given, **{name: read(row[name]) for name, read in readers.items()})
-    except (KeyError, TypeError, ValueError) as error:
-        raise IrsimGymError(f"{place}: no row of {kind.__name__}: {error!r}") from error
+    cells: dict[str, Any] = {}
+    for name, read in readers.items():
+        try:
+            cells[name] = read(row[name])
+        except (KeyError, TypeError, ValueError):
+            wish = _WORDS[get_type_hints(kind)[name]]
+            raise UnreadableFileError(place, ROW, f"{name} must be {wish}, got {row[name][:40]!r}") from None
+    for name, known in (("outcome", OUTCOMES), ("hit", ("", *HITS, "map"))):
+        if name in cells and cells[name] not in known:
+            wish = ", ".join(word or "none" for word in known)
+            raise UnreadableFileError(place, ROW, f"{name} must be one of {wish}, got {cells[name][:40]!r}")
+    needed = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
+    for name in needed:
+        least = -math.inf if name == "min_clearance" else 1e-9 if name == "top_speed" else 0
+        if name in cells and not isinstance(cells[name], str) and not cells[name] >= least:
+            raise UnreadableFileError(place, ROW, f"{name} must be a number >= {least:g}, got {row[name] or 'none'}")
+    return kind(**given, **cells)
 
 
 @cache
@@ -226,9 +284,14 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     return figure_table(title, heads, rows, **NARROW)
 
 
+def titled_table(title: str, **layout: Any) -> Table:
+    """Return a table with a title that is printed as it is, also where it looks like markup."""
+    return Table(title=Text(title, "table.title"), title_justify="left", **layout)
+
+
 def figure_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]], **layout: Any) -> Table:
     """Return a table whose first column names its rows, and whose other columns hold figures."""
-    table = Table(title=title, title_justify="left", **layout)
+    table = titled_table(title, **layout)
     for k, head in enumerate(heads):
         table.add_column(Text(head), justify="right" if k else "left", no_wrap=not k)
     for cells in rows:
@@ -312,6 +375,7 @@ _READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
         bool: lambda text: {"True": True, "False": False}[text],
     }
 )
+_WORDS = {int: "a whole number", float: "a number", bool: "True or False"}
 
 
 def _rounded(value: object) -> object:

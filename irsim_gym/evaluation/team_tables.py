@@ -9,12 +9,15 @@ from pathlib import Path
 
 from rich.table import Table
 
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.tables import (
     COMPACT,
     EPISODE_COLUMNS,
     NARROW,
+    ROW,
     PlacedRow,
+    check_next,
     figure_table,
     interval,
     number,
@@ -62,11 +65,12 @@ def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
     return {policy: read_levels(own, limit=limit) for policy, own in rows.items()}
 
 
-def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
+def read_levels(rows: Iterable[PlacedRow], *, in_order: bool = True, **given: float) -> list[TeamRow]:
     """Group rows of agents into levels.
 
     Args:
         rows: One row per agent and level, as ``read_rows`` returns them.
+        in_order: Whether the levels must be 0, 1, ...
         **given: ``limit``, if it is not a column.
 
     Raises:
@@ -76,7 +80,11 @@ def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
     for place, row in rows:
         episode = read_cells(place, EpisodeRow, row)
         agent = read_cells(place, AgentRow, row, episode=episode)
+        if in_order and episode.level not in list(levels)[-1:]:
+            check_next(place, episode.level, len(levels))
         level = levels.get(episode.level) or read_cells(place, TeamRow, row, agents=(), **given)
+        if agent.agent in [other.agent for other in level.agents]:
+            raise UnreadableFileError(place, ROW, f"'{agent.agent}' has two rows in level {level.level}")
         levels[episode.level] = replace(level, agents=(*level.agents, agent))
     return list(levels.values())
 

@@ -63,6 +63,31 @@ def lock(file: Path, *, is_ordered: bool, waits: bool = True) -> Iterator[bool]:
         _release(path, descriptor)
 
 
+@contextmanager
+def sole(path: Path) -> Iterator[bool]:
+    """Hold the lock of a file, and yield True; yield False where another process holds it. Nobody waits.
+
+    Where there are no locks, True.
+    """
+    descriptor, is_free = None, True
+    try:
+        while descriptor is None:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+            is_free = _try(descriptor)
+            if is_free and not os.fstat(descriptor).st_nlink:  # its holder has just removed it
+                os.close(descriptor)
+                descriptor = None
+    except OSError:
+        is_free = True
+    try:
+        yield is_free
+    finally:
+        if descriptor is not None and is_free:
+            _release(path, descriptor)
+        elif descriptor is not None:
+            os.close(descriptor)
+
+
 def _acquire(path: Path, patience: float) -> int | None:
     """Return the descriptor of a locked file; None where there is no lock, or its holder has just done the work."""
     try:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
-from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.levels.certificate_file import NUMBERS, WHOLE, Numbers, certificate_bytes, read_certificate_file
+from irsim_gym.outside_files import reading
 from irsim_gym.scenario import library
 from irsim_gym.scenario.level_set import set_hash
 from irsim_gym.scenario.spec import Scenario
@@ -118,15 +118,33 @@ def read_certificate(file: Path) -> Certificate:
     """Read a certificate.
 
     Raises:
-        IrsimGymError: If the file is not a certificate.
+        UnreadableFileError: If the file is not a certificate.
     """
-    said, arrays = read_certificate_file(file)
-    try:
-        said |= {name: tuple(said[name]) for name in ("agents", "policies")}
+    with reading(file, "certificate of levels"):
+        said, arrays = read_certificate_file(file)
+        said |= {name: tuple(map(str, said[name])) for name in ("agents", "policies")}
         known = {key: value for key, value in said.items() if key not in ("format", "set_hash", "levels")}
-        return Certificate(**known, **arrays)
-    except (KeyError, TypeError) as error:
-        raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
+        made = Certificate(**known, **arrays)
+        _check(made)
+    return made
+
+
+def _check(made: Certificate) -> None:
+    """Check the shapes and values of a certificate's arrays.
+
+    Raises:
+        ValueError: They do not fit each other.
+    """
+    if made.hash.dtype != np.uint64 or made.hash.ndim != 1:
+        raise ValueError(f"hash must hold unsigned numbers of 64 bits, one a level, got {made.hash.dtype}")
+    each = (made.count, len(made.agents))
+    shapes = {"density": each[:1], "outcome": (len(made.policies), *each), "time": (len(made.policies), *each)}
+    for name in (*WHOLE[1:], *NUMBERS):
+        array, wanted = getattr(made, name), shapes.get(name, each)
+        if array.shape != wanted or array.dtype.kind not in "bufi":
+            raise ValueError(f"{name} must hold numbers of shape {wanted}, got {array.dtype}, shape {array.shape}")
+    if made.outcome.size and not 0 <= made.outcome.min() <= made.outcome.max() < len(OUTCOMES):
+        raise ValueError(f"outcome must be 0 to {len(OUTCOMES) - 1}, got {made.outcome.min()} to {made.outcome.max()}")
 
 
 def find_certificate(

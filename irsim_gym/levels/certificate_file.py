@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.byte_planes import from_planes, layout_of, to_planes
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.outside_files import json_text, npz_arrays
 
 FORMAT = 2
 """Format 1 has each array under its own name, as ``Certificate`` has it."""
@@ -44,30 +42,18 @@ def certificate_bytes(said: Mapping[str, Any], arrays: Arrays) -> bytes:
 
 
 def read_certificate_file(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what a certificate says of all levels, and its arrays by name.
+    """Return what a certificate says of all levels, and its arrays by name; call it within ``reading``.
 
     Raises:
-        IrsimGymError: The file is no certificate, or one of a newer version.
+        Exception: The file is no certificate, or one of a newer version; of nearly any class.
     """
-    try:
-        with np.load(file, allow_pickle=False) as stored:
-            said = json.loads(stored["about"].item())
-            if said.get("format", 1) not in (1, FORMAT):
-                raise ValueError(f"its format is {said['format']}, and this version of irsim_gym reads 1 and {FORMAT}")
-            if "format" not in said:
-                return said, {name: stored[name] for name in (*WHOLE, *NUMBERS)}
-            return said, _unpacked(said, stored["planes"])
-    except (
-        OSError,
-        zipfile.BadZipFile,
-        zlib.error,
-        ValueError,
-        KeyError,
-        TypeError,
-        AttributeError,
-        EOFError,
-    ) as error:
-        raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
+    stored = npz_arrays(file)
+    said = json_text(stored["about"].item())
+    if said.get("format", 1) not in (1, FORMAT):
+        raise ValueError(f"its format is {said['format']}, and this version of irsim_gym reads 1 and {FORMAT}")
+    if "format" not in said:
+        return said, {name: stored[name] for name in (*WHOLE, *NUMBERS)}
+    return said, _unpacked(said, stored["planes"])
 
 
 def rounded(values: Any, name: str) -> Numbers:

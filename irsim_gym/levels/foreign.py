@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import pickle
-import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.errors import Problem, ScenarioError
+from irsim_gym.outside_files import npz_arrays, reading
 
 
 class ForeignObject:
@@ -31,17 +30,11 @@ def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, ND
         axes: Names of the axes of each array; a digit is a fixed length, and ``x+1`` is one more than axis ``x``.
 
     Raises:
+        UnreadableFileError: If the file cannot be read.
         ScenarioError: If an array is missing, has another shape or holds no numbers; the error lists every problem.
     """
-    if not file.exists():
-        raise ScenarioError(str(file), [Problem(0, "", "no such file or folder")])
-    if file.is_file() and not zipfile.is_zipfile(file):  # else np.load takes it for a pickle, and says so
-        raise ScenarioError(str(file), [Problem(0, "", "is no .npz file, an archive of arrays as np.savez writes it")])
-    try:
-        with np.load(file, allow_pickle=False) as stored:
-            found = {name: stored[name] for name in axes if name in stored.files}
-    except (OSError, zipfile.BadZipFile, zlib.error, ValueError, EOFError, TypeError, AttributeError) as error:
-        raise ScenarioError(str(file), [Problem(0, "", f"cannot be read as an .npz file: {error}")]) from None
+    with reading(file, "file of levels"):
+        found = npz_arrays(file)
     problems, sizes = [], dict[str, int]()
     for name, wanted in axes.items():
         array = found.get(name)
@@ -66,14 +59,10 @@ def read_pickle(file: Path) -> Any:
     No class or function of the pickle is loaded or called, except those that build NumPy arrays.
 
     Raises:
-        ScenarioError: If the file is not a pickle, or needs an unknown function.
+        UnreadableFileError: If the file is not a pickle, or needs an unknown function.
     """
-    try:
+    with reading(file, "pickle of numbers"):
         return _NumbersOnly(io.BytesIO(file.read_bytes())).load()
-    except OSError as error:
-        raise ScenarioError(str(file), [Problem(0, "", f"cannot be read: {error.strerror}")]) from None
-    except (pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
-        raise ScenarioError(str(file), [Problem(0, "", f"cannot be read as a pickle of numbers: {error}")]) from None
 
 
 def _device_array(function: Any, arguments: tuple[Any, ...], state: Any, *_: object) -> object:

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
-from irsim_gym.errors import OptionError
+from irsim_gym.errors import OptionError, UnreadableFileError
 from irsim_gym.maps.level import disc_option
+from irsim_gym.outside_files import reading
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.outline import Outline
 
@@ -55,15 +56,15 @@ def read_dark(file: Path) -> Flags:
     Raises:
         OptionError: If the file cannot be read.
     """
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     try:
-        with Image.open(file) as picture:
+        with reading(file, "image"), Image.open(file) as picture:
             if picture.mode in ("1", "L", "I", "F") or picture.mode.startswith("I;16"):
                 return _single_channel(np.array(picture)) < OCCUPIED_BELOW
             pixels = np.asarray(picture.convert("RGB"))
-    except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise OptionError("path", f"'{file}' cannot be read as an image: {error}") from None
+    except UnreadableFileError as error:
+        raise OptionError("path", f"'{file}' cannot be read as an image: {error.reason}") from None
     dark = np.zeros(pixels.shape[:2], np.bool_)
     # In strips, because brightness takes 32 bytes a pixel: gigabytes for all of a large picture.
     for row in range(0, len(pixels), STRIP):

@@ -65,12 +65,18 @@ def runs(words: str, *, bold: bool = False) -> Runs:
 
 
 def families(words: str, *, bold: bool = False) -> tuple[str, dict[str, Any]]:
-    """Return the drawable form of a text, and matplotlib's font arguments for it: families and weight."""
+    """Return the drawable form of a text, and matplotlib's arguments for it: fonts, weight, and that $ is a letter."""
     found = runs(words, bold=bold)
     own = {usual(bold=False), usual(bold=True)}
     names = [_family_of(font) for _, font in found if font not in own]
     weight = "bold" if found and found[0][1] == usual(bold=True) else "normal"
-    return "".join(part for part, _ in found), {"family": list(dict.fromkeys([FAMILY, *names])), "weight": weight}
+    look = {"family": list(dict.fromkeys([FAMILY, *names])), "weight": weight, "parse_math": False}
+    return "".join(part for part, _ in found), look
+
+
+def label(words: str) -> str:
+    """Return a text as matplotlib takes it in legends, where $ begins a formula and a leading _ hides the entry."""
+    return ("\N{ZERO WIDTH SPACE}" if words.startswith("_") else "") + words.replace("$", r"\$")
 
 
 def _is_missing(font: Path, letter: str) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.outside_files import reading
 
 LONGEST_SIDE = 512
 """Maximum side of an image [pixel]; larger ones are reduced, since frames do not show more detail."""
@@ -19,12 +19,10 @@ def load_image(file: Path) -> Bytes:
     """Return the pixels of an image file, RGBA, uint8, shape ``(height, width, 4)``, row 0 at the top, read-only.
 
     Raises:
-        IrsimGymError: If the file cannot be read as an image.
+        UnreadableFileError: If the file cannot be read as an image.
     """
-    try:
+    with reading(file, "image"):
         return _read(file, file.stat().st_mtime_ns)
-    except (OSError, ValueError, SyntaxError) as error:
-        raise IrsimGymError(f"'{file}' cannot be read as an image: {error}") from None
 
 
 @functools.lru_cache(maxsize=REMEMBERED)

@@ -11,6 +11,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from irsim_gym.outside_files import json_text
+
 PLAYER = ("data", "primitives", "world", "chart", "player", "input")
 """Scripts of the player, in the order of their dependencies."""
 HELD = re.compile(r'<script type="application/octet-stream" id="([\w-]+)">([^<]*)</script>')
@@ -53,6 +55,23 @@ def deflated(data: object) -> str:
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
-def inflated(text: str) -> Any:
-    """Return the data that ``deflated`` packed."""
-    return json.loads(zlib.decompress(base64.b64decode(text)))
+def inflated(text: str) -> dict[str, Any]:
+    """Return the data that ``deflated`` packed; call it within ``reading``."""
+    return json_text(zlib.decompress(base64.b64decode(text, validate=True)))
+
+
+def main_data(parts: Mapping[str, str], schema: str, version: int) -> dict[str, Any]:
+    """Return the main data of a page; call it within ``reading``.
+
+    Args:
+        parts: What ``held_data`` returned for the page.
+        schema: What the data says of itself.
+        version: Its version.
+
+    Raises:
+        ValueError: They are of another page.
+    """
+    data = inflated(parts["data"]) if "data" in parts else {}
+    if (data.get("schema"), data.get("version")) != (schema, version):
+        raise ValueError(f"it holds no data of schema '{schema}', version {version}")
+    return data

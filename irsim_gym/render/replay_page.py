@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from irsim_gym.outside_files import reading
 from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
-from irsim_gym.render.page_parts import deflated, held, held_data, inflated, page_part, player_parts, whole_page
+from irsim_gym.render.page_parts import deflated, held, held_data, main_data, page_part, player_parts, whole_page
 from irsim_gym.render.replay_data import Recording
 from irsim_gym.render.replay_items import SharedItems
 
@@ -50,13 +51,10 @@ def read_html(path: str | Path) -> dict[str, Any]:
     """Return the data of a page that ``save_html`` wrote.
 
     Raises:
-        ValueError: If the file is not such a page.
+        UnreadableFileError: If the file is not such a page; it is a ValueError.
     """
-    found = held_data(Path(path))
-    data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}
-    if data.get("schema") != SCHEMA or data.get("version") != VERSION:
-        raise ValueError(f"{path} is no replay of version {VERSION}")
-    return data
+    with reading(path, f"replay of version {VERSION}"):
+        return main_data(held_data(Path(path)), SCHEMA, VERSION)
 
 
 def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:

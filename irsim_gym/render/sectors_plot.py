@@ -101,7 +101,14 @@ def draw_sectors(
             _draw_panel(axes, panel, reach)
         heading, face = fonts.families(panel.title, bold=True)
         axes.set_title(heading, loc="left", fontsize=9, color=theme.INK, **face)
-        axes.set_xlabel(panel.note, fontsize=7.5, color=theme.INK, family=theme.FONT, loc="left", wrap=True)
+        note: dict[str, Any] = {
+            "fontsize": 7.5,
+            "color": theme.INK,
+            "family": theme.FONT,
+            "wrap": True,
+            "parse_math": False,
+        }
+        axes.set_xlabel(panel.note, loc="left", **note)
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_color(theme.RULE)
     with whole_file(path) as part, matplotlib.rc_context(READABLE):

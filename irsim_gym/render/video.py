@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import subprocess
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import imageio.v2 as imageio
+import imageio_ffmpeg
 import numpy as np
 from PIL import Image
 from rich.console import Console
 from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.outside_files import writing
 
-CODEC = "libx264"
 # Constant quality without visible loss; with the index at the front, browsers can start before the download ends. For
 # flat colours, the preset "medium" takes twice the time for a file of the same size.
-CODEC_OPTIONS = ["-crf", "18", "-preset", "veryfast", "-movflags", "+faststart", "-loglevel", "error"]
+CODEC = (
+    *("-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-preset", "veryfast"),
+    *("-movflags", "+faststart", "-loglevel", "error"),
+)
 # Browsers slow down gifs with shorter frames [hundredths of a second].
 SHORTEST_GIF_FRAME = 2
 GIF_COLOURS = 256
@@ -72,7 +79,8 @@ class VideoWriter:
             self._encoder = _ENCODERS[self.path.suffix.lower()](self._part, self._fps)
         if frame.shape != self._shape:
             raise ValueError(f"all frames of a film have one shape: {self._shape}, got {frame.shape}")
-        self._encoder.append(_even(frame))
+        with writing(self.path):
+            self._encoder.append(_even(frame))
 
     def close(self) -> None:
         """Finish the film.
@@ -82,7 +90,8 @@ class VideoWriter:
         """
         if self._encoder is None:
             raise ValueError(f"no frames for {self.path}")
-        self._encoder.finish()
+        with writing(self.path):
+            self._encoder.finish()
         self._encoder = None
         self._part.replace(self.path)
 
@@ -165,28 +174,51 @@ class _Encoder(ABC):
 
 
 class _Mp4(_Encoder):
-    """H.264 in a widely supported profile, encoded by imageio's ffmpeg."""
+    """H.264 in a widely supported profile, encoded by ffmpeg; a film that it could not finish is an error."""
 
     def __init__(self, path: Path, fps: float) -> None:
-        self._writer: Any = imageio.get_writer(
-            path,
-            format="FFMPEG",
-            fps=fps,
-            codec=CODEC,
-            pixelformat="yuv420p",
-            quality=None,
-            macro_block_size=2,
-            output_params=CODEC_OPTIONS,
-        )
+        self._path, self._rate = path, str(Fraction(fps).limit_denominator())
+        self._process: subprocess.Popen[bytes] | None = None
 
     def append(self, frame: Bytes) -> None:
-        self._writer.append_data(frame)
+        if self._process is None:
+            height, width = frame.shape[:2]
+            given = ["-f", "rawvideo", "-vcodec", "rawvideo", "-s", f"{width}x{height}", "-pix_fmt", "rgb24"]
+            command = [_ffmpeg(), "-y", *given, "-r", self._rate, "-i", "-", "-an", *CODEC, str(self._path)]
+            pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True}
+            self._process = subprocess.Popen(command, **pipes)
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(np.ascontiguousarray(frame).data)
+        except OSError:
+            self.finish()
+            raise
 
     def finish(self) -> None:
-        self._writer.close()
+        assert self._process is not None
+        process, self._process = self._process, None
+        told = process.communicate()[1].decode(errors="replace").strip()
+        if process.returncode:
+            reason = told.splitlines()[0].rpartition("] ")[2] if told else f"status {process.returncode}"
+            raise OSError(errno.EIO, f"ffmpeg could not write the film: {reason}")
 
     def abandon(self) -> None:
-        self._writer.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.communicate()
+            self._process = None
+
+
+def _ffmpeg() -> str:
+    """Return the program that encodes films.
+
+    Raises:
+        IrsimGymError: There is none.
+    """
+    try:
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
+    except RuntimeError as error:
+        raise IrsimGymError(f"no ffmpeg for .mp4 ({str(error).splitlines()[0]}): write a .gif") from None
 
 
 class _Gif(_Encoder):

@@ -177,8 +177,8 @@ def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: s
         for level, place in zip(panel.levels, plan.cells(k), strict=False):
             draw_level(axes(place), level, density.bounds)
     figure.legend(handles=entries, loc="lower left", bbox_to_anchor=(LEFT / width, 0.0), borderaxespad=0.3,
-                  borderpad=0.0, ncols=columns, frameon=False, fontsize=8, title="\n".join(lines), title_fontsize=8,
-                  alignment="left", labelcolor=theme.INK)  # fmt: skip
+                  borderpad=0.0, ncols=columns, frameon=False, fontsize=8, title=fonts.label("\n".join(lines)),
+                  title_fontsize=8, alignment="left", labelcolor=theme.INK)  # fmt: skip
     return figure
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from irsim_gym.errors import suggestion
+from irsim_gym.errors import UnreadableFileError, suggestion
+from irsim_gym.outside_files import reading
 from irsim_gym.scenario import library
 from irsim_gym.scenario.messages import show
 
@@ -42,12 +43,10 @@ def image_problem(name: str, scenario_file: str) -> str:
 
 def _unreadable(file: Path, name: str) -> str:
     """Return why a file cannot be read as an image; empty if it can."""
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     try:
-        with Image.open(file):
+        with reading(file, "image"), Image.open(file):
             return ""
-    except UnidentifiedImageError:
+    except UnreadableFileError:
         return f"{show(name)} cannot be read as an image"
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        return f"{show(name)} cannot be read as an image: {error}"

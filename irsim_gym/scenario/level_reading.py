@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -14,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags
-from irsim_gym.errors import Problem, ScenarioError, suggestion
+from irsim_gym.errors import Problem, ScenarioError, UnreadableFileError, suggestion
+from irsim_gym.outside_files import json_text, npz_arrays, reading
 from irsim_gym.scenario.level_set import ARRAYS, NEEDED, SPLITS, LevelSet, with_goal_axis
 from irsim_gym.scenario.options import LARGEST
 
-MAX_BYTES = 2**32
 MOST_TOLD = 3
 """Maximum number of levels that are named for one mistake of an array."""
 
@@ -42,33 +39,15 @@ def read_levels(file: str | Path) -> LevelSet:
 def load_levels(file: Path) -> tuple[LevelSet | None, list[Mistake]]:
     """Return the levels of a file and its mistakes; None for the levels if they cannot be read."""
     try:
-        arrays = _arrays(file)
-    except _Unreadable as error:
-        return None, [("", str(error))]
+        with reading(file, "file of levels"):
+            arrays = npz_arrays(file)
+    except UnreadableFileError as error:
+        return None, [("", error.reason)]
     unknown, mistakes = list(_unknown(arrays)), [*_missing(arrays), *_shapes(arrays)]
     if mistakes:
         return None, [*unknown, *mistakes]
     levels = complete_levels(str(file), arrays, _about(arrays.get("about")))
     return levels, [*unknown, *_values(levels, arrays)]
-
-
-class _Unreadable(Exception):  # noqa: N818  (it never leaves this file)
-    """A file without readable arrays."""
-
-
-def _arrays(file: Path) -> Found:
-    """Return the arrays of a file without unpickling anything."""
-    try:
-        with zipfile.ZipFile(file) as archive:
-            size = sum(entry.file_size for entry in archive.infolist())
-        if size > MAX_BYTES:
-            raise _Unreadable(f"holds {size / 1e9:.1f} GB, at most {MAX_BYTES / 1e9:.1f} GB")
-        with np.load(file, allow_pickle=False) as stored:
-            return {name: stored[name] for name in stored.files}
-    except FileNotFoundError:
-        raise _Unreadable("no such file") from None
-    except (OSError, zipfile.BadZipFile, zlib.error, ValueError, EOFError, KeyError, NotImplementedError) as error:
-        raise _Unreadable(f"cannot be read as an .npz file of arrays: {error}") from None
 
 
 def _unknown(arrays: Found) -> Iterator[Mistake]:
@@ -146,10 +125,9 @@ def complete_levels(file: str, arrays: Mapping[str, Any], about: Mapping[str, An
 def _about(text: NDArray[Any] | None) -> Mapping[str, Any]:
     """Return the file's description of itself; empty if it is not a JSON object."""
     try:
-        said = {} if text is None else json.loads(str(text))
-    except ValueError:
+        return {} if text is None else json_text(str(text))
+    except (ValueError, RecursionError):
         return {}
-    return said if isinstance(said, dict) else {}
 
 
 def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:

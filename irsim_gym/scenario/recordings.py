@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from irsim_gym.errors import UnreadableFileError
+from irsim_gym.outside_files import reading
 from irsim_gym.scenario.messages import show
 
 COLUMNS = 4
@@ -52,9 +54,10 @@ def _read(file: Path, stamp: int) -> PersonTracks:
     rows: dict[int, dict[float, tuple[float, float]]] = {}
     lines: dict[tuple[int, float], int] = {}
     try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadRecordingError(f"cannot be read: {error}") from None
+        with reading(file, "recording"):
+            text = file.read_text(encoding="utf-8")
+    except UnreadableFileError as error:
+        raise BadRecordingError(error.reason) from None
     for number, line in enumerate(text.splitlines(), start=1):
         cells = line.replace(",", " ").split()
         if not cells or cells[0].startswith("#"):

@@ -39,7 +39,7 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
         episodes = wanted.episodes(min(WORLDS, count))
         with counting(f"certifying {member.name}", count) as advance:
             rows = {
-                record.methods[method][0]["source"]: read_rows(folder / entries[0]["file"])
+                record.methods[method][0]["source"]: read_rows(folder / entries[0]["file"], count)
                 for method, entries in record.runs[member.name].items()
                 if entries and "file" in entries[0]
             }

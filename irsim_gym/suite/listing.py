@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from functools import cache
 from textwrap import wrap
 from typing import Any
 
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.scenario.library import every_scenario, references_file
 from irsim_gym.scenario.summary import summarize_file
 from irsim_gym.suite.members import Member, shipped_suite
@@ -39,7 +39,8 @@ def print_suite(names: Sequence[str]) -> None:
 def reference_figures() -> Mapping[str, Any]:
     """Return the shipped figures of reference policies by benchmark and policy; empty if the file does not exist."""
     file = references_file()
-    return json.loads(file.read_text(encoding="utf-8"))["figures"] if file.is_file() else {}
+    with reading(file, "file of reference figures"):
+        return json_object(file)["figures"] if file.is_file() else {}
 
 
 def _lines(member: Member, one: str) -> list[str]:

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.scenario.library import every_scenario, suite_file
-from irsim_gym.scenario.source import read_file
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.validation import Report
 
-KEYS = ("asks", "scenario", "parameters", "team", "levels", "differs")
+SECTIONS = ("benchmarks", "tiers")
+KEYS: Mapping[str, tuple[str, Callable[[Any], bool]]] = MappingProxyType(
+    {
+        "asks": ("text", lambda value: isinstance(value, str)),
+        "scenario": ("text", lambda value: isinstance(value, str)),
+        "parameters": ("a mapping of values by name", lambda value: isinstance(value, Mapping)),
+        "team": ("true or false", lambda value: isinstance(value, bool)),
+        "levels": ("a whole number > 0", lambda value: type(value) is int and value > 0),
+        "differs": ("text", lambda value: isinstance(value, str)),
+    }
+)
+"""Keys of a benchmark: what their values must be, in words and as a test."""
 
 
 @dataclass(frozen=True)
@@ -87,36 +100,46 @@ def read_suite(file: Path) -> Suite:
     """Read a suite.
 
     Raises:
-        ScenarioError: If the file is not valid YAML.
-        IrsimGymError: If the file has mistakes; the message lists all of them.
+        ScenarioError: If the file has mistakes; the message lists every one with its line.
     """
-    data = read_file(file).data
-    problems = [] if set(data) == {"benchmarks", "tiers"} else ["must have the sections benchmarks and tiers"]
-    entries, tiers = data.get("benchmarks") or {}, data.get("tiers") or {}
-    members = {name: _member(name, entry or {}, problems) for name, entry in entries.items()}
-    for tier, names in tiers.items():
-        problems += [
-            f"tiers.{tier}: no benchmark '{name}'{suggestion(name, members)}"
-            for name in names or ()
-            if name not in members
-        ]
+    report = Report.of_file(file)
+    sections = {name: _mapping(report.mapping.get(name), (name,), report) for name in SECTIONS}
+    report.refuse_unknown(report.mapping, SECTIONS)
+    members = {name: _member(name, entry, report) for name, entry in sections[SECTIONS[0]].items()}
+    for tier, names in sections[SECTIONS[1]].items():
+        place = (SECTIONS[1], tier)
+        if not isinstance(names, list):
+            report.add(place, f"must be a list of benchmarks, got {show(names)}")
+        for k, name in enumerate(names if isinstance(names, list) else ()):
+            if not isinstance(name, str) or name not in members:
+                report.add((*place, k), f"no benchmark {show(name)}{suggestion(str(name), members)}")
         if tier in members:
-            problems.append(f"tiers.{tier}: is also the name of a benchmark")
-    if problems:
-        raise IrsimGymError("\n".join(f"{file}: {problem}" for problem in problems))
-    return Suite(MappingProxyType(members), MappingProxyType(dict(tiers)))
+            report.add(place, "is also the name of a benchmark")
+    report.check()
+    return Suite(MappingProxyType(members), MappingProxyType(dict(sections[SECTIONS[1]])))
 
 
-def _member(name: str, entry: Mapping[str, Any], problems: list[str]) -> Member:
-    """Return a member, and append its mistakes to ``problems``."""
-    scenario = entry.get("scenario", name)
-    for key in entry:
-        if key not in KEYS:
-            problems.append(f"benchmarks.{name}.{key}: unknown key{suggestion(key, KEYS)}; keys: {', '.join(KEYS)}")
+def _mapping(value: object, place: Place, report: Report) -> Mapping[str, Any]:
+    """Return a mapping; an empty one after reporting another value."""
+    if isinstance(value, Mapping):
+        return value
+    report.add(place, f"must be a mapping, got {show(value)}")
+    return {}
+
+
+def _member(name: str, value: object, report: Report) -> Member:
+    """Return a member, and report its mistakes."""
+    place = (SECTIONS[0], name)
+    entry = _mapping(value, place, report)
+    report.refuse_unknown(entry, list(KEYS), place)
+    for key, (wish, is_right) in KEYS.items():
+        if key in entry and not is_right(entry[key]):
+            report.add((*place, key), f"must be {wish}, got {show(entry[key])}")
     if not entry.get("asks"):
-        problems.append(f"benchmarks.{name}.asks: is missing; say what it asks of a policy")
-    if scenario not in every_scenario():
+        report.add((*place, "asks"), "is missing; say what it asks of a policy")
+    scenario = entry.get("scenario", name)
+    if not isinstance(scenario, str) or scenario not in every_scenario():
         near = suggestion(str(scenario), every_scenario())
-        problems.append(f"benchmarks.{name}.scenario: no shipped scenario '{scenario}'{near}")
-    known = {key: value for key, value in entry.items() if key in KEYS}
+        report.add((*place, "scenario"), f"no shipped scenario {show(scenario)}{near}")
+    known = {key: entry[key] for key in KEYS if key in entry}
     return Member(**{"asks": "", **known, "name": name, "scenario": scenario})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,11 +19,12 @@ from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.played import played_levels
+from irsim_gym.outside_files import reading, remove
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.suite.members import Member
 from irsim_gym.suite.row_files import write_rows
 from irsim_gym.suite.scores import score_suite
-from irsim_gym.suite.suite_record import ROWS, SUMMARY, SuiteRecord, read_record
+from irsim_gym.suite.suite_record import RECORD, ROWS, SUMMARY, SuiteRecord, read_record
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS
@@ -64,7 +64,8 @@ def play_suite(
             missing = [m for m in methods if len(record.done(member.name, m.name)) < len(m.sources)]
             if missing:
                 _play_member(member, missing, record, folder, screen, bar)
-    score_suite(record, folder)
+    with reading(folder / SUMMARY, RECORD):
+        score_suite(record, folder)
     record.write(folder)
     return record
 
@@ -77,7 +78,7 @@ def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecor
         return SuiteRecord(split, levels)
     record = read_record(folder)
     if overwrite:
-        shutil.rmtree(folder / ROWS, ignore_errors=True)
+        remove(folder / ROWS)
         return SuiteRecord(split, levels)
     if (record.split, record.levels) != (split, levels):
         raise IrsimGymError(

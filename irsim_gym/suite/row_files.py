@@ -21,13 +21,19 @@ def write_rows(path: Path, levels: Sequence[TeamRow]) -> None:
     tables.write_csv(path, COLUMNS, (_cells(level, agent) for level in levels for agent in level.agents))
 
 
-def read_rows(path: Path) -> list[TeamRow]:
+def read_rows(path: Path, levels: int | None = None) -> list[TeamRow]:
     """Return the levels in a file of rows.
 
+    Args:
+        levels: Number of levels, whose rows must all be there; None not to check that.
+
     Raises:
-        IrsimGymError: If a column is missing or a value is invalid; the message names the line.
+        UnreadableFileError: If a column or a row is missing or a value is invalid; the message names the line.
     """
-    return read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow))
+    rows = read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow), in_order=levels is not None)
+    if levels is not None:
+        tables.check_levels(path, {"": rows}, levels)
+    return rows
 
 
 def _cells(level: TeamRow, agent: AgentRow) -> dict[str, object]:

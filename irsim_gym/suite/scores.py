@@ -94,7 +94,9 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
     for member, methods in record.runs.items():
         files = {method: [entry["file"] for entry in entries if "file" in entry] for method, entries in methods.items()}
         played[member] = {
-            method: [read_rows(folder / file) for file in found] for method, found in files.items() if found
+            method: [read_rows(folder / file, record.played(member)) for file in found]
+            for method, found in files.items()
+            if found
         }
     scores: dict[str, dict[str, Score]] = {}
     for member, repetitions in played.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
+from irsim_gym.outside_files import checked, json_object, reading
 from irsim_gym.suite.members import Member
 from irsim_gym.training.methods import ComparedMethod
 from irsim_gym.training.run import machine
@@ -17,6 +17,7 @@ from irsim_gym.training.snapshot import take_snapshot
 
 SUMMARY = "summary.json"
 ROWS = "rows"
+RECORD = "summary of a run of the suite"
 
 
 @dataclass
@@ -50,6 +51,10 @@ class SuiteRecord:
     def done(self, member: str, method: str) -> list[dict[str, Any]]:
         """Return the entries of a method's policies on a benchmark, which callers append to."""
         return self.runs.setdefault(member, {}).setdefault(method, [])
+
+    def played(self, member: str) -> int:
+        """Return the number of levels of a benchmark that were played."""
+        return int(self.members[member]["conditions"]["levels"])
 
     def unplayed(self) -> list[str]:
         """Return what is still to be played, each as ``METHOD in BENCHMARK``."""
@@ -86,10 +91,15 @@ def read_record(folder: Path) -> SuiteRecord:
     path = folder / SUMMARY
     if not path.is_file():
         raise IrsimGymError(f"{folder} holds no run of the suite (no {SUMMARY}); `irsim-gym suite run` makes one")
-    try:
-        return SuiteRecord(**json.loads(path.read_text(encoding="utf-8")))
-    except (TypeError, ValueError) as error:
-        raise IrsimGymError(f"{path} is no summary of a run of the suite: {error}") from None
+    with reading(path, RECORD):
+        record = checked(SuiteRecord(**json_object(path)))
+        for member, methods in record.runs.items():
+            places = [(entry, entry.get("left_out", entry.get("file"))) for each in methods.values() for entry in each]
+            if not all(isinstance(place, str) for _, place in places):
+                raise ValueError(f"runs.{member}: each entry must have a file, or say why it was left_out")
+            if any("file" in entry for entry, _ in places):
+                record.played(member)
+    return record
 
 
 def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]:

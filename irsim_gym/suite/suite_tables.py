@@ -205,8 +205,13 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
 def _markdown(table: TextTable) -> str:
     lines = [f"### {table.title}", "", *(line for note in table.notes for line in (note, ""))]
     if table.rows:
-        lines += ["| " + " | ".join(table.heads) + " |", "|---" + "|---:" * (len(table.heads) - 1) + "|"]
-    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in table.rows), ""])
+        lines += [
+            "| " + " | ".join(head.replace("|", r"\|") for head in table.heads) + " |",
+            "|---" + "|---:" * (len(table.heads) - 1) + "|",
+        ]
+    return "\n".join(
+        [*lines, *("| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in table.rows), ""]
+    )
 
 
 def _latex(table: TextTable) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.outside_files import reading
 
 
 class _Fixed(BaseModel):
@@ -204,8 +204,5 @@ def read_card(policy: Path) -> PolicyCard | None:
     file = card_file(policy)
     if not file.is_file():
         return None
-    try:
+    with reading(file, "policy card"):
         return PolicyCard.model_validate_json(file.read_bytes())
-    except ValidationError as error:
-        problems = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-        raise IrsimGymError(f"{file} is not a policy card: {problems}") from error

@@ -11,7 +11,6 @@ import io
 import json
 import pickle
 import random
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
 from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
+from irsim_gym.outside_files import reading, remove, writing
 from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
     PARTIAL,
@@ -58,9 +58,31 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
     """
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
-    shutil.rmtree(partial, ignore_errors=True)
+    remove(partial)
     partial.mkdir(parents=True)
-    model.save(partial / POLICY)
+    try:
+        with writing(target):
+            _write_parts(partial, model, progress, state)
+    except BaseException:
+        remove(partial)
+        raise
+    remove(target)
+    partial.rename(target)
+    for older in list_checkpoints(folder):
+        if older != target:
+            remove_state(older)
+    return target
+
+
+def _write_parts(partial: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> None:
+    """Write the files of a checkpoint.
+
+    Raises:
+        OSError: The disk is full. A model is written in memory first: PyTorch has another error for that.
+    """
+    content = io.BytesIO()
+    model.save(content)
+    (partial / POLICY).write_bytes(content.getbuffer())
     normalization = model.get_vec_normalize_env()
     if normalization is not None:
         normalization.save(str(partial / NORMALIZATION))
@@ -68,12 +90,6 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
         model.save_replay_buffer(partial / REPLAY_BUFFER)
     (partial / STATE).write_bytes(pickle.dumps(dict(state)))
     (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))), encoding="utf-8")
-    shutil.rmtree(target, ignore_errors=True)
-    partial.rename(target)
-    for older in list_checkpoints(folder):
-        if older != target:
-            remove_state(older)
-    return target
 
 
 def export_policy(path: Path, model: BaseAlgorithm) -> None:
@@ -90,8 +106,15 @@ def export_policy(path: Path, model: BaseAlgorithm) -> None:
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
-    """Read the state of worlds, random generators and curriculum. It is a pickle: open only files that you trust."""
-    state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
+    """Read the state of worlds, random generators and curriculum. It is a pickle: open only files that you trust.
+
+    Raises:
+        UnreadableFileError: It is damaged, or another version has written it.
+    """
+    with reading(checkpoint / STATE, "state that this version can resume"):
+        state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
+        if not isinstance(state, dict):
+            raise TypeError(f"got {type(state).__name__}")
     return state
 
 

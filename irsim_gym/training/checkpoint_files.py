@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from irsim_gym.outside_files import checked, json_object, reading, remove
 
 POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
 STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
@@ -43,14 +43,19 @@ def newest_checkpoint(folder: Path) -> Path | None:
 
 
 def load_progress(checkpoint: Path) -> RunProgress:
-    """Read the progress of a checkpoint."""
-    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text(encoding="utf-8")))
+    """Read the progress of a checkpoint.
+
+    Raises:
+        UnreadableFileError: It is damaged.
+    """
+    with reading(checkpoint / PROGRESS, "file with the progress of a training"):
+        return checked(RunProgress(**json_object(checkpoint / PROGRESS)))
 
 
 def remove_partial(folder: Path) -> None:
     """Remove incomplete checkpoints, which a killed process leaves behind."""
     for unfinished in folder.glob(f"{PARTIAL}*"):
-        shutil.rmtree(unfinished)
+        remove(unfinished)
 
 
 def remove_state(checkpoint: Path) -> None:

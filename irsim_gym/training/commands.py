@@ -170,7 +170,7 @@ def marks_table(points: Sequence[Point]) -> Table:
         table.add_row(f"{mark:.0%}", *row)
     table.add_row(f"end: {last['success']:.1%}", f"{last['training_seconds']:.1f}", f"{last['steps']:,}")
     for name, share in successes(last).items():
-        table.add_row(f"{name}: {share:.1%}", "", "")
+        table.add_row(Text(f"{name}: {share:.1%}"), "", "")
     return table
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from rich.console import Console
 
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.tables import write_bytes
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
@@ -92,11 +93,12 @@ def _evaluated(folder: Path, levels: int) -> bool:
     """Return whether there is a table for this number of levels that is not older than the policy."""
     table = folder / FILES["table"]
     try:
-        found = json.loads((folder / FILES["summary"]).read_text(encoding="utf-8"))
-        fresh = table.stat().st_mtime >= (folder / FILES["policy"]).stat().st_mtime
-    except (OSError, ValueError):
+        with reading(folder / FILES["summary"], "summary of an evaluation"):
+            found = json_object(folder / FILES["summary"])
+            fresh = table.stat().st_mtime >= (folder / FILES["policy"]).stat().st_mtime
+            return fresh and bool(found["conditions"]["levels"] == levels)
+    except UnreadableFileError:
         return False
-    return fresh and bool(found["conditions"]["levels"] == levels)
 
 
 def _say(screen: Console, number: int, what: str, done: bool) -> None:

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -21,14 +19,13 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, UnreadableFileError
 from irsim_gym.evaluation.tables import plain, write_bytes
+from irsim_gym.outside_files import json_text, npz_arrays, reading
+from irsim_gym.tasks.outcome import Outcome
 
 FORMAT = 1
 OBSERVED = ("observations", "final_observations")
-
-UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
-"""Errors that NumPy and JSON raise for broken files and for files of another kind."""
 
 Array = NDArray[Any]
 Observations = Array | dict[str, Array]
@@ -110,6 +107,14 @@ class Demonstrations:
         }
 
 
+KINDS = {
+    **dict.fromkeys(("terminations", "truncations", "episode_starts", "by_hand"), "b"),
+    **dict.fromkeys(("levels", "outcomes"), "iu"),
+}
+"""Kinds of types of arrays that hold no numbers of any type."""
+WORDS = {"b": "true or false", "iu": "whole numbers", "biuf": "numbers"}
+CLOSE = 1e-5
+"""Tolerance for rounding of actions."""
 ARRAYS = tuple(field.name for field in fields(Demonstrations) if field.name not in (*OBSERVED, "about"))
 
 
@@ -120,31 +125,19 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
         FileNotFoundError: If the file does not exist.
         DemonstrationError: If the file is broken or of another kind.
     """
+    file = Path(path)
+    file.stat()
     try:
-        # Open the file here: NumPy would not close a broken one.
-        with Path(path).open("rb") as content, np.load(content, allow_pickle=False) as file:
-            held = {name: file[name] for name in file.files}
-        about = json.loads(str(held.pop("about")))
-        if about["format"] != FORMAT:
-            raise DemonstrationError(f"{path}: format {about['format']}, this version reads {FORMAT}")
-        arrays: dict[str, Any] = {name: held[name] for name in ARRAYS}
-        return _checked(Demonstrations(**{name: _joined(name, held) for name in OBSERVED}, **arrays, about=about))
-    except FileNotFoundError:
-        raise
-    except UNREADABLE as error:
-        if isinstance(error, DemonstrationError):
-            raise
-        raise DemonstrationError(
-            f"{path}: not a file of demonstrations ({_what_is_wrong(Path(path), error)})"
-        ) from None
-
-
-def _what_is_wrong(path: Path, error: Exception) -> str:
-    """Return why a file holds no demonstrations, and how to make one that does."""
-    if not path.is_file() or zipfile.is_zipfile(path):
-        return str(error)
-    found = "it is empty" if path.stat().st_size == 0 else "it is not a complete .npz archive"
-    return f"{found}; irsim-gym play --record writes such files, and creates one that does not exist"
+        with reading(file, "file of demonstrations"):
+            held = npz_arrays(file)
+            about = json_text(str(held.pop("about")))
+            if about["format"] != FORMAT:
+                raise ValueError(f"format {about['format']}, this version reads {FORMAT}")
+            arrays: dict[str, Any] = {name: held[name] for name in ARRAYS}
+            return _checked(Demonstrations(**{name: _joined(name, held) for name in OBSERVED}, **arrays, about=about))
+    except UnreadableFileError as error:
+        hint = "irsim-gym play --record writes such files, and creates one that does not exist"
+        raise DemonstrationError(f"{error}; {hint}") from None
 
 
 def save_demonstrations(path: Path, found: Demonstrations) -> None:
@@ -177,14 +170,50 @@ def _bound(bound: Array) -> Any:
 
 
 def _checked(found: Demonstrations) -> Demonstrations:
-    """Return demonstrations, after checking that the lengths of their arrays match."""
+    """Return demonstrations, after checking that they are those of whole episodes of one environment.
+
+    Raises:
+        ValueError: Types, lengths or values of their arrays do not fit each other, or the described spaces.
+    """
+    for name in ARRAYS:
+        rows, kinds = getattr(found, name), KINDS.get(name, "biuf")
+        if rows.dtype.kind not in kinds or rows.ndim != 1 + (name == "actions" and rows.ndim > 1):
+            raise ValueError(f"its {name} must be {WORDS[kinds]}, one for each row, got {rows.dtype} {rows.shape}")
+    about: Mapping[str, Any] = found.about
+    _check_rows("actions", found.actions, about["action_space"])
+    for name in OBSERVED:
+        seen, space = getattr(found, name), about["observation_space"]
+        parts = seen if isinstance(seen, dict) else {"": seen}
+        spaces = space["spaces"] if isinstance(seen, dict) else {"": space}
+        for key, described in spaces.items():
+            _check_rows(f"{name}/{key}".rstrip("/"), parts[key], described)
     for name in (*OBSERVED, *ARRAYS):
         value, of_episodes = getattr(found, name), name in ("final_observations", "levels", "outcomes")
         wanted = int(found.ends.sum()) if of_episodes else len(found.rewards)
         for rows in value.values() if isinstance(value, dict) else (value,):
             if len(rows) != wanted:
                 raise ValueError(f"its {name} are {len(rows)}, not {wanted}")
+    if len(found) and not (found.ends[-1] and (found.episode_starts == np.roll(found.ends, 1)).all()):
+        raise ValueError("its episodes must start at the first step and after each end, and the last step be an end")
+    if not ((found.levels >= 0) & np.isin(found.outcomes, list(Outcome))).all() or not np.isfinite(found.rewards).all():
+        raise ValueError(f"its levels must be >= 0, its outcomes 0 to {max(Outcome)}, and its rewards finite")
     return found
+
+
+def _check_rows(name: str, rows: Array, space: Mapping[str, Any]) -> None:
+    """Check that rows lie in a space as ``describe_space`` describes it; numbers only, if it is of another kind.
+
+    Raises:
+        ValueError: They do not.
+    """
+    shape = () if space["kind"] == "Discrete" else tuple(space.get("shape", rows.shape[1:]))
+    if rows.dtype.kind not in "biuf" or not rows.ndim or rows.shape[1:] != shape or np.isnan(rows).any():
+        raise ValueError(f"its {name} must be numbers, each row of shape {shape}, got {rows.dtype} {rows.shape}")
+    if name == "actions" and space["kind"] in ("Box", "Discrete"):
+        ends = (0, space["n"] - 1) if "n" in space else (space["low"], space["high"])
+        low, high = (np.reshape(np.array(end, np.float64), shape if np.size(end) > 1 else ()) for end in ends)
+        if not ((rows >= low - CLOSE) & (rows <= high + CLOSE)).all():
+            raise ValueError(f"its actions must lie within {ends[0]} and {ends[1]}")
 
 
 def _joined(name: str, held: Mapping[str, Array]) -> Any:

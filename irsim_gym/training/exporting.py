@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import zipfile
 from collections.abc import Sequence
 from functools import partial
@@ -19,6 +18,7 @@ from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.metrics import Summary
 from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.evaluation.tables import plain, write_bytes, write_json
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.cards import (
     CardAction,
@@ -38,7 +38,7 @@ from irsim_gym.training.exported_network import ExportedNetwork, export_network
 from irsim_gym.training.inputs import check_folder, check_trained
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.training.results_files import SeedResults, read_results
-from irsim_gym.training.run import Settings, run_of
+from irsim_gym.training.run import CONFIG_KIND, Settings, run_of
 from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
 
@@ -189,9 +189,11 @@ def _run_record(source: Path) -> dict[str, Any] | None:
             f"{run.folder} is not finished: resume it, then export its policy, or export one of its checkpoints"
         )
     last = (chosen or checkpoints)[-1]
-    config, progress = json.loads(run.config.read_text(encoding="utf-8")), load_progress(last)
+    progress = load_progress(last)
     cost = {name: getattr(progress, name) for name in ("steps", "training_seconds", "cpu_seconds")}
-    return {"settings": config["settings"], "machine": config["machine"], **cost}
+    with reading(run.config, CONFIG_KIND):
+        config = json_object(run.config)
+        return {"settings": config["settings"], "machine": config["machine"], **cost}
 
 
 def _own_settings(source: Path, settings: Settings) -> Settings:

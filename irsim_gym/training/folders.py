@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.jit.lock import sole
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.run import Run, Settings, scenario_name
 from irsim_gym.training.snapshot import Snapshot, differences, listed
@@ -166,6 +168,29 @@ def _flat(data: Mapping[str, object], above: tuple[str, ...]) -> Iterator[tuple[
             yield from _flat(value, place)
         else:
             yield ".".join(place), value
+
+
+@contextmanager
+def sole_writer(folder: Path) -> Iterator[None]:
+    """Hold a folder for a training of this process. The system ends that with the process, however it ends.
+
+    Raises:
+        IrsimGymError: Another process trains into the folder.
+    """
+    place = folder.resolve()
+    made = [one for one in place.parents if not one.exists()]
+    place.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with sole(place.with_name(f".{place.name}.lock")) as is_free:
+            if not is_free:
+                raise IrsimGymError(
+                    f"another process trains into {folder}: wait for its end, or choose another folder with --out"
+                )
+            yield
+    finally:
+        with suppress(OSError):  # folders that hold something stay
+            for one in made:
+                one.rmdir()
 
 
 def check_replaceable(run: Run) -> None:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.library import SUFFIXES, every_scenario, names
+from irsim_gym.errors import IrsimGymError, ScenarioError, UnknownNameError, UnknownParameterError
+from irsim_gym.scenario.library import SUFFIXES, every_scenario, find, names
+from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.source import Place, read_file
 from irsim_gym.scenario.validation import Report
+from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.mixture import SHARE, MixturePart, read_part
+from irsim_gym.training.run import scenario_name
 from irsim_gym.training.training_request import TrainingRequest
 
 MIXTURE = "mixture"
@@ -102,6 +106,11 @@ def read_mixture(file: Path) -> Mixture:
         listed = []
     parts = [_part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed)]
     task, algorithm, chosen = (_text(data, key, (), report) for key in KEYS[1:])
+    for key, name, check in (("task", task, partial(find, section="tasks")), ("algorithm", algorithm, find_algorithm)):
+        try:
+            check(name) if name is not None else None
+        except UnknownNameError as error:
+            report.add((key,), str(error))
     report.check()
     return Mixture(
         tuple(parts),
@@ -115,7 +124,7 @@ def read_mixture(file: Path) -> Mixture:
 def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart:
     """Return one scenario: a name, or a mapping with ``scenario``, ``share`` and ``parameters``."""
     if isinstance(item, str):
-        return MixturePart(_beside(file, item))
+        return _known(MixturePart(_beside(file, item)), place, place, report)
     if not isinstance(item, Mapping):
         report.add(place, f"must be the name of a scenario or a mapping with 'scenario', got {show(item)}")
         return MixturePart("")
@@ -130,7 +139,24 @@ def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart
     if not isinstance(parameters, Mapping):
         report.add((*place, "parameters"), f"must be a mapping of the scenario's parameters, got {show(parameters)}")
         parameters = {}
-    return MixturePart(_beside(file, scenario or ""), dict(parameters), float(share))
+    part = MixturePart(_beside(file, scenario or ""), dict(parameters), float(share))
+    return _known(part, place, (*place, "scenario"), report) if scenario else part
+
+
+def _known(part: MixturePart, place: Place, named: Place, report: Report) -> MixturePart:
+    """Return a part, after reporting its unknown scenario, or what its scenario does not take."""
+    try:
+        load_scenario(scenario_name(part.scenario), part.parameters, strict=False, warn=False)
+    except UnknownParameterError as error:
+        report.add((*place, "parameters", error.name), str(error))
+    except UnknownNameError as error:
+        report.add(named, str(error))
+    except ScenarioError as error:  # mistakes of the scenario's own file are told with their lines when it is loaded
+        for problem in error.problems:
+            name = problem.path.removeprefix("parameters.")
+            if name in part.parameters:
+                report.add((*place, "parameters", name), problem.message)
+    return part
 
 
 def _text(data: Mapping[str, Any], key: str, place: Place, report: Report) -> str | None:

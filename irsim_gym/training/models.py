@@ -19,6 +19,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from irsim_gym.envs.sb3_critic_parts import has_critic_parts
 from irsim_gym.envs.sb3_mirror import checked_mirror
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.outside_files import reading
 from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, MirrorCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
@@ -26,6 +27,7 @@ from irsim_gym.training.checkpoint_files import (
     NORMALIZATION,
     POLICY,
     REPLAY_BUFFER,
+    STATE,
     RunProgress,
     load_progress,
     newest_checkpoint,
@@ -163,22 +165,24 @@ def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, Run
     """Return the model of a checkpoint, with its worlds within their episodes, and the progress of the run.
 
     Raises:
-        IrsimGymError: If the checkpoint cannot be read.
+        UnreadableFileError: If a file of the checkpoint is damaged, or another version has written it.
     """
-    try:
-        state = files.load_state(newest)
-    except Exception as error:
-        raise IrsimGymError(f"cannot resume from {newest}; another version may have written it: {error}") from error
+    state, progress = files.load_state(newest), load_progress(newest)
     normalization = newest / NORMALIZATION
     device = resolve_device(settings.hyperparameters.device)
-    env = build_environment(settings, normalization if normalization.is_file() else None)
-    env = restore_worlds(env, state["worlds"])
+    with reading(normalization, "file of statistics of VecNormalize"):
+        env = build_environment(settings, normalization if normalization.is_file() else None)
+    with reading(newest / STATE, "state that this version can resume"):
+        env = restore_worlds(env, state["worlds"])
     kind: Any = algorithm_class(settings)
     buffers = {} if settings.hyperparameters.team is None else buffers_for(kind, env)
-    model: BaseAlgorithm = kind.load(newest / POLICY, env=env, device=device, force_reset=False, **buffers)
+    with reading(newest / POLICY, "policy of Stable-Baselines3"):
+        model: BaseAlgorithm = kind.load(newest / POLICY, env=env, device=device, force_reset=False, **buffers)
     if isinstance(model, OffPolicyAlgorithm):
-        model.load_replay_buffer(newest / REPLAY_BUFFER, truncate_last_traj=False)
+        with reading(newest / REPLAY_BUFFER, "replay buffer"):
+            model.load_replay_buffer(newest / REPLAY_BUFFER, truncate_last_traj=False)
     _check_mirror(model, settings)
-    files.restore_memories(model, state)
-    files.restore_random(model, state)
-    return model, load_progress(newest)
+    with reading(newest / STATE, "state that this version can resume"):
+        files.restore_memories(model, state)
+        files.restore_random(model, state)
+    return model, progress

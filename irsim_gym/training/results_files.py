@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import is_named_policy
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.training.cards import CardResult
 from irsim_gym.training.checkpoint_files import POLICY
 
@@ -41,17 +40,15 @@ def read_results(file: Path, policy: Path) -> list[SeedResults]:
             name: ``seed_1`` for ``cluttered_room_seed_1.zip``.
 
     Raises:
-        IrsimGymError: If the file is of another kind, or has no results of the policy.
+        UnreadableFileError: If the file is of another kind, or has no results of the policy.
     """
-    try:
-        data = json.loads(file.read_text(encoding="utf-8"))
+    with reading(file, "file with figures of policies"):
+        data = json_object(file)
         tests = list(_tests(data))
         seeds = data.get("seeds", [])
         runs = {seed["run"]: seed for seed in seeds}
-        found = [_result(file, rows, conditions, _own(file, rows, policy)) for conditions, rows in tests]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise IrsimGymError(f"{file} holds no figures of policies: {type(error).__name__} {error}") from error
-    numbers = tuple(int(seed["settings"]["seed"]) for seed in seeds)
+        found = [_result(file, rows, conditions, _own(rows, policy)) for conditions, rows in tests]
+        numbers = tuple(int(seed["settings"]["seed"]) for seed in seeds)
     return [SeedResults(result, runs.get(name), numbers) for name, result in found]
 
 
@@ -67,13 +64,13 @@ def _tests(data: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Rows]]:
             yield own, [seed["test"][label] for seed in data["seeds"]]
 
 
-def _own(file: Path, rows: Rows, policy: Path) -> dict[str, Any]:
+def _own(rows: Rows, policy: Path) -> dict[str, Any]:
     """Return the row of a policy."""
     called = policy.parent.name if policy.name == POLICY else policy.stem if policy.is_file() else policy.name
     own = [row for row in rows if called == row["policy"] or called.endswith(f"_{row['policy']}")]
     if len(own) != 1:
         names = ", ".join(row["policy"] for row in rows)
-        raise IrsimGymError(f"{file} has no row of its own for '{called}'; there are {names}")
+        raise ValueError(f"it has no row of its own for '{called}'; there are {names}")
     return own[0]
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
 import platform
-import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError, version
@@ -13,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym import __version__
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, UnreadableFileError
 from irsim_gym.evaluation.perception import Perception, perception_of
 from irsim_gym.evaluation.tables import write_json
+from irsim_gym.outside_files import checked, json_object, reading, remove
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.scenario.load import load_scenario
@@ -28,6 +27,7 @@ from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, sn
 
 SEED_STRIDE = 1_000_000
 """Distance between the first levels of consecutive seeds."""
+CONFIG_KIND = "file with the settings of a training run"
 FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
 """Files that a run writes, each first to a temporary file. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
@@ -178,16 +178,13 @@ class Run:
         """Read the settings.
 
         Raises:
-            IrsimGymError: If the folder holds no run, or its ``config.json`` is another file.
+            UnreadableFileError: If the folder holds no run, or its ``config.json`` is another file.
         """
-        try:
-            return Settings.from_plain(json.loads(self.config.read_text(encoding="utf-8"))["settings"])
-        except OSError as error:
-            raise IrsimGymError(f"{self.folder} holds no training run: {error}") from error
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise IrsimGymError(
-                f"{self.folder} holds no training run: {self.config} has no settings of one ({error})"
-            ) from error
+        with reading(self.config, CONFIG_KIND):
+            made = Settings.from_plain(json_object(self.config)["settings"])
+            for part in (made.hyperparameters, *made.mixture, *([] if made.engine is None else [made.engine])):
+                checked(part)
+            return checked(made)
 
     def begin(self, settings: Settings, now: Snapshot | None = None) -> None:
         """Write the settings, and a copy of the scenario and its task.
@@ -212,8 +209,9 @@ class Run:
     def snapshot(self) -> Snapshot | None:
         """Return the snapshot of the scenario and its task from the start of the run; None if the run has no copy."""
         try:
-            file = json.loads(self.config.read_text(encoding="utf-8"))["copy"]["file"]
-        except (OSError, ValueError, KeyError, TypeError):
+            with reading(self.config, CONFIG_KIND):
+                file = str(json_object(self.config)["copy"]["file"])
+        except UnreadableFileError:
             return None
         return read_snapshot(self.copy, file)
 
@@ -241,11 +239,14 @@ class Run:
 
     def _also(self) -> Iterator[tuple[Path, Snapshot]]:
         """Yield the folders with copies of a mixture's other scenarios, and their snapshots."""
-        for one in json.loads(self.config.read_text(encoding="utf-8"))["copy"].get("also", ()):
-            found = read_snapshot(self.copy / one["folder"], one["file"])
+        with reading(self.config, CONFIG_KIND):
+            copies = json_object(self.config)["copy"].get("also", ())
+            places = [(self.copy / one["folder"], str(one["file"])) for one in copies]
+        for folder, file in places:
+            found = read_snapshot(folder, file)
             if found is None:
-                raise IrsimGymError(f"{self.copy / one['folder'] / one['file']} cannot be read")
-            yield self.copy / one["folder"], found
+                raise UnreadableFileError(str(folder / file), "copy of a scenario", "it cannot be read")
+            yield folder, found
 
     def clear(self) -> None:
         """Remove the files of the run. Other files in the folder are kept.
@@ -255,11 +256,7 @@ class Run:
         """
         self.settings()
         for name in (*FOLDERS, *FILES):
-            path = self.folder / name
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path)
-            else:
-                path.unlink(missing_ok=True)
+            remove(self.folder / name)
 
 
 def _values(parameters: Mapping[str, object]) -> str:

@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-import json
 import pickle
-import zipfile
 from pathlib import Path
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 from irsim_gym.envs.sb3_memory import GruPolicy
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.outside_files import reading
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import NORMALIZATION, OFF_POLICY
-from irsim_gym.training.trusted import harmless_objects, load_pickle
+from irsim_gym.training.trusted import harmless_objects, load_pickle, read_data
 
 
 def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:
     """Load the model of a file, and the normalisation from the same folder, if any.
 
     Raises:
-        IrsimGymError: If the file is not a policy of Stable-Baselines3.
+        UnreadableFileError: If a file is damaged, or the first is not a policy of Stable-Baselines3.
     """
-    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
-    return model, _normalization(path.parent / NORMALIZATION)
+    with reading(path, "policy of Stable-Baselines3"):
+        model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
+    statistics = path.parent / NORMALIZATION
+    with reading(statistics, "file of statistics of VecNormalize"):
+        return model, _normalization(statistics)
 
 
 def _algorithm(path: Path) -> type[BaseAlgorithm]:
     """Return the class of the algorithm that wrote a file."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            data = json.loads(archive.read("data"))
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise IrsimGymError(f"{path} is not a policy of Stable-Baselines3: {error}") from error
+    data = read_data(path)
     module = str(data["policy_class"].get("__module__", ""))
     if module == GruPolicy.__module__:
         return find_algorithm("gru_ppo").load()
@@ -46,7 +43,9 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
 def _normalization(path: Path) -> VecNormalize | None:
     if not path.is_file():
         return None
-    loaded: VecNormalize = load_pickle(path)
+    loaded = load_pickle(path)
+    if not isinstance(loaded, VecNormalize):
+        raise TypeError(f"got {type(loaded).__name__}")
     loaded.training = False
     return loaded
 

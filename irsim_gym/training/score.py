@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
 
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.metrics import summarize, wilson
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
@@ -15,6 +15,7 @@ from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.team_metrics import summarize_team
 from irsim_gym.evaluation.teams import evaluate_team, top_speed
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint_files import RunProgress, list_checkpoints, load_progress
@@ -30,6 +31,7 @@ MARKS = (0.90, 0.95, 0.98, 0.99)
 """Success rates for which the training time is reported."""
 PROGRESS = ("steps", "training_seconds", "cpu_seconds")
 """Progress of the run at a point of its curve."""
+_NEEDED = (*PROGRESS, "levels", "success")
 
 Point = dict[str, float]
 """A point of a learning curve: progress and scores by name."""
@@ -84,10 +86,11 @@ def score_run(
 def read_curve(run: Run) -> list[Point]:
     """Return the scores on disk; none if there are none yet, or they cannot be read."""
     try:
-        points = [dict(point) for point in json.loads(run.curve.read_text(encoding="utf-8"))["points"]]
-    except (OSError, ValueError, KeyError, TypeError):
+        with reading(run.curve, "learning curve"):
+            points = [{name: point[name] for name in (*_NEEDED, *point)} for point in json_object(run.curve)["points"]]
+            return points if all(isinstance(point[name], int | float) for point in points for name in _NEEDED) else []
+    except UnreadableFileError:
         return []
-    return points if all({*PROGRESS, "levels", "success"} <= set(point) for point in points) else []
 
 
 def reached(points: Sequence[Point], mark: float) -> Point | None:

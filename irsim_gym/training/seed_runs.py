@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -11,6 +10,7 @@ from typing import Any
 
 from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.tables import figure_table, print_table, write_text
+from irsim_gym.outside_files import json_object
 from irsim_gym.training.checkpoint_files import list_checkpoints
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import evaluate_policies
@@ -146,7 +146,7 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     is_team, places = settings.is_team, [run.folder for run in runs]
     method = settings.algorithm
     found = evaluate_policies(request_of(settings), {method: list(places)}, levels=levels, folder=folder / TEST)
-    test = named_as_runs(json.loads((folder / TEST / "summary.json").read_text(encoding="utf-8")), places)
+    test = named_as_runs(json_object(folder / TEST / "summary.json"), places)
     summary = summarize_seeds(test["conditions"]["scenario"], places, [test], part)
     line = _summary_line(summary, found.worst[method])
     head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)

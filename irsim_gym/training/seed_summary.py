@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.statistics import interquartile_mean
 from irsim_gym.evaluation.tables import write_figure, write_json
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.training.checkpoint_files import list_checkpoints
 from irsim_gym.training.run import Run
 
@@ -121,7 +121,8 @@ def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) 
     Raises:
         IrsimGymError: If later checkpoints have no scores, so that the curve ends before the training did.
     """
-    config, curve = (json.loads((run / file).read_text(encoding="utf-8")) for file in ("config.json", "curve.json"))
+    with reading(run, "folder of a run with its curve"):
+        config, curve = (json_object(run / file) for file in ("config.json", "curve.json"))
     if part is not None:
         from irsim_gym.training.score import scenario_point, seconds_to
 
@@ -221,20 +222,21 @@ def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) 
     """Draw the learning curves of all seeds over the training time."""
     from matplotlib.figure import Figure
 
+    from irsim_gym.render.fonts import label
+
     figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
     axes = figure.add_subplot()
     for seed in seeds:
         seconds = [point["training_seconds"] for point in seed["curve"]]
-        axes.plot(
-            seconds, [100 * point["success"] for point in seed["curve"]], lw=1.4, marker="o", ms=2.5, label=seed["run"]
-        )
+        shares = [100 * point["success"] for point in seed["curve"]]
+        axes.plot(seconds, shares, lw=1.4, marker="o", ms=2.5, label=label(seed["run"]))
     for mark in (95, 98):
         axes.axhline(mark, color="#d9dee3", lw=1, zorder=0)
     worst = 100 * min(point["success"] for seed in seeds for point in seed["curve"])
     levels = seeds[0]["curve"][-1]["levels"]
     axes.set(xlabel="training time [s]", ylabel=f"{success} on {levels:,.0f} dev levels [%]")
     axes.set(ylim=(max(0.0, worst // 10 * 10 - 10), 100.5), xlim=(0, None))
-    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_title(title, loc="left", fontsize=10, parse_math=False)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8, loc="lower right")
     write_figure(path, figure)

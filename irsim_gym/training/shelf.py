@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,8 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.byte_planes import from_planes, layout_of, to_planes
-from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.errors import IrsimGymError, UnknownNameError, UnreadableFileError, suggestion
+from irsim_gym.outside_files import json_text, npz_arrays, reading
 from irsim_gym.training.array_network import Options, apply_steps, check_steps, gru_cell
 from irsim_gym.training.cards import PolicyCard, card_file, read_card
 
@@ -184,16 +184,16 @@ def read_policy(file: Path) -> ShelfPolicy:
     Raises:
         IrsimGymError: It is no policy of the shelf, or its card belongs to another file.
     """
-    if not file.is_file():
-        raise IrsimGymError(f"{file} is no policy of the shelf: no such file")
-    if not zipfile.is_zipfile(file):
-        raise IrsimGymError(f"{file} is no policy of the shelf: it is no .npz archive of irsim-gym policies export")
-    card = _checked_card(file)
-    try:
-        policy = _read(file, card)
+    with reading(file, "policy of the shelf"):
+        arrays = npz_arrays(file)
+        card = _checked_card(file)
+        form = json_text(arrays.pop("form").item())
+        if form["format"] not in READ:
+            raise ValueError(f"its format is {form['format']}, and this version of irsim_gym reads 1 to {FORMAT}")
+        if "layout" in form:
+            arrays = from_planes(form["layout"], arrays["planes"])
+        policy = ShelfPolicy(form, arrays, card)
         _check_action(policy)
-    except Exception as error:  # damaged bytes make zipfile, zlib, NumPy and Gymnasium raise errors of nearly any class
-        raise IrsimGymError(f"{file} is no policy of the shelf: {_reason(error)}") from error
     return policy
 
 
@@ -205,22 +205,9 @@ def _checked_card(file: Path) -> PolicyCard | None:
     """
     card = read_card(file)
     if card is not None and card.sha256 and card.sha256 != hashlib.sha256(file.read_bytes()).hexdigest():
-        raise IrsimGymError(
-            f"{card_file(file)} is not the card of {file}: its sha256 is that of another file; export the policy "
-            "again, or remove the card"
-        )
+        reason = "its sha256 is that of another file; export the policy again, or remove the card"
+        raise UnreadableFileError(str(card_file(file)), f"card of {file}", reason)
     return card
-
-
-def _read(file: Path, card: PolicyCard | None) -> ShelfPolicy:
-    with np.load(file, allow_pickle=False) as archive:
-        arrays = {name: archive[name] for name in archive.files}
-    form = json.loads(arrays.pop("form").item())
-    if form["format"] not in READ:
-        raise IrsimGymError(f"its format is {form['format']}, and this version of irsim_gym reads 1 to {FORMAT}")
-    if "layout" in form:
-        arrays = from_planes(form["layout"], arrays["planes"])
-    return ShelfPolicy(form, arrays, card)
 
 
 def _check_action(policy: ShelfPolicy) -> None:
@@ -231,12 +218,6 @@ def _check_action(policy: ShelfPolicy) -> None:
     """
     zeros = {name: np.zeros(part.shape or (), part.dtype) for name, part in _spaces(policy.observation_space).items()}
     policy.predict(zeros if isinstance(policy.observation_space, Dict) else zeros[LONE])
-
-
-def _reason(error: Exception) -> str:
-    """Return the message of an error; for a missing key, that it is missing."""
-    missing = isinstance(error, KeyError) and not isinstance(error, IrsimGymError)
-    return f"{error} is missing" if missing else str(error) or type(error).__name__
 
 
 def policy_arrays(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

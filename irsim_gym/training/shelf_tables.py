@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import legend, print_table
+from irsim_gym.evaluation.tables import legend, print_table, titled_table
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardResult, CardShare, PolicyCard, card_file, read_card
 from irsim_gym.training.shelf import SUFFIX, shelf_file, shelf_files, shelf_folder
@@ -17,7 +16,7 @@ from irsim_gym.training.shelf import SUFFIX, shelf_file, shelf_files, shelf_fold
 
 def print_shelf() -> None:
     """Print a row for each shipped policy, with its success under the parameters of its training."""
-    table = Table(title=f"policies in {shelf_folder()}", title_justify="left")
+    table = titled_table(f"policies in {shelf_folder()}")
     for head in ("policy", "trained in", "task", "success [%]", "levels", "CPU s", "kB"):
         table.add_column(Text(head), no_wrap=head == "policy", justify="right" if head in ("CPU s", "kB") else "left")
     for file in shelf_files().values():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import signal
 import sys
 from collections.abc import Sequence
@@ -15,6 +14,8 @@ from rich.console import Console
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import PLAIN, plain, write_json
+from irsim_gym.outside_files import json_object, reading, remove
+from irsim_gym.training.folders import sole_writer
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.ray_session import ray_session
 from irsim_gym.training.run import Run, lasting, scenario_name
@@ -59,15 +60,16 @@ def run_sweep(
     sweep, console = read_sweep(file), Console(stderr=True)
     folder = (out or Path("runs") / f"sweep-{file.stem}").resolve()
     trials = sweep.trials()
-    _begin(folder, sweep, trials, overwrite)
     places = [folder / TRIALS / f"{number:04d}" for number in range(len(trials))]
-    left = [number for number, place in enumerate(places) if read_result(place) is None]
-    console.print(f"sweep of {len(trials)} trainings, {len(left)} of them to do, in {folder}", **PLAIN)
-    if left:
-        jobs = [_job(sweep, trials[number], places[number], number, modules) for number in left]
-        with ray_session(address, workers):
-            errors = _fit(jobs, folder)
-        _check(folder, places, errors)
+    with sole_writer(folder):
+        _begin(folder, sweep, trials, overwrite)
+        left = [number for number, place in enumerate(places) if read_result(place) is None]
+        console.print(f"sweep of {len(trials)} trainings, {len(left)} of them to do, in {folder}", **PLAIN)
+        if left:
+            jobs = [_job(sweep, trials[number], places[number], number, modules) for number in left]
+            with ray_session(address, workers):
+                errors = _fit(jobs, folder)
+            _check(folder, places, errors)
     results = [read_result(place) or {} for place in places]
     write_sweep(folder, trials, results)
     show_sweep(trials, results, file.stem)
@@ -84,16 +86,20 @@ def _begin(folder: Path, sweep: Sweep, trials: Sequence[SweepTrial], overwrite: 
     """
     plan = {"sweep": {**asdict(sweep), "file": None}, "scenarios": _digests(sweep, trials)}
     wanted, file = json.loads(json.dumps(plain(plan))), folder / PLAN
-    if overwrite and file.is_file():
-        shutil.rmtree(folder)
+    is_replaced = overwrite and file.is_file()
+    if is_replaced:
+        for name in (TRIALS, TUNE, TABLE, PLAN):
+            remove(folder / name)
     if file.is_file():
-        if json.loads(file.read_text(encoding="utf-8")) != wanted:
+        with reading(file, "plan of a sweep"):
+            found = json_object(file)
+        if found != wanted:
             raise IrsimGymError(
                 f"{folder} holds another sweep, or its scenario has changed: choose another folder with --out, or "
                 "replace it with --overwrite"
             )
         return
-    if folder.exists() and any(folder.iterdir()):
+    if folder.exists() and any(folder.iterdir()) and not is_replaced:
         raise IrsimGymError(f"{folder} holds something else than a sweep: choose another folder with --out")
     write_json(file, wanted)
 
@@ -135,7 +141,7 @@ def _fit(jobs: Sequence[dict[str, Any]], folder: Path) -> list[str]:
             told = f"success {found['success']:.1%}" if "success" in found else "without a result"
             print(f"training {done['number']}: {told}", file=sys.stderr, flush=True)  # Tune pickles this: no console
 
-    shutil.rmtree(folder / TUNE, ignore_errors=True)
+    remove(folder / TUNE)
     tuner = tune.Tuner(
         tune.with_resources(run_job, {"cpu": 1}),
         param_space={"job": tune.grid_search(list(jobs))},

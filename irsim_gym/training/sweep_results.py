@@ -8,10 +8,11 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.evaluation.tables import plain, print_table, write_csv, write_json
+from irsim_gym.errors import UnreadableFileError
+from irsim_gym.evaluation.tables import plain, print_table, titled_table, write_csv, write_json
+from irsim_gym.outside_files import json_object, reading
 from irsim_gym.training.sweep_file import SweepTrial
 
 TABLE, RESULT = "sweep.csv", "result.json"
@@ -26,10 +27,11 @@ def write_result(place: Path, point: Mapping[str, Any]) -> None:
 def read_result(place: Path) -> dict[str, Any] | None:
     """Return the result of a training; None where it has not ended."""
     try:
-        found: dict[str, Any] = json.loads((place / RESULT).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        with reading(place / RESULT, "result of a training"):
+            found = json_object(place / RESULT)
+            return {**found, "success": float(found["success"])}
+    except UnreadableFileError:
         return None
-    return found
 
 
 def write_sweep(folder: Path, trials: Sequence[SweepTrial], results: Sequence[Mapping[str, Any]]) -> None:
@@ -52,7 +54,7 @@ def show_sweep(trials: Sequence[SweepTrial], results: Sequence[Mapping[str, Any]
         conditions.setdefault(key, (trial, []))[1].append(100.0 * result["success"])
     names = [name for name in _names(trials) if len({_text(one.condition.get(name)) for one in trials}) > 1]
     n_seeds = len({trial.seed for trial in trials})
-    table = Table(title=f"{title}: success on dev levels [%], {n_seeds} seeds each", title_justify="left")
+    table = titled_table(f"{title}: success on dev levels [%], {n_seeds} seeds each")
     for head in (*(names or ["scenario"]), "median", "lowest", "highest"):
         table.add_column(Text(head.replace("_", "_\n").replace(".", ".\n")), justify="right")
     for trial, shares in sorted(conditions.values(), key=lambda one: -median(one[1])):

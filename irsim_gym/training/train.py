@@ -30,7 +30,7 @@ from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import copy_weights
-from irsim_gym.training.folders import check_replaceable, setting_differences
+from irsim_gym.training.folders import check_replaceable, setting_differences, sole_writer
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
 from irsim_gym.training.models import (
@@ -78,32 +78,33 @@ def train(
         address: Address of a Ray cluster, for a run with RLlib; None for this machine.
 
     Raises:
-        IrsimGymError: If the folder is a file, or holds another run, or a run that has to be resumed; or the networks
-            diverge.
+        IrsimGymError: If the folder is a file, holds another run or one that has to be resumed, or another process
+            trains into it; or the networks diverge.
         TrainingInterruptedError: If Ctrl-C, SIGTERM or SIGHUP stops the training. A checkpoint is on disk.
     """
     run, screen = Run(folder), console or Console(stderr=True)
     check_folder(run.folder)
-    now = settings.snapshot()
-    if overwrite:
-        check_replaceable(run)
-    elif run.exists():
-        _check_run(run, settings, now, resume, screen)
-    resumed = run.exists() and not overwrite
-    if resumed and run.finished():
-        _remove_leftovers(run)
+    with sole_writer(run.folder):
+        now = settings.snapshot()
+        if overwrite:
+            check_replaceable(run)
+        elif run.exists():
+            _check_run(run, settings, now, resume, screen)
+        resumed = run.exists() and not overwrite
+        if resumed and run.finished():
+            _remove_leftovers(run)
+            return run
+        used = run.own_settings() if resumed else settings
+        newest = newest_checkpoint(run.checkpoints) if resumed else None
+        _check_engine(used, address)
+        model, progress = _model(used, newest, device, screen)
+        _begin(run, settings, now, resumed=resumed)
+        try:
+            _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
+        finally:
+            _write_log(run, progress)
+            _close(model)
         return run
-    used = run.own_settings() if resumed else settings
-    newest = newest_checkpoint(run.checkpoints) if resumed else None
-    _check_engine(used, address)
-    model, progress = _model(used, newest, device, screen)
-    _begin(run, settings, now, resumed=resumed)
-    try:
-        _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
-    finally:
-        _write_log(run, progress)
-        _close(model)
-    return run
 
 
 def _close(model: BaseAlgorithm) -> None:

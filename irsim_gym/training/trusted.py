@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import pickle
 import warnings
 import zipfile
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import UntrustedCodeWarning
+from irsim_gym.outside_files import json_text
 
 HARMLESS: dict[str, frozenset[str]] = {
     module: frozenset(names.split())
@@ -96,6 +96,12 @@ def load_pickle(path: Path) -> Any:
         return pickle.loads(content)
 
 
+def read_data(path: Path) -> dict[str, Any]:
+    """Return the data of a Stable-Baselines3 model, with objects as text; call it within ``reading``."""
+    with zipfile.ZipFile(path) as archive:
+        return json_text(archive.read("data"))
+
+
 def harmless_objects(path: Path) -> dict[str, Any]:
     """Return the argument ``custom_objects`` of ``model.load``: replacements for the pickled objects of a file.
 
@@ -104,8 +110,7 @@ def harmless_objects(path: Path) -> dict[str, Any]:
     Args:
         path: File of a Stable-Baselines3 model.
     """
-    with zipfile.ZipFile(path) as archive:
-        data: dict[str, Any] = json.loads(archive.read("data"))
+    data = read_data(path)
     objects: dict[str, Any] = {}
     suspects: list[str] = []
     for key, value in data.items():

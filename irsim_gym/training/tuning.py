@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import shlex
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +14,10 @@ from rich.console import Console
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import PLAIN, plain, write_json
 from irsim_gym.extras import require
+from irsim_gym.outside_files import json_object, reading, remove
 from irsim_gym.scenario.messages import show
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
+from irsim_gym.training.folders import sole_writer
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.request_checks import check_request
@@ -119,9 +119,10 @@ def run_tuning(
     run = request.folder(settings)
     folder = out or run.with_name(f"tune-{run.name}")
     tuning = Tuning(request, settings, chosen, dev_levels, folder, optuna, tuple(modules))
-    _begin(tuning, overwrite)
     try:
-        with ctrl_c_as_error("stopped at once; finished trials and the newest checkpoint are kept"):
+        told = "stopped at once; finished trials and the newest checkpoint are kept"
+        with sole_writer(folder), ctrl_c_as_error(told):
+            _begin(tuning, overwrite)
             found = _run_trials(tuning, _study(tuning), trials)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
@@ -169,12 +170,12 @@ def _begin(tuning: Tuning, overwrite: bool) -> None:
     folder, now = tuning.folder, tuning.to_plain()
     path = folder / CONFIG
     if overwrite and path.is_file():
-        for name in (JOURNAL, *RESULTS):
-            (folder / name).unlink(missing_ok=True)
-        shutil.rmtree(folder / TRIALS, ignore_errors=True)
-        path.unlink()
+        for name in (JOURNAL, *RESULTS, TRIALS, CONFIG):
+            remove(folder / name)
     if path.is_file():
-        changed = _differences(json.loads(path.read_text(encoding="utf-8")), now, ())
+        with reading(path, "file with the settings of a study"):
+            before = json_object(path)
+        changed = _differences(before, now, ())
         if changed:
             raise IrsimGymError(
                 f"{folder} holds a study with other settings ({listed(changed)}); choose another folder with --out, or "

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.evaluation.tables import print_table, write_csv, write_figure, write_text
+from irsim_gym.evaluation.tables import print_table, titled_table, write_csv, write_figure, write_text
 from irsim_gym.training.trial_settings import HYPERPARAMETERS, TASK
 
 TABLE, PICTURE = "trials.csv", "trials.png"
@@ -90,7 +89,7 @@ def show_trials(trials: Sequence[TuningTrial], title: str) -> None:
     shown = order[:SHOWN] + [trial for trial in order[SHOWN:] if trial.number == 0]
     names = list(dict.fromkeys(name for trial in shown for name in trial.drawn))
     ended = sum(trial.ending.startswith("pruned") for trial in trials)
-    table = Table(title=f"{title}: {len(trials)} trials, {ended} of them pruned; the best", title_justify="left")
+    table = titled_table(f"{title}: {len(trials)} trials, {ended} of them pruned; the best")
     for head in ("trial", "success [%]", "ending", *names):
         table.add_column(Text(head.replace("_", "_\n").replace(".", ".\n")), justify="right")
     for trial in shown:
@@ -123,11 +122,12 @@ def _draw(path: Path, trials: Sequence[TuningTrial], names: Sequence[str], title
     best = [max(one.latest for one in done[: i + 1]) for i in range(len(done))]
     axes.step([one.number for one in done], [100.0 * one for one in best], where="post", color=ACCENT, lw=1.0)
     axes.set(xlabel="trial", ylabel="success on dev levels [%]")
-    axes.set_title(f"{title}: hollow trials were pruned, the line is the best so far", loc="left", fontsize=10)
+    words = f"{title}: hollow trials were pruned, the line is the best so far"
+    axes.set_title(words, loc="left", fontsize=10, parse_math=False)
     for i, name in enumerate(names):
         panel = figure.add_subplot(grid[1 + i // COLUMNS, i % COLUMNS], sharey=axes)
         _scatter(panel, [trial.drawn.get(name) for trial in trials], trials)
-        panel.set_xlabel(name, fontsize=8)
+        panel.set_xlabel(name, fontsize=8, parse_math=False)
         panel.tick_params(labelsize=7)
     for panel in figure.axes:
         panel.spines[["top", "right"]].set_visible(False)

@@ -134,3 +134,23 @@ def test_the_command_line_trains_a_file(
     assert command(monkeypatch, "train", "both.yaml", "--dev-levels", "2") == 0
     assert (tmp_path / "runs" / "both-ppo-general_navigation-few-0" / "policy.zip").is_file()
     assert "crowd_nav: " in capsys.readouterr().out
+
+
+def test_what_a_mixture_names_wrongly_is_told_with_its_line(tmp_path: Path) -> None:
+    file = write(
+        tmp_path,
+        "task: genral_navigation\nalgorithm: ppoo\nmixture:\n  - cluttered_rom\n  - {scenario: maz}\n"
+        "  - {scenario: maze, parameters: {lops: 0.5}}\n  - {scenario: maze, parameters: {loops: 5}}\n",
+    )
+    with pytest.raises(ScenarioError) as told:
+        read_mixture(file)
+    text = str(told.value).replace(str(file), "both.yaml")
+    for line in (
+        "both.yaml:1   task: no task named 'genral_navigation' (did you mean 'general_navigation'?)",
+        "both.yaml:2   algorithm: no algorithm named 'ppoo' (did you mean 'ppo'?)",
+        "both.yaml:4   mixture[0]: no scenario named 'cluttered_rom' (did you mean 'cluttered_room'?)",
+        "both.yaml:5   mixture[1].scenario: no scenario named 'maz' (did you mean 'maze'?)",
+        "both.yaml:6   mixture[2].parameters.lops: ",
+        "both.yaml:7   mixture[3].parameters.loops: must be a number from 0 to 1, got 5",
+    ):
+        assert line in text

@@ -19,7 +19,7 @@ from irsim_gym.scenario.library import find
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.training.fine_tuning import load_origin
-from irsim_gym.training.folders import free_folder
+from irsim_gym.training.folders import free_folder, sole_writer
 from irsim_gym.training.hyperparameters import hyperparameters_folder
 from irsim_gym.training.models import new_model
 from irsim_gym.training.policies import load_policy
@@ -290,10 +290,12 @@ def test_an_evaluation_keeps_earlier_results(monkeypatch: pytest.MonkeyPatch, ca
 def test_a_config_of_another_program_is_named(content: str) -> None:
     Path("run").mkdir()
     Path("run/config.json").write_text(content)
-    with pytest.raises(IrsimGymError, match=r"^run holds no training run: run/config.json has no settings of one"):
+    with pytest.raises(IrsimGymError, match=r"^run/config.json is no file with the settings of a training run: ."):
         Run(Path("run")).settings()
     Path("run/config.json").unlink()
-    with pytest.raises(IrsimGymError, match=r"^run holds no training run: .*No such file .* 'run/config.json'"):
+    with pytest.raises(
+        IrsimGymError, match=r"^run/config.json is no file with the settings of a training run: no such file"
+    ):
         Run(Path("run")).settings()
 
 
@@ -302,5 +304,20 @@ def test_settings_with_hyperparameters_of_another_form_are_no_settings() -> None
     data = json.loads(run.config.read_text())
     for name in ("hyperparameters", "mixture", "engine"):
         run.config.write_text(json.dumps({**data, "settings": {**data["settings"], name: [1]}}))
-        with pytest.raises(IrsimGymError, match=r"run/config.json has no settings of one"):
+        with pytest.raises(IrsimGymError, match=r"^run/config.json is no file with the settings"):
             run.settings()
+
+
+def test_a_second_training_in_a_folder_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever it asks for, and before it writes anything."""
+    run = begun("run", asked())
+    before = {file: file.read_bytes() for file in run.folder.rglob("*") if file.is_file()}
+    for option in ("--overwrite", "--resume"):
+        with sole_writer(run.folder):
+            asks = ["train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--algorithm", "ppo"]
+            assert command(monkeypatch, *asks, "--out", "run", option) == 1
+        told = "another process trains into run: wait for its end, or choose another folder with --out"
+        assert capsys.readouterr().err.strip().splitlines()[-1] == told
+    assert {file: file.read_bytes() for file in run.folder.rglob("*") if file.is_file()} == before

@@ -217,7 +217,7 @@ def test_files_of_other_versions_are_refused(tmp_path: Path) -> None:
             irsim_gym.load_policy(file)
     card_file(file).write_text('{"name": 3}')
     file.write_bytes(shelf_file("cluttered_room").read_bytes())
-    with pytest.raises(IrsimGymError, match=r"later.json is not a policy card: name: .*; scenario: Field required"):
+    with pytest.raises(IrsimGymError, match=r"later.json is no policy card: name: .*; scenario: Field required"):
         irsim_gym.load_policy(file)
 
 
@@ -474,7 +474,7 @@ def test_the_general_policy_drives_every_single_robot_of_core(name: str) -> None
 def test_the_settings_of_a_run_are_not_replaced_by_a_card(trained: Run, tmp_path: Path) -> None:
     folder = tmp_path / "run"
     shutil.copytree(trained.folder, folder)
-    for overwrite, said in ((False, "choose another name or folder"), (True, "is not a policy card")):
+    for overwrite, said in ((False, "choose another name or folder"), (True, "is no policy card")):
         with pytest.raises(IrsimGymError, match=rf"config\.json.*{said}"):
             export(folder, "config", folder, levels=1, overwrite=overwrite)
     assert (folder / "config.json").read_bytes() == trained.config.read_bytes()
@@ -545,7 +545,7 @@ def test_what_cannot_be_exported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         (("dash", "mine"), "dash is a behavior, which has no weights"),
         ((shelf_file("cluttered_room"), "mine"), "is not a trained policy of Stable-Baselines3"),
         ((AGENTS / "policies" / "cluttered_room_images_seed_100.zip", "x", "--results", results), "has no row of its"),
-        ((zipped, "dense", "--results", __file__), "holds no figures of policies"),
+        ((zipped, "dense", "--results", __file__), "is no file with figures of policies"),
     ):
         assert run(monkeypatch, "policies", "export", *words, "--out", tmp_path) == 1
         assert said in capsys.readouterr().err

@@ -21,7 +21,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 import irsim_gym
 from irsim_gym import sb3
-from irsim_gym.errors import UntrustedCodeWarning
+from irsim_gym.errors import UnreadableFileError, UntrustedCodeWarning
 from irsim_gym.training.checkpoint_files import NORMALIZATION
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.trusted import SERIALIZED, harmless_objects
@@ -131,7 +131,7 @@ def test_statistics_beside_a_policy_are_read_without_code(tmp_path: Path) -> Non
     assert loaded.normalization is not None
     np.testing.assert_array_equal(loaded.normalization.obs_rms.mean, env.obs_rms.mean)
     (tmp_path / NORMALIZATION).write_bytes(pickle.dumps(Mischief(tmp_path / "mark")))
-    with pytest.warns(UntrustedCodeWarning, match=NORMALIZATION), pytest.raises(AttributeError):
+    with pytest.warns(UntrustedCodeWarning, match=NORMALIZATION), pytest.raises(UnreadableFileError):
         load_policy(tmp_path / "policy.zip")
 
 

@@ -124,9 +124,9 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "empty.npz").write_text("")
     np.savez(tmp_path / "arrays.npz", actions=np.zeros(3))
     for name in ("text.npz", "arrays.npz"):
-        with pytest.raises(DemonstrationError, match="not a file of demonstrations"):
+        with pytest.raises(DemonstrationError, match="no file of demonstrations"):
             irsim_gym.load_demonstrations(tmp_path / name)
-    for name, what in (("text.npz", "it is not a complete .npz archive"), ("empty.npz", "it is empty")):
+    for name, what in (("text.npz", "it is no .npz file"), ("empty.npz", "it is no .npz file")):
         with pytest.raises(DemonstrationError, match=f"{what}.*creates one that does not exist"):
             irsim_gym.load_demonstrations(tmp_path / name)
     np.savez(tmp_path / "newer.npz", about=np.array('{"format": 99}'))
@@ -150,7 +150,7 @@ def test_broken_files_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "short.npz", **{**arrays, "actions": arrays["actions"][:3]})
     np.savez(tmp_path / "many.npz", **{**arrays, "levels": np.zeros(2, np.int64)})
     for name in (*broken, "short.npz", "many.npz"):
-        with pytest.raises(DemonstrationError, match=f"{name}: not a file of demonstrations"):
+        with pytest.raises(DemonstrationError, match=f"{name} is no file of demonstrations"):
             irsim_gym.load_demonstrations(tmp_path / name)
 
 

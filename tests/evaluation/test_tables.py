@@ -1,4 +1,5 @@
 import csv
+import io
 import json
 import math
 from dataclasses import replace
@@ -6,11 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.metrics import EpisodeRow, summarize
+from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.tables import (
+    check_levels,
+    figure_table,
     legend,
     plain,
+    read_episodes,
     summary_table,
     table_text,
     write_bytes,
@@ -85,3 +92,58 @@ def test_table_shows_the_split_of_collisions_only_where_there_is_one() -> None:
     moving = EpisodeRow(2, "collision", "moving obstacle", 7, 0.7, 1.0, 2.0, 0.0)
     heads = [str(column.header) for column in summary_table([summarize("dash", [*ROWS, moving])], "t").columns]
     assert heads[3:6] == ["collision\n[%]", "with obstacle\n[%]", "with moving obstacle\n[%]"]
+
+
+def test_titles_and_names_that_look_like_markup_are_text() -> None:
+    text = table_text(figure_table("[/red] [bold]x", ["policy", "[b]"], [["[/]", "1"]]))
+    assert text.splitlines()[0].strip() == "[/red] [bold]x"
+    assert "[/]" in text
+    assert "[b]" in text
+    with progress_bar(Console(file=(room := io.StringIO()), force_terminal=True)) as bar:
+        bar.add_task("[/red] plays", total=1)
+        bar.refresh()
+    assert "[/red] plays" in room.getvalue()
+
+
+def edited(file: Path, *edits: tuple[str, str]) -> str:
+    """Return what is told of a file of rows after some edits of its text."""
+    write_episodes(file, {"dash": [replace(ROWS[k % 2], level=k) for k in range(4)]})
+    text = file.read_text()
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new, 1)
+    file.write_text(text)
+    with pytest.raises(UnreadableFileError) as told:
+        check_levels(file, read_episodes(file), 4)
+    return str(told.value).replace(str(file), "rows.csv")
+
+
+def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
+    file = tmp_path / "rows.csv"
+    line = "dash,2,success,,20,2.0,5.0,4.0,0.25,,,,,,,,,0.8,,1.25\n"
+    why = "a row before it is missing, or this one is there twice"
+    assert edited(file, (line, "")) == f"rows.csv:4 is no row of an episode: level must be 2, got 3: {why}"
+    assert edited(file, (line, line + line)) == f"rows.csv:5 is no row of an episode: level must be 3, got 2: {why}"
+    assert edited(file, ("dash,2,", "dash,7,")) == f"rows.csv:4 is no row of an episode: level must be 2, got 7: {why}"
+    assert edited(file, ("dash,3,", "bash,3,")).startswith("rows.csv:5 is no row of an episode: level must be 0, got 3")
+    last = "dash,3,collision,obstacle,7,0.7,1.0,inf,0.0,,,,,,,,,0.0,,\n"
+    told = "rows.csv is no table of episodes: its rows of 'dash' must be those of 4 levels, got 3"
+    assert edited(file, (last, "")) == told
+    assert (
+        edited(file, ("dash,2,", "dash,-2,"))
+        == "rows.csv:4 is no row of an episode: level must be a number >= 0, got -2"
+    )
+    told = (
+        "rows.csv:3 is no row of an episode: outcome must be one of success, collision, timeout, left_world, deadlock, "
+    )
+    assert edited(file, (",collision,", ",crash,")) == f"{told}got 'crash'"
+    assert (
+        edited(file, (",2.0,5.0,", ",two,5.0,"))
+        == "rows.csv:2 is no row of an episode: time must be a number, got 'two'"
+    )
+    assert edited(file, (",2.0,5.0,", ",2.0,")).startswith(
+        "rows.csv:2 is no row of an episode: a row must have 20 cells"
+    )
+    assert (
+        edited(file, ("outcome", "outcom")) == "rows.csv:1 is no table of episodes: no column outcome of this version"
+    )

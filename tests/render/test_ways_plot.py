@@ -10,11 +10,13 @@ import pytest
 from hand_made import Body, box, disc, make_world, wall
 from matplotlib.text import Text
 
+from irsim_gym.render.fonts import label
 from irsim_gym.render.scene import MapView
 from irsim_gym.render.ways_density import Density
 from irsim_gym.render.ways_levels import DrawnLevel, worth_showing
 from irsim_gym.render.ways_marks import DrawnWay, colour_of
 from irsim_gym.render.ways_plot import WaysPanel, draw_ways, plot_ways
+from irsim_gym.training.seed_summary import draw_curves
 
 
 def test_density_is_the_share_of_levels() -> None:
@@ -106,3 +108,18 @@ def test_words_stand_on_the_picture_and_apart(bounds: tuple[float, float, float,
     for k, (seen, text) in enumerate(zip(boxes, texts, strict=True)):
         assert (canvas.contains(*seen.min), canvas.contains(*seen.max)) == (True, True), text
         assert not [other for other, over in zip(texts[:k], boxes[:k], strict=True) if seen.overlaps(over)], text
+
+
+def test_names_that_look_like_formulas_are_text(tmp_path: Path) -> None:
+    """Also where an odd formula would be an error, and in legends, whose entries may not begin with _."""
+    density = Density(np.array([0.0, 0.0, 8.0, 4.0]))
+    density.add(())
+    name = "a $x^{$ b"
+    figure = plot_ways([WaysPanel(name, "", [], {})], density, f"100 $ or 200 $ {name}", f"{name} $")
+    figure.savefig(tmp_path / "ways.png")
+    texts = {text.get_text(): text.get_parse_math() for text in figure.findobj(Text) if "$" in text.get_text()}
+    assert texts[f"100 $ or 200 $ {name}"] is texts[name] is False
+    curve = [{"training_seconds": 1.0, "success": 0.5, "levels": 10}]
+    draw_curves(tmp_path / "curves.png", name, [{"run": run, "curve": curve} for run in (name, "_x")], "success")
+    assert label("_x").endswith("_x")
+    assert not label("_x").startswith("_")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.errors import ScenarioError
+from irsim_gym.errors import ScenarioError, ScenarioWarning
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.level_reading import read_levels
 from irsim_gym.scenario.level_set import LevelSet
@@ -31,7 +31,8 @@ def arrays(**changes: Any) -> dict[str, Any]:
     """Three levels for the scenario; None leaves an array out."""
     goal = np.full((3, 3, 3), np.nan)
     goal[:, 0] = [8, 8, 0]
-    whole = {"bodies": ["robot_0", "obstacle_2", "obstacle_3"], "start": np.ones((3, 3, 3)), "goal": goal, **DISC}
+    start = np.tile([[1.0, 1.0, 1.0], [5.0, 5.0, 1.0], [7.0, 3.0, 1.0]], (3, 1, 1))
+    whole = {"bodies": ["robot_0", "obstacle_2", "obstacle_3"], "start": start, "goal": goal, **DISC}
     return {name: value for name, value in (whole | changes).items() if value is not None}
 
 
@@ -101,8 +102,8 @@ def test_mistakes_are_told(tmp_path: Path, changes: dict[str, Any], told: list[s
 def test_files_that_are_no_levels(tmp_path: Path) -> None:
     for name, content, told in (
         ("missing.npz", None, "no such file"),
-        ("text.npz", b"hello", "cannot be read as an .npz file of arrays"),
-        ("cut.npz", (tmp_path / "x.npz").write_bytes(b"") or b"PK\x03\x04cut", "cannot be read as an .npz file"),
+        ("text.npz", b"hello", "it is no .npz file, an archive of arrays"),
+        ("cut.npz", (tmp_path / "x.npz").write_bytes(b"") or b"PK\x03\x04cut", "it is no .npz file"),
     ):
         if content is not None:
             (tmp_path / name).write_bytes(content)
@@ -118,8 +119,38 @@ def test_nothing_is_unpickled(tmp_path: Path) -> None:
             return (Path.touch, (tmp_path / "touched",))
 
     np.savez(tmp_path / "bad.npz", start=np.array([Mischief()], object), allow_pickle=True)
-    with pytest.raises(ScenarioError, match=r"cannot be read as an .npz file of arrays: Object arrays"):
+    with pytest.raises(ScenarioError, match=r"start.npy must hold numbers or text, got object"):
         read_levels(tmp_path / "bad.npz")
     assert not (tmp_path / "touched").exists()
     pickle.loads(pickle.dumps(Mischief()))
     assert (tmp_path / "touched").exists()  # unpickled, it would have done it
+
+
+def test_levels_that_begin_badly_are_noted(tmp_path: Path) -> None:
+    """In the world from 0 to 10 m, the obstacle of the file is a disc of 0.5 m at (5, 5), the fixed one a square."""
+    starts = arrays()["start"]
+    starts[0, 0, :2], starts[1, 0, :2], starts[2, 0, :2] = (5.3, 5.3), (10.1, 5.0), (7.99, 8.0)
+    with pytest.warns(ScenarioWarning) as told:
+        load(tmp_path, start=starts)
+    text = str(told[0].message)
+    assert "two.yaml:8   levels: 'robot_0' starts outside the world in level 1" in text
+    assert "'robot_0' starts at the goal, closer than its goal_threshold in level 2" in text
+    assert "'robot_0' starts in something that stands still in level 0" in text
+    starts[:, 2, 2] = np.pi / 4  # the corners of the square are 0.707 m to the left, to the right, above and below
+    starts[:, 0, :2] = [(5.4, 5.4), (7.45, 3.45), (7.6, 3.0)]  # beside the disc, beside the square, in it
+    with pytest.warns(ScenarioWarning, match="'robot_0' starts in something that stands still in level 2$"):
+        load(tmp_path, start=starts)
+
+
+def test_a_start_in_an_occupied_cell_is_noted(tmp_path: Path) -> None:
+    cells = np.zeros((2, 4, 5), bool)
+    cells[1, 3, 0] = True  # from 7.5 to 10 m, and from 0 to 2 m
+    start = np.array([[[8.0, 1.0, 0.0]], [[8.0, 1.0, 0.0]]])
+    goal = np.full((2, 1, 3), 5.0)
+    np.savez(tmp_path / "levels.npz", bodies=["robot_0"], start=start, goal=goal, cells=cells)
+    (tmp_path / "map.yaml").write_text(
+        f"world: {{obstacle_map: {np.zeros((4, 5), int).tolist()}}}\n"
+        "robot: {kinematics: {name: diff}, distribution: {name: random}}\nlevels: levels.npz\n"
+    )
+    with pytest.warns(ScenarioWarning, match="'robot_0' starts in something that stands still in level 1$"):
+        load_scenario(tmp_path / "map.yaml")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from command_line import run
 
-from irsim_gym.errors import IrsimGymError, UnknownNameError
+from irsim_gym.errors import IrsimGymError, ScenarioError, UnknownNameError
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
@@ -60,15 +60,39 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
     file.write_text(
         "benchmarks:\n  a: {asks: x, scenario: corridr, tem: true}\n  cave: {}\ntiers: {core: [cav], cave: [cave]}\n"
     )
-    with pytest.raises(IrsimGymError) as told:
-        read_suite(file)
-    assert str(told.value).replace(f"{file}: ", "").splitlines() == [
-        "benchmarks.a.tem: unknown key (did you mean 'team'?); keys: asks, scenario, parameters, team, levels, differs",
-        "benchmarks.a.scenario: no shipped scenario 'corridr' (did you mean 'corridor'?)",
-        "benchmarks.cave.asks: is missing; say what it asks of a policy",
-        "tiers.core: no benchmark 'cav' (did you mean 'cave'?)",
-        "tiers.cave: is also the name of a benchmark",
+    known = "asks, scenario, parameters, team, levels, differs"
+    assert mistakes_of(file) == [
+        ":2   benchmarks.a.scenario: no shipped scenario 'corridr' (did you mean 'corridor'?)",
+        f":2   benchmarks.a.tem: unknown key (did you mean 'team'?); known: {known}",
+        ":3   benchmarks.cave.asks: is missing; say what it asks of a policy",
+        ":4   tiers.cave: is also the name of a benchmark",
+        ":4   tiers.core[0]: no benchmark 'cav' (did you mean 'cave'?)",
     ]
+
+
+def mistakes_of(file: Path) -> list[str]:
+    with pytest.raises(ScenarioError) as told:
+        read_suite(file)
+    return sorted(line.removeprefix(f"  {file}") for line in str(told.value).splitlines()[1:])
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("benchmarks: [maze]\ntiers: {core: [maze]}\n", "benchmarks: must be a mapping, got ['maze']"),
+        ("benchmarks: {maze: 3}\ntiers: {core: [maze]}\n", "benchmarks.maze: must be a mapping, got 3"),
+        ("benchmarks: {maze: {levels: many}}\ntiers: {}\n", "levels: must be a whole number > 0, got 'many'"),
+        ("benchmarks: {maze: {asks: x}}\ntiers: {core: 5}\n", "tiers.core: must be a list of benchmarks, got 5"),
+        ("benchmarks: {maze: {asks: x}}\ntiers: {core: [[maze]]}\n", "tiers.core[0]: no benchmark"),
+        ("- 1\n", "benchmarks: must be a mapping, got nothing"),
+        ("", "the file is empty"),
+        ("benchmarks: {maze: {parameters: [1]}}\ntiers: {}\n", "parameters: must be a mapping of values by name"),
+    ],
+)
+def test_a_suite_of_another_form_is_told_with_its_line(text: str, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "suite.yaml"
+    file.write_text(text)
+    assert any(told in line for line in mistakes_of(file)), mistakes_of(file)
 
 
 def test_methods_are_policies_or_named_seeds() -> None:
@@ -139,7 +163,7 @@ def test_rows_survive_their_file(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text(text.replace(",jerk,", ",jolt,"))  # a file of an earlier version
     assert math.isnan(read_rows(tmp_path / "rows.csv")[0].agents[0].episode.jerk)
     (tmp_path / "rows.csv").write_text(text.replace("success", "success,9", 1).replace(",50,", ",many,"))
-    with pytest.raises(IrsimGymError, match=r"rows.csv:2: "):
+    with pytest.raises(IrsimGymError, match=r"rows.csv:2 is no row of an episode: a row must have 21 cells"):
         read_rows(tmp_path / "rows.csv")
     (tmp_path / "rows.csv").write_text("level,outcome\n")
     with pytest.raises(IrsimGymError, match=r"rows.csv:1: no column hit, steps"):
