@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from irsim_gym.jit.packed import PackedEntries
 
 config: Any = numba.config
+unliteral: Any = numba.types.unliteral
 
 RESULTS = ("nogil", "error_model", "fastmath")
 """The options that results and threads depend on."""
@@ -126,7 +127,7 @@ class Kernel:
     def _compile(self, dispatcher: Any, compile_hooked: Callable[[Any], Any], signature: Any) -> Any:
         """Compile or load the code for a signature; in Numba's plain way where the hooks fail."""
         # Numba compiles a kernel once more for each number that a caller writes out.
-        signature = tuple(numba.types.unliteral(one) for one in signature)
+        signature = tuple(unliteral(one) for one in signature)
         if hooks.are_usable():
             try:
                 return compile_hooked(signature)

@@ -203,8 +203,7 @@ class Run:
 
     def change(self, settings: Settings) -> None:
         """Replace the settings on disk; what else stands in ``config.json`` remains."""
-        content = json.loads(self.config.read_text(encoding="utf-8"))
-        write_json(self.config, {**content, "settings": settings.to_plain()})
+        write_json(self.config, {**json_object(self.config), "settings": settings.to_plain()})
 
     def snapshot(self) -> Snapshot | None:
         """Return the snapshot of the scenario and its task from the start of the run; None if the run has no copy."""

@@ -9,6 +9,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 from irsim_gym.envs.sb3_memory import GruPolicy
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.outside_files import reading
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import NORMALIZATION, OFF_POLICY
