@@ -179,7 +179,7 @@ def test_a_step_keeps_the_buckets_up_to_date() -> None:
         "distribution": {"name": "circle"},
     }
     world = {"width": 20, "height": 20, "collision_mode": "unobstructed"}
-    sim = ig.compile(ig.load_scenario({"world": world, "robot": robot}))
+    sim = ig.compile(ig.load_scenario({"world": world, "robot": robot}, warn=False))
     sim.reset(seed=1)
     for _ in range(30):
         sim.step()
