@@ -87,8 +87,11 @@ def train(
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.engines import engine_of
     from irsim_gym.training.mixture_file import requested_mixture
+    from irsim_gym.training.seed_runs import run_seeds
     from irsim_gym.training.training_request import TrainingRequest
 
+    if more_steps is not None and seeds is not None:
+        raise IrsimGymError("--more-steps is for one run: name its folder with --out, and leave out --seeds")
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
@@ -100,12 +103,8 @@ def train(
     )
     request = request if mixed is None else mixed.request(request)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
-    from irsim_gym.training.seed_runs import run_seeds
-
     if seeds is None:
         run_training(request, out, more_steps=more_steps, **how)
-    elif more_steps is not None:
-        raise IrsimGymError("--more-steps is for one run: name its folder with --out, and leave out --seeds")
     else:
         run_seeds(request, seeds, out, test_levels=test_levels, **how)
 

@@ -611,7 +611,8 @@ def test_files_from_outside_have_one_reader() -> None:
     """Others read what they have just written, what a child of theirs has, or objects after their own checks."""
     calls = {"np.load", "json.load", "json.loads", "pickle.load", "pickle.loads", "zipfile.ZipFile"}
     others = {
-        *("jit/cache.py", "render/replay_items.py", "training/checkpoint.py", "training/environment.py"),
+        *("jit/cache.py", "jit/workers.py", "render/replay_items.py", "training/checkpoint.py"),
+        "training/environment.py",
         *("training/exporting.py", "training/saved_models.py", "training/sweep.py", "training/trial.py"),
         "training/trusted.py",
     }

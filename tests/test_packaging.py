@@ -57,6 +57,10 @@ def environment(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+LEFT_OUT = ("cluttered_room_images", "crossing", "crossing_10", "drl_robot_navigation", "jaxnav_four")
+"""Policies that the repository has and the wheel does not."""
+
+
 def test_the_wheel_holds_what_runs(built: Path) -> None:
     (wheel,) = built.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
@@ -65,7 +69,7 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
     for source in (ROOT / "agents" / "hyperparameters").rglob("*.yaml"):
         assert f"irsim_gym/{source.relative_to(ROOT / 'agents').as_posix()}" in names
     for source in (ROOT / "agents" / "shelf").iterdir():
-        is_left_out = source.stem in ("cluttered_room_images", "crossing", "drl_robot_navigation", "jaxnav_four")
+        is_left_out = source.stem in LEFT_OUT
         assert (f"irsim_gym/shelf/{source.name}" in names) is not is_left_out
     for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():
         assert f"irsim_gym/render/page/{source.name}" in names

@@ -14,6 +14,7 @@ BY_HAND = (
 OF_WORLDS = frozenset(
     (
         *("add_object", "add_objects", "create_obstacle", "create_robot", "delete_object", "delete_objects"),
+        *("build_tree", "random_polygon_shape", "validate_unique_names"),
         *("draw_box", "draw_points", "draw_quiver", "draw_quivers", "draw_trajectory", "reset_plot", "set_title"),
         *("get_group_by_name", "get_lidar_offset", "get_lidar_scan", "get_map", "get_object_by_id"),
         *("get_object_by_name", "get_obstacle_info_list", "get_robot_info", "get_robot_info_list", "get_robot_state"),

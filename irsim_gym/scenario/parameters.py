@@ -24,7 +24,7 @@ SECTION = "parameters"
 ARGUMENTS = frozenset(
     (
         *("scenario", "id", "name", "task", "parameters", "seed", "split", "level", "mode", "team", "kwargs"),
-        *("num_envs", "n_envs", "n_worlds", "num_threads", "render_mode"),
+        *("num_envs", "n_envs", "n_worlds", "worlds_are", "num_threads", "render_mode"),
         *("record", "save_ani", "columns", "wrappers"),
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
         *("respawn", "world_steps", "padded", "team_state", "strict"),

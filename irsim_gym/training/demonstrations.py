@@ -123,7 +123,7 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
 
     Raises:
         FileNotFoundError: If the file does not exist.
-        DemonstrationError: If the file is broken or of another kind.
+        DemonstrationError: If the file is broken or of another kind; a ``ValueError``.
     """
     file = Path(path)
     file.stat()

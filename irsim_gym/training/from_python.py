@@ -36,14 +36,27 @@ def train(
 
     ``run.folder`` is where the run is and ``run.policy`` its ``policy.zip``; ``irsim_gym.load_policy(run.folder)``,
     ``irsim_gym.evaluate(scenario, run.folder)`` and all commands take the former. A second call with the same arguments
-    returns the finished run. Arguments that are not listed are the options of the command of the same name.
+    returns the finished run.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         out: Folder of the run; None for one in ``runs`` that is named after the settings.
+        algorithm: Name of the algorithm; None for ``"ppo"``, or that of ``origin``.
+        steps: Training steps; None for those of the hyper-parameters.
+        seed: Seed of levels, networks and actions.
+        task: Shipped name or path of a task; None for the scenario's own.
+        team: ``"episode"`` or ``"respawn"``: all robots learn one policy.
         hyperparameters: A YAML file that is laid over the shipped one, or single values by key.
+        curriculum: ``"learnability"`` plays levels again that teach.
+        until: Success on ``dev`` levels [%] at which the training ends.
         origin: Folder or ``policy.zip`` of a run whose weights are the first ones (``--from``).
+        dev_levels: Number of levels of ``dev`` on which checkpoints are scored; 0 for none.
+        resume: Continue the run in the folder.
+        more_steps: Steps that a finished run goes on for, with ``resume``.
+        overwrite: Replace the run in the folder.
+        device: Device of the networks, such as ``"cuda"``; None for the CPU, or a graphics card for pictures.
         parameters: Values for the scenario's parameters (``--set``).
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
 
     Raises:
         IrsimGymError: If an argument is invalid, the folder holds another run, or the networks diverge.

@@ -13,6 +13,7 @@ import pytest
 import torch
 import yaml
 from command_line import run as command
+from rich.table import Table
 from test_train import settings, weights
 
 import irsim_gym
@@ -65,7 +66,7 @@ def test_a_run_ends_at_a_success_and_goes_on_after_its_end(
         enough = partial(commands.is_enough, 98.0, 5)
         patch.setattr(commands, "is_enough", lambda until, levels, run: enough(run))
         patch.setattr(commands, "_verdict_lines", lambda *_: [])
-        patch.setattr(commands, "marks_table", lambda _: "")
+        patch.setattr(commands, "marks_table", lambda _: Table())
         assert command(patch, *tiny, "--steps", "1e3", "--until", 98, "--hp", "gamma=0.9", "--dev-levels", 5) == 0
     run = Run(Path("run"))
     assert points[:2] == [64, 128]
@@ -183,6 +184,7 @@ def test_a_policy_that_is_not_finite_replaces_no_checkpoint(tmp_path: Path) -> N
 def test_a_closed_terminal_ends_a_training_with_a_checkpoint(
     tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup, under which these tests may run, has it ignored
     interrupt(100, signal.SIGHUP)
     with pytest.raises(TrainingInterruptedError) as stop:
         train(settings(), tmp_path / "run")

@@ -102,5 +102,5 @@ def test_what_is_no_policy(tmp_path: Path) -> None:
     with pytest.raises(IrsimGymError, match="no policy at"):
         load_policy(tmp_path)
     (tmp_path / "policy.zip").write_text("nothing")
-    with pytest.raises(IrsimGymError, match="not a policy of Stable-Baselines3"):
+    with pytest.raises(IrsimGymError, match="no policy of Stable-Baselines3"):
         load_policy(tmp_path / "policy.zip")

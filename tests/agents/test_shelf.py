@@ -174,7 +174,7 @@ class Dangerous:
 def test_no_code_of_a_file_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "bad.npz"
     np.savez(file, form=np.array([Dangerous()], object))
-    with pytest.raises(IrsimGymError, match="no policy of the shelf: Object arrays cannot be loaded"):
+    with pytest.raises(IrsimGymError, match=r"no policy of the shelf: form\.npy must hold numbers or text, got object"):
         load_policy(file)
     file.write_bytes(pickle.dumps(Dangerous()))
     with pytest.raises(IrsimGymError, match="no policy of the shelf"):
@@ -281,9 +281,7 @@ def test_a_card_of_another_file_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "mine.npz"
     shutil.copy(shelf_file("cluttered_room"), file)
     shutil.copy(card_file(shelf_file("dense_room")), card_file(file))
-    with pytest.raises(
-        IrsimGymError, match=r"mine\.json is not the card of .*mine\.npz: its sha256 is that of another"
-    ):
+    with pytest.raises(IrsimGymError, match=r"mine\.json is no card of .*mine\.npz: its sha256 is that of another"):
         irsim_gym.load_policy(file)
     unrecorded = {**json.loads(card_file(file).read_text()), "sha256": ""}
     card_file(file).write_text(json.dumps(unrecorded))
@@ -494,7 +492,7 @@ def test_a_card_is_written_after_its_policy(trained: Run, tmp_path: Path, monkey
     with pytest.raises(OSError, match="no space left"):
         export(trained.folder, "trio", tmp_path, levels=1, overwrite=True)
     assert file.read_bytes() != b"old"
-    with pytest.raises(IrsimGymError, match=r"trio\.json is not the card of .*trio\.npz"):
+    with pytest.raises(IrsimGymError, match=r"trio\.json is no card of .*trio\.npz"):
         irsim_gym.load_policy(file)
 
 

@@ -223,7 +223,7 @@ def test_the_second_signal_stops_at_once() -> None:
 def test_settings_survive_their_file(tmp_path: Path) -> None:
     run = Run(tmp_path)
     assert not run.exists()
-    with pytest.raises(IrsimGymError, match="no training run"):
+    with pytest.raises(IrsimGymError, match="no file with the settings of a training run"):
         run.settings()
     run.begin(settings("sac", **NORMALIZED))
     assert run.settings() == settings("sac", **NORMALIZED)

@@ -14,6 +14,7 @@ from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehavior
 from irsim_gym.plugins import BEHAVIORS, GROUP_BEHAVIORS, kernel, kind, option
 from irsim_gym.world.own_scan import find_hits
 
+pytestmark = pytest.mark.filterwarnings("ignore:seldom meant:irsim_gym.errors.ScenarioWarning")
 HERE = np.array([0])
 
 

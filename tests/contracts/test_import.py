@@ -48,7 +48,8 @@ def test_making_with_a_render_mode_loads_no_renderer():
 def test_checking_a_file_waits_for_no_learning_library():
     script = (
         "import sys; from irsim_gym import cli; from irsim_gym.training import trial;"
-        "trial._in_a_process = lambda files, reading: ({}, '');"  # it has tests of its own
+        "trial._in_a_process = lambda files, reading: "
+        "({file: trial.Played() for file in files}, '');"  # it has tests of its own
         "cli.app(['check', 'empty_goal'], standalone_mode=False);"
         "print('torch' in sys.modules, 'stable_baselines3' in sys.modules)"
     )

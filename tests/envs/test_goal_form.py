@@ -119,7 +119,11 @@ def test_batches(kind: str) -> None:
         ({**world(), "robot": DRAWN}, TASK, "has several goals"),
         (world(arrive_mode="state"), TASK, "arrive_mode: state"),
         (world(goal=None), TASK, "has no goal"),
-        (world(), {**TASK, "observations": ["occupancy_image"]}, "does not support pictures"),
+        (
+            world(),
+            {**TASK, "observations": [{"name": "occupancy_image", "goal_channel": False}]},
+            "does not support pictures",
+        ),
         ({**world(), "robot": [ROBOT, {**ROBOT, "state": [7, 2]}]}, {**TASK, "agents": "all"}, "is for one learner"),
     ],
 )

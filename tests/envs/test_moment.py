@@ -40,9 +40,10 @@ def test_there_is_one_vocabulary() -> None:
         world.step([1.0, 0.0])
     for body in world.objects:
         here = BodyMoment(world.simulation, body.id)
-        for name in names(BodyMoment) - {"scan", "scan_points", "hit", "done", "detected"}:
+        for name in names(BodyMoment) - {"scan", "scan_points", "sensors", "hit", "done", "detected"}:
             theirs, ours = getattr(body, name), getattr(here, name)
             np.testing.assert_equal(np.asarray(ours), np.asarray(theirs), err_msg=name) if name != "spec" else None
+    assert [sensor.options for sensor in world.robot.sensors] == list(BodyMoment(world.simulation, 0).sensors)
     assert world.robot.hit is not None
     assert BodyMoment(world.simulation, 0).hit == BodyMoment(world.simulation, 1)
     np.testing.assert_array_equal(BodyMoment(world.simulation, 0).scan()["ranges"], world.robot.scan()["ranges"])

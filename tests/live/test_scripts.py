@@ -290,6 +290,7 @@ def test_beams_in_colours_of_their_own(tmp_path: Path) -> None:
         world()[1].set_laser_color([0])
 
 
+@pytest.mark.filterwarnings("ignore:seldom meant:irsim_gym.errors.ScenarioWarning")
 def test_painted_beams_follow_the_scan() -> None:
     lidar = {"name": "lidar2d", "number": 21, "range_max": 4}
     robot = {**DIFF, "state": [1, 5, 0], "vel_max": [10, 1], "sensors": [lidar]}

@@ -300,7 +300,7 @@ KINDS = {
     "hyper-parameters": Kind(
         "h.yaml",
         copy_of(AGENTS / "hyperparameters/ppo.yaml"),
-        lambda file: read_hyperparameters(file, find_algorithm("ppo"), "irsim_gym/maze-v0", None, ()),
+        lambda file: read_hyperparameters(file, find_algorithm("ppo"), "irsim_gym/maze-v0", None, {}),
         TEXT,
     ),
     "search space": Kind("space.yaml", copy_of(AGENTS / "hyperparameters/spaces/ppo.yaml"), read_space, TEXT),

@@ -166,7 +166,7 @@ def test_rows_survive_their_file(tmp_path: Path) -> None:
     with pytest.raises(IrsimGymError, match=r"rows.csv:2 is no row of an episode: a row must have 21 cells"):
         read_rows(tmp_path / "rows.csv")
     (tmp_path / "rows.csv").write_text("level,outcome\n")
-    with pytest.raises(IrsimGymError, match=r"rows.csv:1: no column hit, steps"):
+    with pytest.raises(IrsimGymError, match=r"rows.csv:1 is no table of episodes: no column hit, steps"):
         read_rows(tmp_path / "rows.csv")
 
 

@@ -177,7 +177,8 @@ def test_a_learner_without_a_goal_is_refused_unless_nothing_needs_one() -> None:
     spec = scenario({"goal": None})
     assert messages(spec) == [
         "robot_0: has no goal, and the task 'navigation' needs one "
-        "(for 'goal', 'goal_record', 'progress', 'arrival', 'arrived'); task: {agents: NAME} lets another robot learn, "
+        "(for 'goal', 'goal_record', 'progress', 'arrival', 'arrived'): add a goal, or take a task without, such as "
+        "{name: blank, observations: [velocity]}; task: {agents: NAME} lets another robot learn, "
         "and irsim_gym.load runs a file without learning"
     ]
     assert load_task(spec, {"name": "blank", "observations": ["velocity"]}).rewards == ()
