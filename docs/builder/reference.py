@@ -102,9 +102,8 @@ SECTIONS = {
     ),
     "results": Section(
         "Results and policies",
-        "What ``train``, ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
+        "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
         names=(
-            "irsim_gym.training.run.Run",
             "irsim_gym.training.evaluate.Evaluation",
             "irsim_gym.training.evaluate_teams.TeamEvaluation",
             *(f"irsim_gym.evaluation.metrics.{name}" for name in ("Summary", "EpisodeRow", "Rate")),

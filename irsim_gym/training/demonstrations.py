@@ -123,7 +123,8 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
 
     Raises:
         FileNotFoundError: If the file does not exist.
-        DemonstrationError: If the file is broken or of another kind; a ``ValueError``.
+        DemonstrationError: If the file is broken or of another kind.
+        ValueError: The same error, which is one of both classes.
     """
     file = Path(path)
     file.stat()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
-from irsim_gym.training.run import Run
+
+if TYPE_CHECKING:
+    from irsim_gym.training.training_request import TrainingRequest
 
 
 def train(
@@ -31,12 +33,10 @@ def train(
     device: str | None = None,
     parameters: Mapping[str, object] | None = None,
     strict: bool = True,
-) -> Run:
-    """Train a policy, score its checkpoints, and return the run, as ``irsim-gym train`` does.
+) -> Path:
+    """Train a policy, score its checkpoints, and return the folder of the run, as ``irsim-gym train`` does.
 
-    ``run.folder`` is where the run is and ``run.policy`` its ``policy.zip``; ``irsim_gym.load_policy(run.folder)``,
-    ``irsim_gym.evaluate(scenario, run.folder)`` and all commands take the former. A second call with the same arguments
-    returns the finished run.
+    ``load_policy``, ``evaluate`` and all commands take the folder. A second call with the same arguments returns it.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
@@ -64,18 +64,31 @@ def train(
     """
     require("train", "irsim_gym.train")
     from irsim_gym.training.commands import run_training
+
+    names = (scenario, task, origin, hyperparameters)
+    request = _request(*names, algorithm, seed, steps, team, parameters, strict, device, curriculum, until=until)
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
+    return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how).folder
+
+
+def _request(
+    scenario: Any,
+    task: Any,
+    origin: Any,
+    hyperparameters: Any,
+    algorithm: Any,
+    seed: int,
+    steps: Any,
+    *options: Any,
+    **how: Any,
+) -> TrainingRequest:
+    """Return the request that the command would make."""
     from irsim_gym.training.training_request import TrainingRequest
 
     if not isinstance(scenario, str | Path):
         raise IrsimGymError("a run reads its scenario from a file, to be resumed: save the scenario and name the file")
-    changes = hyperparameters if isinstance(hyperparameters, Mapping) else None
-    file = None if hyperparameters is None or changes is not None else Path(str(hyperparameters))
+    changes, file = (hyperparameters, None) if isinstance(hyperparameters, Mapping) else (None, hyperparameters)
     task, origin = (None if name is None else str(name) for name in (task, origin))
-    request = TrainingRequest(
-        *(str(scenario), algorithm, seed, steps, task, file),
-        *(team, parameters, strict, device, origin, curriculum),
-        changes=changes,
-        until=until,
-    )
-    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
-    return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how)
+    named = str(scenario), algorithm, seed, steps, task, None if file is None else Path(file)
+    *first, curriculum = options
+    return TrainingRequest(*named, *first, origin, curriculum, changes=changes, **how)

@@ -105,7 +105,7 @@ def test_a_training_from_python_is_that_of_the_command(
 ) -> None:
     assert command(monkeypatch, *tiny, "--steps", 128, "--hp", "gamma=0.9", "--dev-levels", 0) == 0
     own = {**TINY, "policy_kwargs": {"net_arch": [8]}, "gamma": 0.9}
-    found = irsim_gym.train("empty_goal", "other", steps=128, hyperparameters=own, dev_levels=0)
+    found = Run(irsim_gym.train("empty_goal", "other", steps=128, hyperparameters=own, dev_levels=0))
     assert (found.folder, found.finished()) == (Path("other"), True)
     assert found.settings() == Run(Path("run")).settings()
     for name, value in weights(Run(Path("run"))).items():
@@ -113,7 +113,7 @@ def test_a_training_from_python_is_that_of_the_command(
     env = irsim_gym.make("empty_goal")
     action, _ = irsim_gym.load_policy(found.folder).predict(env.reset(seed=0)[0])
     assert env.action_space.contains(action)
-    found = irsim_gym.train("empty_goal", "other", resume=True, more_steps=64, dev_levels=0)
+    found = Run(irsim_gym.train("empty_goal", "other", resume=True, more_steps=64, dev_levels=0))
     assert found.settings().hyperparameters.n_timesteps == 192
     with pytest.raises(IrsimGymError, match="save the scenario and name the file"):
         irsim_gym.train({"robot": [{}]})  # type: ignore[arg-type]
