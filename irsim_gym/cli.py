@@ -36,7 +36,7 @@ from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new, options, schema
 from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import one_policy, print_shipped, read_parameters
-from irsim_gym.cli_train import sweep, train, tune
+from irsim_gym.cli_train import train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
@@ -119,7 +119,6 @@ app.command()(options)
 app.command()(schema)
 app.command()(train)
 app.command()(tune)
-app.command()(sweep)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym train``, ``irsim-gym tune`` and ``irsim-gym sweep``."""
+"""The commands ``irsim-gym train`` and ``irsim-gym tune``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ from irsim_gym.cli_options import (
     Origin,
     Resume,
     RunFolder,
-    Scenario,
     Scenarios,
     Seed,
     Seeds,
@@ -110,13 +109,16 @@ def train(
 
 
 def tune(
-    scenario: Scenario,
+    scenario: Annotated[
+        list[str], typer.Argument(metavar="SCENARIO...", help="Scenario of the trials, or several.", show_default=False)
+    ],
     trials: Annotated[
-        int, typer.Option(min=1, help="Total number of trials, including those already in the folder.")
-    ] = 40,
+        int | None, typer.Option(min=1, help="Number of trials with those in the folder (default: 40, or the grid).")
+    ] = None,
     space: Annotated[
         Path | None, typer.Option(help="YAML file of the search space (default: the shipped one of the algorithm).")
     ] = None,
+    grid: Annotated[bool, typer.Option("--grid", help="Train all combinations of the lists in the space.")] = False,
     algorithm: Algorithm = None,
     seed: Seed = 0,
     steps: Steps = None,
@@ -134,41 +136,31 @@ def tune(
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=10_000, help="Trials at a time (default: 1; on a cluster, its processors).")
+    ] = None,
+    address: Annotated[str | None, typer.Option(help="Address of a Ray cluster that runs the trials.")] = None,
 ) -> None:
-    """Search for hyper-parameters and weights of rewards with Optuna. The same command continues an interrupted study.
+    """Search with Optuna, or through a grid, for hyper-parameters, weights of rewards, parameters, seeds, scenarios.
 
-    Each trial is a training run with one seed. Trials whose success on dev levels stays below the median are pruned.
+    Each trial is a training run. The same command continues an interrupted study. In a search, trials whose success on
+    dev levels stays below the median are pruned.
     """
     require("tune", "irsim-gym tune")
+    if address is not None:
+        require("rllib", "irsim-gym tune --address")
+        from irsim_gym.training.ray_session import prepare
+
+        prepare(address)
     from irsim_gym.training.training_request import TrainingRequest
     from irsim_gym.training.tuning import run_tuning
 
     parameters = read_parameters(given)
     request = TrainingRequest(
-        *(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
         curriculum=curriculum,
         changes=read_changes(changes),
     )
-    how: dict[str, Any] = {"overwrite": overwrite, "dev_levels": dev_levels, "modules": modules or ()}
-    run_tuning(request, trials, space=space, out=out, **how)
-
-
-def sweep(
-    file: Annotated[Path, typer.Argument(metavar="SWEEP.yaml", help="Description of the sweep, see docs/rllib.md.")],
-    out: Annotated[Path | None, typer.Option(help="Folder of the sweep (default: runs/sweep-NAME).")] = None,
-    workers: Annotated[int, typer.Option(min=1, max=10_000, help="Trainings at a time on this machine.")] = 1,
-    address: Address = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the sweep in the folder.")] = False,
-    modules: Imports = None,
-) -> None:
-    """Train every combination of seeds, hyper-parameters, rewards, scenarios and parameters in a file, with Ray Tune.
-
-    The same command continues an interrupted sweep. At the end, one table summarizes the seeds.
-    """
-    require("rllib", "irsim-gym sweep")
-    from irsim_gym.training.ray_session import prepare
-
-    prepare(address)
-    from irsim_gym.training.sweep import run_sweep
-
-    run_sweep(file, out=out, workers=workers, address=address, overwrite=overwrite, modules=modules or ())
+    how: dict[str, Any] = {"dev_levels": dev_levels, "modules": tuple(modules or ())}
+    how |= {"workers": workers, "address": address, "overwrite": overwrite, "grid": grid}
+    run_tuning(request, trials, scenarios=scenario, space=space, out=out, **how)

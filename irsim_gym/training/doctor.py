@@ -27,7 +27,7 @@ OPTIONAL = {
     "train": "train, demo, policies export; evaluate and record with a policy.zip",
     "contrib": "train --algorithm tqc",
     "tune": "tune",
-    "rllib": "train --engine rllib, sweep",
+    "rllib": "train --engine rllib, tune --address",
     "play": "play, faster keys",
 }
 """Commands that need an extra, by extra."""

@@ -1,17 +1,18 @@
-"""The search space of a tuning: ranges and choices of hyper-parameters and reward weights, from a YAML file."""
+"""The search space of a tuning: ranges and lists of values for all that trials may change, from a YAML file."""
 
 from __future__ import annotations
 
+import itertools
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Protocol, get_args
+from typing import Any, Literal, get_args
 
-from irsim_gym.errors import IrsimGymError, suggestion
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option, option_fields
-from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.validation import Report, build
 from irsim_gym.training.algorithm_options import AlgorithmKeys, PolicyKeys, RunKeys
 from irsim_gym.training.hyperparameters import hyperparameters_folder
@@ -20,25 +21,15 @@ DIGITS = 4
 """Significant digits of drawn numbers."""
 LINEAR = "lin_"
 """Prefix of a linear schedule in a hyper-parameter file."""
-REWARD = "reward."
-"""Prefix of the names of rewards among the parameters of a trial."""
+PARTS = {"hyperparameters": "", "rewards": "reward.", "parameters": "parameter.", "seeds": "seed"}
+"""Prefix of the names of parameters of a trial, by section of the file."""
+MOST_TRIALS = 10_000
+"""Largest number of combinations of a grid."""
 DECLARED: Mapping[str, tuple[type[Any], ...]] = {"": (RunKeys, AlgorithmKeys), "policy_kwargs": (PolicyKeys,)}
 """Tables of the hyper-parameters, by the mapping in which they stand."""
 
-Values = dict[str, Any]
-
-
-class OptunaTrial(Protocol):
-    """The methods of a trial of Optuna that draw parameters."""
-
-    def suggest_float(self, name: str, low: float, high: float, *, log: bool = False) -> float:
-        """Return a number from ``low`` to ``high``."""
-
-    def suggest_int(self, name: str, low: int, high: int, *, log: bool = False) -> int:
-        """Return an integer from ``low`` to ``high``, both included."""
-
-    def suggest_categorical(self, name: str, choices: Sequence[Any]) -> Any:
-        """Return one of the choices."""
+Axis = tuple[str, ...]
+"""Section of the file, and the key in it; ``("scenario",)`` and ``("seeds",)`` have no key."""
 
 
 @kind
@@ -55,51 +46,49 @@ class Range:
         found = [] if self.low < self.high else [("high", f"must be greater than low, got {show(self.high)}")]
         return [*found, *([("low", "must be > 0 with log: true")] if self.log and self.low <= 0 else [])]
 
-    def draw(self, name: str, trial: OptunaTrial) -> Any:
-        """Draw a value, and return it as a hyper-parameter file contains it."""
-        found: float
-        if isinstance(self.low, int) and isinstance(self.high, int):
-            found = trial.suggest_int(name, self.low, self.high, log=self.log)
-        else:
-            found = float(f"{trial.suggest_float(name, self.low, self.high, log=self.log):.{DIGITS}g}")
-        return self._written(found)
-
-    def ends(self) -> tuple[Any, Any]:
+    def ends(self) -> tuple[Any, ...]:
         """Return the smallest and the largest value, as a hyper-parameter file contains them."""
         return self._written(self.low), self._written(self.high)
 
+    def draw(self, name: str, trial: Any) -> Any:
+        """Let a trial of Optuna draw a value, and return it as a hyper-parameter file contains it."""
+        if type(self.low) is type(self.high) is int:
+            return self._written(trial.suggest_int(name, self.low, self.high, log=self.log))
+        return self._written(float(f"{trial.suggest_float(name, self.low, self.high, log=self.log):.{DIGITS}g}"))
+
     def _written(self, number: float) -> Any:
-        return f"{LINEAR}{number!r}" if self.schedule == "linear" else number
+        return number if self.schedule is None else f"{LINEAR}{number!r}"
 
     def to_parameter(self, value: object) -> Any:
-        """Return the trial's parameter that yields a value of a hyper-parameter file.
+        """Return the trial's parameter that yields a value.
 
         Raises:
             ValueError: If the value is not in the range.
         """
-        is_linear = isinstance(value, str) and value.startswith(LINEAR)
-        number = float(str(value).removeprefix(LINEAR))
-        is_whole = isinstance(self.low, int) and isinstance(self.high, int)
-        is_between = self.low <= number <= self.high and (number.is_integer() or not is_whole)
-        if is_linear != (self.schedule == "linear") or not is_between:
-            raise ValueError(f"{value} is none of these")
-        return int(number) if is_whole else number
+        number: float = type(self.low)(str(value).removeprefix(LINEAR))
+        if not self.low <= number <= self.high or str(value).startswith(LINEAR) != (self.schedule is not None):
+            raise ValueError(f"{value} is not in the range")
+        return number
 
 
 @dataclass(frozen=True)
 class Choices:
-    """A set of values of any kind."""
+    """A list of values of any kind."""
 
     values: tuple[Any, ...]
 
-    def draw(self, name: str, trial: OptunaTrial) -> Any:
-        """Draw one of the values."""
-        labels = self._labels()
-        return labels[trial.suggest_categorical(name, list(labels))]
+    @property
+    def labels(self) -> list[Any]:
+        """The values as Optuna knows them: a JSON text for a list or mapping, else the value itself."""
+        return [json.dumps(value) if isinstance(value, list | dict) else value for value in self.values]
 
     def ends(self) -> tuple[Any, ...]:
         """Return all values."""
         return self.values
+
+    def draw(self, name: str, trial: Any) -> Any:
+        """Let a trial of Optuna draw one of the values."""
+        return self.values[self.labels.index(trial.suggest_categorical(name, self.labels))]
 
     def to_parameter(self, value: object) -> Any:
         """Return the trial's parameter that yields a value.
@@ -107,27 +96,7 @@ class Choices:
         Raises:
             ValueError: If the value is not among the choices.
         """
-        for label, known in self._labels().items():
-            if known == value:
-                return label
-        raise ValueError(f"{value} is none of these")
-
-    def repeats(self) -> Iterator[tuple[int, Any]]:
-        """Yield the index of each value that equals an earlier one, or has its label, with the earlier one."""
-        for i, value in enumerate(self.values):
-            for earlier in self.values[:i]:
-                if value == earlier or _label(value) == _label(earlier):
-                    yield i, earlier
-                    break
-
-    def _labels(self) -> dict[Any, Any]:
-        """Return the values by their labels in Optuna."""
-        return {_label(one): one for one in self.values}
-
-
-def _label(value: object) -> Any:
-    """Return the label of a choice in Optuna: a JSON text for a list or mapping, else the value itself."""
-    return json.dumps(value) if isinstance(value, list | dict) else value
+        return self.labels[self.values.index(value)]
 
 
 @dataclass(frozen=True)
@@ -135,50 +104,39 @@ class SearchSpace:
     """The search space of a tuning.
 
     Attributes:
-        hyperparameters: Ranges and choices of hyper-parameters by key; dots separate the keys of nested mappings.
-        rewards: Ranges of factors on the weights of rewards, by reward.
+        axes: Ranges and lists of values. Dots in keys of hyper-parameters separate the keys of nested mappings.
         file: Path of the file.
     """
 
-    hyperparameters: Mapping[str, Range | Choices]
-    rewards: Mapping[str, Range]
+    axes: Mapping[Axis, Range | Choices]
     file: str
 
-    def draw(self, trial: OptunaTrial) -> tuple[Values, Values]:
-        """Draw hyper-parameters by key, and factors on weights by reward."""
-        drawn = {key: one.draw(key, trial) for key, one in self.hyperparameters.items()}
-        return drawn, {name: one.draw(REWARD + name, trial) for name, one in self.rewards.items()}
+    def draw(self, trial: Any) -> dict[Axis, Any]:
+        """Let a trial of Optuna draw a value for each axis, and return the values as files contain them."""
+        return {axis: domain.draw(name_of(axis), trial) for axis, domain in self.axes.items()}
 
-    def to_parameters(self, hyperparameters: Mapping[str, Any]) -> tuple[Values, list[str]]:
-        """Return the trial's parameters that yield the current settings, and the names of those outside the space.
+    def grid(self) -> list[dict[str, Any]]:
+        """Return the parameters of a trial for each combination of lists; the last axis changes fastest."""
+        lists = {name_of(axis): domain.labels for axis, domain in self.axes.items() if isinstance(domain, Choices)}
+        return [dict(zip(lists, point, strict=True)) for point in itertools.product(*lists.values())]
 
-        Args:
-            hyperparameters: Current hyper-parameters, as a file contains them.
-        """
-        current: dict[str, tuple[Range | Choices, Any]] = {
-            **{key: (one, value_of(hyperparameters, key)) for key, one in self.hyperparameters.items()},
-            **{REWARD + name: (one, 1.0) for name, one in self.rewards.items()},
-        }
-        found, outside = {}, []
-        for name, (one, value) in current.items():
+    def to_parameters(self, current: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+        """Return the trial's parameters that yield the current values, and the names of those outside the space."""
+        parameters, outside = {}, []
+        for axis, domain in self.axes.items():
+            value: Any = current
+            for key in ".".join(axis).split("."):
+                value = value.get(key) if isinstance(value, Mapping) else None
             try:
-                found[name] = one.to_parameter(value)
+                parameters[name_of(axis)] = domain.to_parameter(1.0 if axis[0] == "rewards" else value)
             except ValueError:
-                outside.append(name)
-        return found, outside
-
-    def to_plain(self) -> Values:
-        """Return the space as plain data."""
-        parts = {**self.hyperparameters, **{REWARD + name: one for name, one in self.rewards.items()}}
-        return {name: list(one.values) if isinstance(one, Choices) else vars(one) for name, one in parts.items()}
+                outside.append(name_of(axis))
+        return parameters, outside
 
 
-def value_of(data: Mapping[str, Any], key: str) -> Any:
-    """Return the value of a dotted key in nested mappings; None if there is none."""
-    found: Any = data
-    for part in key.split("."):
-        found = found.get(part) if isinstance(found, Mapping) else None
-    return found
+def name_of(axis: Axis) -> str:
+    """Return the name of the parameter of a trial."""
+    return "".join((PARTS.get(axis[0], axis[0]), *axis[1:]))
 
 
 def shipped_space(algorithm: str) -> Path:
@@ -187,99 +145,94 @@ def shipped_space(algorithm: str) -> Path:
     Raises:
         IrsimGymError: If no space is shipped for the algorithm.
     """
-    folder = hyperparameters_folder() / "spaces"
-    file = folder / f"{algorithm}.yaml"
-    if not file.is_file():
-        known = ", ".join(sorted(one.stem for one in folder.glob("*.yaml")))
-        raise IrsimGymError(f"no search space for {algorithm} is shipped (only for {known}): give one with --space")
-    return file
+    files = {file.stem: file for file in sorted((hyperparameters_folder() / "spaces").glob("*.yaml"))}
+    if algorithm not in files:
+        shipped = ", ".join(files)
+        raise IrsimGymError(f"no search space for {algorithm} is shipped (only for {shipped}): give one with --space")
+    return files[algorithm]
 
 
-def read_space(file: Path) -> SearchSpace:
+def read_space(file: Path, scenarios: Sequence[str] = (), *, grid: bool = False) -> SearchSpace:
     """Read a search space from a YAML file.
+
+    Args:
+        scenarios: Scenarios of the trials, a further axis if there are several.
+        grid: Refuse ranges, and too many combinations.
 
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
-    report = Report.of_file(file)
-    data = report.mapping
-    parts = ("hyperparameters", "rewards")
-    if not data:
-        report.add((), f"must be a mapping with {' and '.join(parts)}, got {show(report.source.data)}")
-    for key in data:
-        if key not in parts:
-            report.add((key,), f"must be {' or '.join(parts)}{suggestion(str(key), parts)}")
-    hyperparameters, rewards = (_entries(part, data.get(part), report) for part in parts)
-    if not hyperparameters and not rewards and not report.problems:
-        report.add((), f"is empty: give {' or '.join(parts)} a range or choices")
+    report, axes = Report.of_file(file), dict[Axis, Range | Choices]()
+    if not report.mapping:
+        report.add((), f"must be a mapping with {', '.join(PARTS)}, got {show(report.source.data)}")
+    report.refuse_unknown(report.mapping, tuple(PARTS))
+    if len(scenarios) > 1:
+        axes["scenario",] = Choices(tuple(scenarios))
+    for axis, value in _entries(report):
+        domain = _range(value, axis, report) if isinstance(value, Mapping) else _choices(value, axis, report)
+        if domain is not None:
+            axes[axis] = domain
+            _check_values(domain, axis, report)
+        if grid and not isinstance(domain, Choices):
+            report.add(axis, "is a range: --grid needs a value or a list of values")
+    if not axes and not report.problems:
+        report.add((), f"is empty: give {' or '.join(PARTS)} a range or values")
+    size = math.prod(len(domain.ends()) for domain in axes.values())
+    if grid and size > MOST_TRIALS:
+        report.add((), f"makes {size:,} trials; {MOST_TRIALS:,} at most")
     report.check()
-    return SearchSpace(
-        hyperparameters, {name: one for name, one in rewards.items() if isinstance(one, Range)}, str(file)
-    )
+    return SearchSpace(axes, str(file))
 
 
-def _entries(part: str, data: object, report: Report) -> dict[str, Range | Choices]:
-    """Return the ranges and choices of one section of the file."""
-    if data is None:
-        return {}
-    if not isinstance(data, Mapping):
-        report.add((part,), f"must be a mapping, got {show(data)}")
-        return {}
-    found: dict[str, Range | Choices] = {}
-    for key, value in data.items():
-        made: Range | Choices | None
-        if part == "rewards":
-            made = _factors(value, (part, key), report)
-        elif isinstance(value, list):
-            made = _choices(value, (part, key), report)
+def _entries(report: Report) -> Iterator[tuple[Axis, object]]:
+    """Yield the axes of a file, the seeds last."""
+    for part in (part for part in PARTS if report.mapping.get(part) is not None):
+        section = report.mapping[part]
+        if part == "seeds":
+            yield (part,), [*range(section)] if type(section) is int else section
+        elif isinstance(section, Mapping):
+            yield from (((part, str(key)), value) for key, value in section.items())
         else:
-            made = _range(value, (part, key), report)
-        if made is not None:
-            found[key] = made
-    return found
+            report.add((part,), f"must be a mapping, got {show(section)}")
 
 
-def _factors(value: object, place: Place, report: Report) -> Range | None:
-    """Return the range of factors on the weight of a reward; None after reporting problems."""
-    made = build(Range, value, place, report)
-    if made is None:
+def _check_values(domain: Range | Choices, axis: Axis, report: Report) -> None:
+    for value in domain.ends():
+        if axis[0] == "rewards" and (type(value) not in (int, float) or value < 0):
+            report.add(axis, f"is a factor >= 0 of the weight, without a schedule, got {show(value)}")
+        if axis[0] == "seeds" and (type(value) is not int or value < 0):
+            report.add(axis, f"must be a list of seeds >= 0, or how many, got {show(value)}")
+
+
+def _choices(value: object, axis: Axis, report: Report) -> Choices:
+    """Return the values of an axis, after reporting problems. Optuna would mix up values that are equal."""
+    domain = Choices(tuple(value) if isinstance(value, list) else (value,))
+    if not domain.values:
+        report.add(axis, "needs at least one value")
+    pairs = enumerate(zip(domain.values, domain.labels, strict=True))
+    for (_, first), (i, second) in itertools.combinations(pairs, 2):
+        if first[0] == second[0] or first[1] == second[1]:
+            report.add((*axis, i), f"must differ from the other values, got {show(second[0])} beside {show(first[0])}")
+    return domain
+
+
+def _range(value: object, axis: Axis, report: Report) -> Range | None:
+    """Return the range of an axis, with limits of its type; None after reporting problems."""
+    domain = build(Range, value, axis, report)
+    if domain is None:
         return None
-    if made.low < 0 or made.schedule is not None:
-        report.add(place, "is a factor >= 0 of the weight, without a schedule")
-    return replace(made, low=float(made.low), high=float(made.high))
-
-
-def _choices(values: list[Any], place: Place, report: Report) -> Choices:
-    """Return the choices of a hyper-parameter, after reporting problems."""
-    made = Choices(tuple(values))
-    if len(values) < 2:
-        report.add(place, f"needs at least two choices, got {show(values)}")
-    for i, earlier in made.repeats():
-        report.add((*place, i), f"must differ from the other choices, got {show(values[i])} beside {show(earlier)}")
-    return made
-
-
-def _range(value: object, place: Place, report: Report) -> Range | None:
-    """Return the range of a hyper-parameter, with limits of its type; None after reporting problems."""
-    made = build(Range, value, place, report)
-    wanted = _number_type(str(place[-1]))
-    if made is None or wanted is None:
-        return made
-    limits: dict[str, int | float] = {"low": made.low, "high": made.high}
-    broken = [key for key, limit in limits.items() if wanted is int and limit != int(limit)]
+    number = _number_type(axis, domain)
+    broken = [key for key in ("low", "high") if number(getattr(domain, key)) != getattr(domain, key)]
     for key in broken:
-        report.add((*place, key), f"must be a whole number, got {show(limits[key])}")
-    return None if broken else replace(made, low=wanted(made.low), high=wanted(made.high))
+        report.add((*axis, key), f"must be a whole number, got {show(getattr(domain, key))}")
+    return None if broken else replace(domain, low=number(domain.low), high=number(domain.high))
 
 
-def _number_type(name: str) -> type[int] | type[float] | None:
-    """Return the type of the numbers that a hyper-parameter takes; None if none is declared."""
-    mapping, _, key = name.rpartition(".")
-    if mapping == "normalize":
-        return float
-    for table in DECLARED.get(mapping, ()):
-        if key in option_fields(table):
-            hint = option_fields(table)[key].annotation
-            hints = get_args(hint) or (hint,)
-            return int if int in hints else float if float in hints else None
-    return None
+def _number_type(axis: Axis, domain: Range) -> type[int] | type[float]:
+    """Return the type of the numbers that a hyper-parameter takes; if none is declared, that of the limits."""
+    mapping, _, key = axis[-1].rpartition(".")
+    if axis[0] == "hyperparameters":
+        for fields in (option_fields(table) for table in DECLARED.get(mapping, ()) if key in option_fields(table)):
+            return int if int in (get_args(fields[key].annotation) or (fields[key].annotation,)) else float
+    is_whole = type(domain.low) is type(domain.high) is int
+    return int if is_whole and axis[0] != "rewards" and mapping != "normalize" else float

@@ -1,10 +1,16 @@
-"""Tuning of hyper-parameters and reward weights. Optuna chooses the trials, which are ordinary training runs."""
+"""Tuning: Optuna chooses trials from a space, or goes through a grid. The trials are ordinary training runs."""
 
 from __future__ import annotations
 
+import json
+import math
+import multiprocessing
+import os
 import shlex
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import signal
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,34 +21,24 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import PLAIN, plain, write_json
 from irsim_gym.extras import require
 from irsim_gym.outside_files import json_object, reading, remove
-from irsim_gym.scenario.messages import show
+from irsim_gym.training import tuning_results as results
 from irsim_gym.training.checkpoint_files import list_checkpoints, remove_state
-from irsim_gym.training.folders import sole_writer
+from irsim_gym.training.folders import setting_differences, sole_writer
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
+from irsim_gym.training.ray_session import ray_session
 from irsim_gym.training.request_checks import check_request
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import Point, score_run
-from irsim_gym.training.search_space import SearchSpace, Values, read_space, shipped_space
+from irsim_gym.training.search_space import PARTS, SearchSpace, read_space, shipped_space
 from irsim_gym.training.snapshot import listed
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
-from irsim_gym.training.trial_settings import check_space, write_settings
-from irsim_gym.training.tuning_results import (
-    BEST,
-    BEST_TASK,
-    RESULTS,
-    TuningTrial,
-    best_of,
-    keep_best,
-    show_trials,
-    value_text,
-    write_trials,
-)
+from irsim_gym.training.trial_settings import check_space, trial_settings
 
 JOURNAL, CONFIG, TRIALS = "study.log", "tune.json", "trials"
-REFUSED, FAILED = "refused", "failed"
-"""Attributes of a trial with the reason why its settings cannot be trained, or with the error of its training."""
+SEARCHED = 40
+"""Number of trials of a search, if none is given."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
 """Number of trials that finish before any is pruned, and the first checkpoint at which a trial can be pruned."""
 CONFIRMED = 5
@@ -51,131 +47,140 @@ CONFIRMED = 5
 
 @dataclass(frozen=True)
 class Tuning:
-    """A study on disk.
+    """What is tuned, and where.
 
     Attributes:
         request: Arguments of the training that is tuned.
-        settings: Settings of this training, with which the first trial runs if the search space contains them.
         space: Search space.
-        dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
+        is_grid: Whether the trials are all combinations of the space.
         folder: Folder of the study.
-        optuna: The imported library.
+        dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
         modules: Modules that ``--import`` names.
-        console: Console for the progress.
     """
 
     request: TrainingRequest
-    settings: Settings
     space: SearchSpace
-    dev_levels: int
+    is_grid: bool
     folder: Path
-    optuna: Any
+    dev_levels: int = 300
     modules: tuple[str, ...] = ()
-    console: Console = field(default_factory=lambda: Console(stderr=True))
 
-    def to_plain(self) -> Values:
-        """Return all that the trials depend on, as plain data."""
-        found = {"settings": self.settings.to_plain(), "scenario": self.settings.snapshot().digest}
-        return dict(plain({**found, "space": self.space.to_plain(), "dev_levels": self.dev_levels}))
+    def trial_folder(self, trial: Any) -> Path:
+        """Return the folder of a trial of Optuna."""
+        return self.folder / TRIALS / f"{trial.user_attrs['trial']:04d}"
 
-    def trial_folder(self, number: int) -> Path:
-        """Return the folder of a trial."""
-        return self.folder / TRIALS / f"{number:04d}"
+    def study(self) -> Any:
+        """Open the study on disk, in any process. Trials of a grid are not pruned."""
+        import optuna
+
+        optuna.logging.set_verbosity(optuna.logging.WARNING)
+        backends, file = optuna.storages.journal, str(self.folder / JOURNAL)
+        # Optuna's default lock uses symbolic links, which need privileges on Windows.
+        journal = backends.JournalFileBackend(file, lock_obj=backends.JournalFileOpenLock(file))
+        first = math.inf if self.is_grid else FINISHED_FIRST
+        pruner = optuna.pruners.MedianPruner(n_startup_trials=first, n_warmup_steps=FIRST_PRUNED)
+        options: dict[str, Any] = {"study_name": "tune", "direction": "maximize", "load_if_exists": True}
+        return optuna.create_study(storage=optuna.storages.JournalStorage(journal), pruner=pruner, **options)
 
 
 def run_tuning(
     request: TrainingRequest,
-    trials: int,
+    trials: int | None = None,
     *,
+    scenarios: Sequence[str] = (),
     space: Path | None = None,
+    grid: bool = False,
     out: Path | None = None,
     overwrite: bool = False,
-    dev_levels: int = 300,
-    modules: Sequence[str] = (),
+    workers: int | None = None,
+    address: str | None = None,
+    **options: Any,
 ) -> Path:
     """Run trials until the study has the given number, and return the folder of the study.
 
-    An existing study continues, and an interrupted trial resumes from its newest checkpoint. The drawn values depend on
-    the seed and the previous trials only, so an interrupted study gives the same result as an uninterrupted one.
+    An existing study continues, and an interrupted trial resumes from its newest checkpoint. With one trial at a time,
+    drawn values depend on the seed and the previous trials only, so an interrupted study ends as an uninterrupted one.
 
     Args:
         request: Arguments of the training that is tuned.
-        trials: Total number of trials of the study.
+        trials: Total number of trials of the study; None for 40, or all of a grid.
+        scenarios: Scenarios of the trials, if there are several; the first is that of the request.
         space: File of the search space; None for the shipped one of the algorithm.
+        grid: Train all combinations of the space, which has lists of values only.
         out: Folder of the study; None for the default folder.
         overwrite: Replace the study in the folder.
-        dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
-        modules: Modules that ``--import`` names, for the command that confirms the best settings.
+        workers: Number of trials at a time; None for 1, or for as many as a cluster has processors.
+        address: Address of a Ray cluster, which sees the working folder under the same name; None for this machine.
+        **options: ``dev_levels`` and ``modules`` of the ``Tuning``.
 
     Raises:
-        IrsimGymError: If an argument is invalid, the folder holds another study, or Optuna is not installed.
+        IrsimGymError: If an argument is invalid, the folder holds another study, a process was killed, or Optuna is
+            not installed.
         TrainingInterruptedError: If Ctrl-C or SIGTERM stops it. The same command continues the study.
     """
-    optuna = _optuna()
-    check_request(request, lambda: check_folder(out), lambda: None if space is None else read_space(space))
+    require("tune", "irsim-gym tune")
+    names = list(dict.fromkeys(scenarios)) or [request.scenario]
+    check_request(request, lambda: check_folder(out), lambda: None if space is None else read_space(space, grid=grid))
     settings = request.settings()
-    chosen = read_space(space or shipped_space(settings.algorithm))
-    check_space(request, settings, chosen)
+    chosen = read_space(space or shipped_space(settings.algorithm), names, grid=grid)
+    check_space(request, chosen, names)
     run = request.folder(settings)
-    folder = out or run.with_name(f"tune-{run.name}")
-    tuning = Tuning(request, settings, chosen, dev_levels, folder, optuna, tuple(modules))
+    tuning = Tuning(request, chosen, grid, out or run.with_name(f"tune-{run.name}"), **options)
+    points = chosen.grid() if grid else []
+    n_trials = min(trials or len(points), len(points)) if grid else trials or SEARCHED
     try:
-        told = "stopped at once; finished trials and the newest checkpoint are kept"
-        with sole_writer(folder), ctrl_c_as_error(told):
-            _begin(tuning, overwrite)
-            found = _run_trials(tuning, _study(tuning), trials)
+        text = "stopped at once; finished trials and the newest checkpoint are kept"
+        with sole_writer(tuning.folder), ctrl_c_as_error(text):
+            _begin(tuning, settings, names, overwrite)
+            _enqueue(tuning, settings, n_trials, points)
+            _run_all(tuning, workers, address)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
-    show_trials(found, request.scenario)
-    print(f"trials: {tuning.folder / TRIALS}; table and picture: {', '.join(RESULTS[:2])} in {tuning.folder}")
-    if best_of(found) is not None:
-        print(f"to confirm the best by {CONFIRMED} other seeds:\n{_confirm_command(tuning)}")
+    ended = results.ended_trials(tuning.study())
+    if len(ended) < n_trials:
+        raise IrsimGymError(f"{n_trials - len(ended)} trials were killed; to continue, run the same command")
+    results.show_trials(ended, request.scenario)
+    print(f"trials: {tuning.folder / TRIALS}; table: {tuning.folder / results.TABLE}")
+    if results.best_of(ended) is not None:
+        print(f"to confirm the best by {CONFIRMED} other seeds:\n{_confirm_command(tuning, ended)}")
     return tuning.folder
 
 
-def _confirm_command(tuning: Tuning) -> str:
-    """Return the command, for a shell, that trains other seeds than that of the trials with the best settings."""
-    request, is_weighted = tuning.request, bool(tuning.space.rewards)
-    task = str(tuning.folder / BEST_TASK) if is_weighted else request.task
-    words = ["irsim-gym", "train", request.scenario, "--seed", str(request.seed + 1), "--seeds", str(CONFIRMED)]
-    words += ["--hyperparameters", str(tuning.folder / BEST)]
-    words += [] if task is None else ["--task", task]
-    words += [] if request.algorithm is None else ["--algorithm", request.algorithm]
-    for name, value in (request.parameters or {}).items():
-        words += ["--set", f"{name}={value}"]
-    for module in tuning.modules:
-        words += ["--import", module]
-    return shlex.join([*words, *([] if request.strict else ["--lenient"])])
+def _confirm_command(tuning: Tuning, trials: Sequence[Any]) -> str:
+    """Return the command, for a shell, that trains other seeds than those of the trials with the best settings."""
+    request, best, prefix = tuning.request, results.best_of(trials).params, PARTS["parameters"]
+    seed = 1 + max(trial.params.get("seed", request.seed) for trial in trials)
+    is_weighted = any(axis[0] == "rewards" for axis in tuning.space.axes)
+    task = tuning.folder / results.BEST_TASK if is_weighted else request.task
+    drawn = {name.removeprefix(prefix): value for name, value in best.items() if name.startswith(prefix)}
+    options = [("--seed", seed), ("--seeds", CONFIRMED), ("--hyperparameters", tuning.folder / results.BEST)]
+    options += [("--task", task), ("--algorithm", request.algorithm)]
+    options += [("--set", f"{name}={value}") for name, value in {**(request.parameters or {}), **drawn}.items()]
+    options += [("--import", module) for module in tuning.modules]
+    words = [str(word) for option in options if option[1] is not None for word in option]
+    lenient = [] if request.strict else ["--lenient"]
+    return shlex.join(["irsim-gym", "train", best.get("scenario", request.scenario), *words, *lenient])
 
 
-def _optuna() -> Any:
-    """Import and return Optuna.
-
-    Raises:
-        MissingExtraError: If it is not installed.
-    """
-    require("tune", "irsim-gym tune")
-    import optuna
-
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    return optuna
-
-
-def _begin(tuning: Tuning, overwrite: bool) -> None:
+def _begin(tuning: Tuning, settings: Settings, scenarios: Sequence[str], overwrite: bool) -> None:
     """Check that the folder holds no other study, and write the settings of this one.
 
     Raises:
         IrsimGymError: If the folder holds another study, or other files.
     """
-    folder, now = tuning.folder, tuning.to_plain()
-    path = folder / CONFIG
+    folder, path = tuning.folder, tuning.folder / CONFIG
+    digests = [replace(tuning.request, scenario=name).settings().snapshot().digest for name in scenarios]
+    now: dict[str, Any] = {"settings": settings.to_plain(), "digests": digests, "dev_levels": tuning.dev_levels}
+    now |= {"space": {"/".join(axis): vars(domain) for axis, domain in tuning.space.axes.items()}}
+    now = json.loads(json.dumps(plain({**now, "grid": tuning.is_grid})))
     if overwrite and path.is_file():
-        for name in (JOURNAL, *RESULTS, TRIALS, CONFIG):
+        for name in (JOURNAL, CONFIG, TRIALS, *results.RESULTS):
             remove(folder / name)
     if path.is_file():
         with reading(path, "file with the settings of a study"):
             before = json_object(path)
-        changed = _differences(before, now, ())
+        changed = setting_differences(Settings.from_plain(before["settings"]), settings)
+        changed += [key for key in now if key != "settings" and before.get(key) != now[key]]
         if changed:
             raise IrsimGymError(
                 f"{folder} holds a study with other settings ({listed(changed)}); choose another folder with --out, or "
@@ -187,122 +192,147 @@ def _begin(tuning: Tuning, overwrite: bool) -> None:
         write_json(path, now)
 
 
-def _differences(before: object, now: object, place: tuple[str, ...]) -> list[str]:
-    """Return the keys in which two nested mappings differ, with both values."""
-    if isinstance(before, Mapping) and isinstance(now, Mapping):
-        keys = dict.fromkeys([*before, *now])
-        return [one for key in keys for one in _differences(before.get(key), now.get(key), (*place, key))]
-    return [] if before == now else [f"{'.'.join(place)} {show(before)}, asked for: {show(now)}"]
+def _enqueue(tuning: Tuning, settings: Settings, n_trials: int, points: Sequence[dict[str, Any]]) -> None:
+    """Enqueue the trials to do by their numbers: with the values of the grid, those drawn before, or none yet.
 
+    Optuna's ``GridSampler`` gives processes side by side the same values, and knows no trials that are repeated.
+    """
+    from optuna.trial import TrialState
 
-def _study(tuning: Tuning) -> Any:
-    """Open the study on disk. A new one begins with the current settings, if the search space contains them."""
-    optuna, states = tuning.optuna, tuning.optuna.trial.TrialState
-    backends, file = optuna.storages.journal, str(tuning.folder / JOURNAL)
-    # Optuna's default lock uses symbolic links, which need privileges on Windows.
-    journal = backends.JournalFileBackend(file, lock_obj=backends.JournalFileOpenLock(file))
-    study = optuna.create_study(
-        study_name="tune",
-        storage=optuna.storages.JournalStorage(journal),
-        direction="maximize",
-        pruner=optuna.pruners.MedianPruner(n_startup_trials=FINISHED_FIRST, n_warmup_steps=FIRST_PRUNED),
-        load_if_exists=True,
-    )
-    for trial in study.get_trials(deepcopy=False, states=(states.RUNNING,)):
-        study.tell(trial.number, state=states.FAIL)
-        study.enqueue_trial(trial.params)
-    if not study.get_trials(deepcopy=False):
-        found, outside = tuning.space.to_parameters(tuning.settings.hyperparameters.to_plain())
+    study, console, file = tuning.study(), Console(stderr=True), tuning.space.file
+    open_trials = study.get_trials(deepcopy=False, states=(TrialState.RUNNING, TrialState.WAITING))
+    values = dict(enumerate(points)) | {one.user_attrs["trial"]: one.params for one in open_trials if one.params}
+    for trial in open_trials:
+        study._storage.set_trial_state_values(trial._trial_id, TrialState.FAIL)
+    ended = {trial.user_attrs["trial"] for trial in results.ended_trials(study)}
+    if not ended and not values:
+        own = {"hyperparameters": settings.hyperparameters.to_plain(), "parameters": settings.parameters}
+        current = {"scenario": tuning.request.scenario, "seeds": settings.seed, **own}
+        values[0], outside = tuning.space.to_parameters(current)
         if outside:
-            missing = f"{tuning.space.file} does not contain the current values of {', '.join(outside)}"
-            tuning.console.print(f"{missing}: the first trial draws them", **PLAIN)
-        study.enqueue_trial(found)
-    return study
+            missing = f"{file} does not contain the current values of {', '.join(outside)}"
+            console.print(f"{missing}: the first trial draws them", **PLAIN)
+    left = [number for number in range(n_trials) if number not in ended]
+    console.print(f"{n_trials} trials, {len(left)} of them to do, in {tuning.folder}", **PLAIN)
+    for number in left:
+        study.enqueue_trial(values.get(number, {}), user_attrs={"trial": number})
 
 
-def _run_trials(tuning: Tuning, study: Any, trials: int) -> list[TuningTrial]:
-    """Run trials until there are enough, update the results on disk after each, and return all trials."""
-    found = _trials(tuning, study)
-    while len(found) < trials:
-        number = len(found)
-        seed = int(np.random.SeedSequence((tuning.request.seed, number)).generate_state(1)[0])
-        study.sampler = tuning.optuna.samplers.TPESampler(seed=seed)
+def _run_all(tuning: Tuning, workers: int | None, address: str | None) -> None:
+    """Run the enqueued trials one after another in this process, or side by side in processes or on a cluster."""
+    task = tuning, Path.cwd()
+    if address is not None:
+        with ray_session(address, 1):
+            import ray
+
+            apart = ray.remote(num_cpus=1)(work_apart)
+            ray.get([apart.remote(*task) for _ in range(workers or int(ray.cluster_resources()["CPU"]))])
+    elif workers in (None, 1):
+        work(tuning)
+    else:
+        _run_processes(
+            [multiprocessing.get_context("spawn").Process(target=work_apart, args=task) for _ in range(workers)]
+        )
+
+
+def _run_processes(processes: Sequence[Any]) -> None:
+    """Run processes to their end. A signal stops them by SIGTERM alone, at which trainings write a checkpoint."""
+    before = [signal.signal(signal.SIGINT, signal.SIG_IGN), signal.signal(signal.SIGTERM, signal.default_int_handler)]
+    try:
+        for process in processes:
+            process.start()
+        signal.signal(signal.SIGINT, before[0])  # processes inherit that it is ignored
+        for process in processes:
+            process.join()
+    finally:
+        for process in processes:
+            process.terminate()
+            process.join()
+        signal.signal(signal.SIGTERM, before[1])
+
+
+def work_apart(tuning: Tuning, folder: Path) -> None:
+    """Run enqueued trials in a process of its own, in the working folder of the command."""
+    from irsim_gym.cli_tools import import_modules
+
+    os.chdir(folder)
+    import_modules(tuning.modules)
+    with suppress(TrainingInterruptedError):
+        work(tuning, quiet=True)
+
+
+def work(tuning: Tuning, *, quiet: bool = False) -> None:
+    """Run enqueued trials until there are none, and write the results after each. An interrupted trial stays open."""
+    import optuna
+
+    study, states, console = tuning.study(), optuna.trial.TrialState, Console(stderr=True)
+    while study.get_trials(deepcopy=False, states=(states.WAITING,)):
         trial = study.ask()
-        drawn = tuning.space.draw(trial)
-        values = ", ".join(f"{name}={value_text(value)}" for name, value in trial.params.items())
-        tuning.console.print(f"trial {number}, {number + 1} of {trials}: {values}", **PLAIN)
-        _conduct(tuning, study, trial, tuning.trial_folder(number), drawn)
-        found = _trials(tuning, study)
-        write_trials(tuning.folder, found, tuning.request.scenario)
-        best = best_of(found)
-        if best is not None:
-            keep_best(tuning.folder, tuning.trial_folder(best.number))
-    return found
+        if "trial" not in trial.user_attrs:  # another process has begun the last one
+            study.tell(trial, state=states.FAIL)
+            return
+        ending, scores = _run_trial(tuning, trial, console, quiet)
+        success = scores[max(scores)] if scores else math.nan
+        for name, value in {"success": success, "ending": ending}.items():
+            trial.set_user_attr(name, value)
+        if ending == results.FINISHED:
+            study.tell(trial, success)
+        else:
+            study.tell(trial, state=states.PRUNED if ending.startswith("pruned") else states.FAIL)
+        console.print(f"trial {trial.user_attrs['trial']}: success {success:.1%}, {ending}", **PLAIN)
+        for checkpoint in list_checkpoints(Run(tuning.trial_folder(trial)).checkpoints):
+            remove_state(checkpoint)
+        ended = results.ended_trials(study)
+        best = results.best_of(ended)
+        results.write_trials(tuning.folder, ended, best and tuning.trial_folder(best))
 
 
-def _conduct(tuning: Tuning, study: Any, trial: Any, folder: Path, drawn: tuple[Values, Values]) -> None:
-    """Run a trial, and tell the study how it ended. Only an interrupted trial stays open.
+def _run_trial(tuning: Tuning, trial: Any, console: Console, quiet: bool) -> tuple[str, dict[int, float]]:
+    """Train a trial, and return how it ended, and its success by the number of the checkpoint.
 
     A training whose hyper-parameters or rewards do not suit it ends with one of several errors, such as a ValueError
     of PyTorch for weights that are NaN. The other trials go on.
     """
-    states, reason = tuning.optuna.trial.TrialState, REFUSED
-    try:
-        wanted = write_settings(folder, tuning.request, tuning.settings, *drawn).settings()
-        reason = FAILED
-        value = _run_trial(tuning, trial, wanted, folder)
-    except TrainingInterruptedError:
-        raise
-    except (IrsimGymError, ValueError, RuntimeError) as error:
-        message = str(error) or type(error).__name__
-        trial.set_user_attr(reason, message)
-        study.tell(trial, state=states.FAIL)
-        tuning.console.print(f"{reason}: {message}", **PLAIN)
-    else:
-        study.tell(trial, value, state=states.PRUNED if value is None else None)
-    for checkpoint in list_checkpoints(Run(folder).checkpoints):
-        remove_state(checkpoint)
+    import optuna
 
+    number, scores, run, ending = (
+        trial.user_attrs["trial"],
+        dict[int, float](),
+        Run(tuning.trial_folder(trial)),
+        "refused",
+    )
+    seed = int(np.random.SeedSequence((tuning.request.seed, number)).generate_state(1)[0])
+    trial.study.sampler = optuna.samplers.TPESampler(seed=seed)
+    drawn = tuning.space.draw(trial)
+    values = ", ".join(f"{name}={results.value_text(value)}" for name, value in trial.params.items())
+    console.print(f"trial {number}: {values}", **PLAIN)
 
-def _run_trial(tuning: Tuning, trial: Any, wanted: Settings, place: Path) -> float | None:
-    """Train a trial, and return its success on ``dev`` levels; None if it is pruned."""
-    run, reported = Run(place), set[int]()
-
-    def report(run: Run) -> None:
-        """Report new scores to the study, and stop the trial if the study prunes it."""
+    def report(run: Run, *, to_study: bool = True) -> None:
+        """Note new scores, tell the study, and stop the trial if the study prunes it."""
         for point in _score(tuning, run):
-            number = int(point["steps"]) // wanted.hyperparameters.checkpoint_every
-            if number and number not in reported:
-                trial.report(point["success"], number)
-                reported.add(number)
-        if trial.should_prune():
-            raise tuning.optuna.TrialPruned
+            checkpoint = int(point["steps"]) // settings.hyperparameters.checkpoint_every
+            if to_study and checkpoint and checkpoint not in scores:
+                trial.report(point["success"], checkpoint)
+            scores[checkpoint] = point["success"]
+        if to_study and trial.should_prune():
+            raise optuna.TrialPruned
 
-    value: float | None = None
     try:
+        settings = trial_settings(tuning.request, drawn, run.folder)
+        ending = "failed"
         if run.exists():
             report(run)
-        how: dict[str, Any] = {"resume": run.exists(), "device": tuning.request.device, "console": tuning.console}
-        train(wanted, place, on_checkpoint=report, **how)
-        value = _score(tuning, run)[-1]["success"]
-    except tuning.optuna.TrialPruned:
-        last = max(reported)
-        tuning.console.print(f"pruned: worse than the median of the trials before, at checkpoint {last}", **PLAIN)
-    return value
+        how: dict[str, Any] = {"device": tuning.request.device, "console": Console(stderr=True, quiet=quiet)}
+        train(settings, run.folder, resume=run.exists(), on_checkpoint=report, **how)
+        report(run, to_study=False)
+    except TrainingInterruptedError:
+        raise
+    except optuna.TrialPruned:
+        return f"pruned at {max(scores)}", scores
+    except (IrsimGymError, ValueError, RuntimeError) as error:
+        return f"{ending}: {str(error) or type(error).__name__}", scores
+    return results.FINISHED, scores
 
 
 def _score(tuning: Tuning, run: Run) -> list[Point]:
     return score_run(run, levels=tuning.dev_levels, console=Console(quiet=True), picture=False)
-
-
-def _trials(tuning: Tuning, study: Any) -> list[TuningTrial]:
-    """Return the trials of a study, without interrupted ones, which are repeated under another number."""
-    states = tuning.optuna.trial.TrialState
-    found: list[TuningTrial] = []
-    for one in study.get_trials(deepcopy=False):
-        reasons = {name: one.user_attrs.get(name, "") for name in (REFUSED, FAILED)}
-        if one.state in (states.COMPLETE, states.PRUNED) or any(reasons.values()):
-            value = one.value if one.state == states.COMPLETE else None
-            scores = dict(one.intermediate_values)
-            found.append(TuningTrial(len(found), dict(one.params), value, scores, **reasons))
-    return found
