@@ -14,7 +14,6 @@ from irsim_gym.errors import IrsimGymError
 QUIET = {
     "RAY_USAGE_STATS_ENABLED": "0",  # Ray sends no usage statistics
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # workers without a GPU do not change CUDA_VISIBLE_DEVICES
-    "RAY_AIR_NEW_OUTPUT": "0",  # Tune prints no tables
     "RAY_BACKEND_LOG_LEVEL": "fatal",
 }
 SILENT: dict[str, Any] = {"logging_level": logging.ERROR, "log_to_driver": False}

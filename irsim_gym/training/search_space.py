@@ -209,10 +209,11 @@ def _choices(value: object, axis: Axis, report: Report) -> Choices:
     domain = Choices(tuple(value) if isinstance(value, list) else (value,))
     if not domain.values:
         report.add(axis, "needs at least one value")
-    pairs = enumerate(zip(domain.values, domain.labels, strict=True))
-    for (_, first), (i, second) in itertools.combinations(pairs, 2):
-        if first[0] == second[0] or first[1] == second[1]:
-            report.add((*axis, i), f"must differ from the other values, got {show(second[0])} beside {show(first[0])}")
+    for i, (value, label) in enumerate(zip(domain.values, domain.labels, strict=True)):
+        first = min(domain.values.index(value), domain.labels.index(label))
+        if first < i:
+            text = f"must differ from the other values, got {show(value)} beside {show(domain.values[first])}"
+            report.add((*axis, i), text)
     return domain
 
 

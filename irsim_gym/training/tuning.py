@@ -138,7 +138,9 @@ def run_tuning(
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
     ended = results.ended_trials(tuning.study())
     if len(ended) < n_trials:
-        raise IrsimGymError(f"{n_trials - len(ended)} trials were killed; to continue, run the same command")
+        raise IrsimGymError(
+            f"{n_trials - len(ended)} trials have not ended, as a process was killed: run the same command again"
+        )
     results.show_trials(ended, request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table: {tuning.folder / results.TABLE}")
     if results.best_of(ended) is not None:
@@ -226,7 +228,13 @@ def _run_all(tuning: Tuning, workers: int | None, address: str | None) -> None:
             import ray
 
             apart = ray.remote(num_cpus=1)(work_apart)
-            ray.get([apart.remote(*task) for _ in range(workers or int(ray.cluster_resources()["CPU"]))])
+            tasks = [apart.remote(*task) for _ in range(workers or int(ray.cluster_resources()["CPU"]))]
+            try:
+                ray.get(tasks)
+            except ray.exceptions.RayError as error:
+                raise IrsimGymError(
+                    f"a task on the cluster failed; to continue, run the same command: {error}"
+                ) from error
     elif workers in (None, 1):
         work(tuning)
     else:

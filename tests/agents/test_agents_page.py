@@ -37,8 +37,7 @@ def test_blocks_in_python_run(block: str) -> None:
 @pytest.mark.parametrize("block", blocks("yaml"))
 def test_search_spaces_can_be_read(block: str, tmp_path: Path) -> None:
     (tmp_path / "space.yaml").write_text(block, encoding="utf-8")
-    asked = TrainingRequest("cluttered_room")
-    check_space(asked, asked.settings(), read_space(tmp_path / "space.yaml"))
+    check_space(TrainingRequest("cluttered_room"), read_space(tmp_path / "space.yaml"))
 
 
 @pytest.mark.parametrize("words", commands(), ids=" ".join)

@@ -111,10 +111,13 @@ def space_of(text: str, **how: Any) -> Any:
 
 
 def messages(text: str, request: TrainingRequest | None = None, **how: Any) -> dict[tuple[int, str], str]:
-    """Return what is said about a file, by line and key: without a request only what reading finds."""
+    """Return what is said about a file, by line and key."""
+
+    def check() -> None:
+        check_space(request or asked(), space_of(text, **how))
+
     with pytest.raises(ScenarioError) as refused:
-        read = space_of(text, **how)
-        check_space(request or asked(), read)
+        check()
     assert refused.value.file == "space.yaml"
     return {(problem.line, problem.path): problem.message for problem in refused.value.problems}
 
@@ -194,9 +197,9 @@ reward: {}
     for nothing in ("hyperparameters: {}", "rewards:", "seeds: 0"):
         (problem,) = messages(nothing).values()
         assert problem.startswith(("is empty: give hyperparameters", "needs at least one value"))
-    told = messages("hyperparameters: {gamma: {low: 0.1, high: 0.9}}\nseeds: 20000", grid=True)
+    told = messages("hyperparameters: {gamma: {low: 0.1, high: 0.9}}\nseeds: 10001", grid=True)
     assert told[1, "hyperparameters.gamma"] == "is a range: --grid needs a value or a list of values"
-    assert "makes 40,000 trials; 10,000 at most" in told.values()
+    assert "makes 20,002 trials; 10,000 at most" in told.values()
 
 
 def test_what_the_algorithm_or_the_task_or_the_scenario_does_not_have_is_told_before_any_trial() -> None:
@@ -513,12 +516,13 @@ def test_the_command_that_confirms_the_best_can_be_pasted_and_leaves_the_tuned_s
     assert "--set n=2" in said
 
 
+@pytest.mark.slow
 def test_a_study_of_two_processes_is_interrupted_as_from_a_terminal_and_goes_on(folder: Path) -> None:
-    """Finished trainings are left alone, the others go on at their checkpoints, and a killed process is told."""
+    """Finished trainings are left alone, the others go on at their checkpoints."""
     pytest.importorskip("optuna")
     Path("space.yaml").write_text(GRID)
     words = [sys.executable, "-m", "irsim_gym", *map(str, WORDS), "--out", "grid", "--grid", "--workers", "2"]
-    words += ["--steps", "40960"]
+    words += ["--steps", "20480"]
 
     def until(there: Callable[[], Any]) -> None:
         start = time.monotonic()

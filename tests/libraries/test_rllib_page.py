@@ -47,14 +47,16 @@ def test_the_training_runs_for_a_while(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_sweep_runs_and_once_more_does_nothing(tmp_path):
+def test_the_grid_runs_and_once_more_does_nothing(tmp_path):
+    library("optuna")
     (text,) = blocks("yaml")
-    (line,) = [one for block in blocks("bash") for one in block.splitlines() if one.startswith("irsim-gym sweep")]
-    (tmp_path / "sweep.yaml").write_text(text, encoding="utf-8")
+    (line,) = [one for block in blocks("bash") for one in block.splitlines() if one.startswith("irsim-gym tune")]
+    (tmp_path / "grid.yaml").write_text(text, encoding="utf-8")
     words = ["-m", *line.replace("irsim-gym", "irsim_gym").split()]
     first = done(words, tmp_path)
-    assert "sweep of 8 trainings, 8 of them to do" in first.stderr
-    assert len((tmp_path / "runs" / "sweep-sweep" / "sweep.csv").read_text().splitlines()) == 9
+    assert "8 trials, 8 of them to do" in first.stderr
+    (table,) = (tmp_path / "runs").glob("*/trials.csv")
+    assert len(table.read_text().splitlines()) == 9
     again = done(words, tmp_path)
-    assert "sweep of 8 trainings, 0 of them to do" in again.stderr
+    assert "8 trials, 0 of them to do" in again.stderr
     assert again.stdout == first.stdout
