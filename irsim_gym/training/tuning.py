@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import multiprocessing
 import os
+import pickle
 import shlex
 import signal
+import subprocess
+import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -37,6 +39,7 @@ from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, trial_settings
 
 JOURNAL, CONFIG, TRIALS = "study.log", "tune.json", "trials"
+WORKER = "import pickle, sys; from irsim_gym.training import tuning; tuning.work_apart(*pickle.load(sys.stdin.buffer))"
 SEARCHED = 40
 """Number of trials of a search, if none is given."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
@@ -175,20 +178,21 @@ def _begin(tuning: Tuning, settings: Settings, scenarios: Sequence[str], overwri
     now: dict[str, Any] = {"settings": settings.to_plain(), "digests": digests, "dev_levels": tuning.dev_levels}
     now |= {"space": {"/".join(axis): vars(domain) for axis, domain in tuning.space.axes.items()}}
     now = json.loads(json.dumps(plain({**now, "grid": tuning.is_grid})))
-    if overwrite and path.is_file():
+    is_replaced = overwrite and path.is_file()
+    if is_replaced:
         for name in (JOURNAL, CONFIG, TRIALS, *results.RESULTS):
             remove(folder / name)
     if path.is_file():
         with reading(path, "file with the settings of a study"):
             before = json_object(path)
-        changed = setting_differences(Settings.from_plain(before["settings"]), settings)
+            changed = setting_differences(Settings.from_plain(before["settings"]), settings)
         changed += [key for key in now if key != "settings" and before.get(key) != now[key]]
         if changed:
             raise IrsimGymError(
                 f"{folder} holds a study with other settings ({listed(changed)}); choose another folder with --out, or "
                 "replace the study with --overwrite"
             )
-    elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    elif folder.exists() and any(folder.iterdir()) and not is_replaced:
         raise IrsimGymError(f"{folder} holds something other than a study: choose another folder with --out")
     else:
         write_json(path, now)
@@ -238,24 +242,25 @@ def _run_all(tuning: Tuning, workers: int | None, address: str | None) -> None:
     elif workers in (None, 1):
         work(tuning)
     else:
-        _run_processes(
-            [multiprocessing.get_context("spawn").Process(target=work_apart, args=task) for _ in range(workers)]
-        )
+        _run_processes(pickle.dumps(task), workers)
 
 
-def _run_processes(processes: Sequence[Any]) -> None:
+def _run_processes(task: bytes, n_processes: int) -> None:
     """Run processes to their end. A signal stops them by SIGTERM alone, at which trainings write a checkpoint."""
     before = [signal.signal(signal.SIGINT, signal.SIG_IGN), signal.signal(signal.SIGTERM, signal.default_int_handler)]
+    processes: list[Any] = []
     try:
-        for process in processes:
-            process.start()
+        for _ in range(n_processes):
+            processes.append(subprocess.Popen([sys.executable, "-c", WORKER], stdin=subprocess.PIPE))
+            processes[-1].stdin.write(task)
+            processes[-1].stdin.close()
         signal.signal(signal.SIGINT, before[0])  # processes inherit that it is ignored
         for process in processes:
-            process.join()
+            process.wait()
     finally:
         for process in processes:
             process.terminate()
-            process.join()
+            process.wait()
         signal.signal(signal.SIGTERM, before[1])
 
 
