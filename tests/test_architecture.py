@@ -613,7 +613,7 @@ def test_files_from_outside_have_one_reader() -> None:
     others = {
         *("jit/cache.py", "jit/workers.py", "render/replay_items.py", "training/checkpoint.py"),
         "training/environment.py",
-        *("training/exporting.py", "training/saved_models.py", "training/sweep.py", "training/trial.py"),
+        *("training/exporting.py", "training/saved_models.py", "training/trial.py", "training/tuning.py"),
         "training/trusted.py",
     }
     places = {

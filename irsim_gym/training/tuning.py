@@ -75,15 +75,15 @@ class Tuning:
     def study(self) -> Any:
         """Open the study on disk, in any process. Trials of a grid are not pruned."""
         import optuna
+        from optuna.storages import journal
 
         optuna.logging.set_verbosity(optuna.logging.WARNING)
-        backends, file = optuna.storages.journal, str(self.folder / JOURNAL)
+        file, first = str(self.folder / JOURNAL), sys.maxsize if self.is_grid else FINISHED_FIRST
         # Optuna's default lock uses symbolic links, which need privileges on Windows.
-        journal = backends.JournalFileBackend(file, lock_obj=backends.JournalFileOpenLock(file))
-        first = math.inf if self.is_grid else FINISHED_FIRST
+        backend = journal.JournalFileBackend(file, lock_obj=journal.JournalFileOpenLock(file))
         pruner = optuna.pruners.MedianPruner(n_startup_trials=first, n_warmup_steps=FIRST_PRUNED)
         options: dict[str, Any] = {"study_name": "tune", "direction": "maximize", "load_if_exists": True}
-        return optuna.create_study(storage=optuna.storages.JournalStorage(journal), pruner=pruner, **options)
+        return optuna.create_study(storage=optuna.storages.JournalStorage(backend), pruner=pruner, **options)
 
 
 def run_tuning(
@@ -139,16 +139,24 @@ def run_tuning(
             _run_all(tuning, workers, address)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
+    _show(tuning, n_trials)
+    return tuning.folder
+
+
+def _show(tuning: Tuning, n_trials: int) -> None:
+    """Print the results.
+
+    Raises:
+        IrsimGymError: If trials have not ended.
+    """
     ended = results.ended_trials(tuning.study())
     if len(ended) < n_trials:
-        raise IrsimGymError(
-            f"{n_trials - len(ended)} trials have not ended, as a process was killed: run the same command again"
-        )
-    results.show_trials(ended, request.scenario)
+        left = n_trials - len(ended)
+        raise IrsimGymError(f"{left} trials have not ended, as a process was killed: run the same command again")
+    results.show_trials(ended, tuning.request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table: {tuning.folder / results.TABLE}")
     if results.best_of(ended) is not None:
         print(f"to confirm the best by {CONFIRMED} other seeds:\n{_confirm_command(tuning, ended)}")
-    return tuning.folder
 
 
 def _confirm_command(tuning: Tuning, trials: Sequence[Any]) -> str:

@@ -27,7 +27,7 @@ from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import score_run
-from irsim_gym.training.search_space import read_space, shipped_space
+from irsim_gym.training.search_space import Axis, read_space, shipped_space
 from irsim_gym.training.train import train
 from irsim_gym.training.training_request import TrainingRequest
 from irsim_gym.training.trial_settings import check_space, trial_settings, weighted_task
@@ -276,7 +276,7 @@ def test_what_every_trial_would_miss_is_told_before_the_first(key: str, value: s
 def test_the_shipped_space_fits_the_shipped_settings_and_each_of_its_corners_can_be_trained(tmp_path: Path) -> None:
     """A collision costs more than all running costs, also where it costs least and time most."""
     space = read_space(shipped_space("ppo"))
-    factors = {("rewards", "collision"): space.axes["rewards", "collision"].ends()[0]}
+    factors: dict[Axis, Any] = {("rewards", "collision"): space.axes["rewards", "collision"].ends()[0]}
     factors["rewards", "time"] = space.axes["rewards", "time"].ends()[1]
     for scenario in ("cluttered_room", "circle_swap"):
         request = TrainingRequest(scenario)
@@ -292,7 +292,7 @@ def test_a_trial_changes_what_is_drawn_and_nothing_else(tmp_path: Path) -> None:
     request = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
     settings = request.settings()
     hyperparameters = {"gamma": 0.9, "policy_kwargs.log_std_init": -1.0, "learning_rate": "lin_0.01"}
-    drawn = {("hyperparameters", key): value for key, value in hyperparameters.items()}
+    drawn: dict[Axis, Any] = {("hyperparameters", key): value for key, value in hyperparameters.items()}
     drawn |= {("rewards", "collision"): 0.95, ("rewards", "arrival"): 1.5}
     made = trial_settings(request, drawn, tmp_path)
     expected = settings.hyperparameters.to_plain()
@@ -309,7 +309,7 @@ def test_a_trial_changes_what_is_drawn_and_nothing_else(tmp_path: Path) -> None:
     assert before.keys() == after.keys()
     task = weighted_task(settings, {"collision": 0.95, "arrival": 1.5})
     assert yaml.safe_load((tmp_path / "task.yaml").read_text()) == task
-    other = {("scenario",): "empty_goal", ("seeds",): 7}
+    other: dict[Axis, Any] = {("scenario",): "empty_goal", ("seeds",): 7}
     made = trial_settings(TrainingRequest("circle_swap"), other, tmp_path)
     assert (made.scenario, made.seed) == ("empty_goal", 7)
     assert trial_settings(request, {("parameters", "n_robots"): 4}, tmp_path).parameters["n_robots"] == 4
@@ -510,7 +510,7 @@ def test_the_command_that_confirms_the_best_can_be_pasted_and_leaves_the_tuned_s
     assert shlex.split(said) == words
     assert "'a $HOME" not in said
     assert "'name=a $HOME; b'" in said
-    drawn = {"scenario": "other.yaml", "seed": 8, "parameter.n": 2}
+    drawn: dict[str, Any] = {"scenario": "other.yaml", "seed": 8, "parameter.n": 2}
     said = tuning._confirm_command(made, [trial(0, 1.0, **drawn)])
     assert said.startswith("irsim-gym train other.yaml --seed 9 --seeds 5")
     assert "--set n=2" in said
