@@ -21,7 +21,7 @@ LIBRARIES   := build/libraries
 LIBRARY_SETS := torchrl benchmarl zoo tianshou pufferlib sample_factory demonstrations agilerl rllib
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install docs lessons lint ruff mypy test fast-tests test-slow test-bounds test-gui test-versions \
+.PHONY: help demo install docs lessons lint ruff mypy test fast-tests test-slow test-bounds test-random test-gui test-versions \
         test-libraries mutate bench peers clean
 .DELETE_ON_ERROR:
 
@@ -30,6 +30,7 @@ help:
 	@echo "make test        ruff, mypy, pytest"
 	@echo "make test-slow   the longer checks too"
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
+	@echo "make test-random 3,000 random scenarios: no value out of its space, no hang, no traceback (an hour or more)"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
 	@echo "make test-libraries  a dozen other libraries with our environments, in build/libraries (LIBRARY_SETS=zoo: some)"
@@ -65,7 +66,10 @@ test-slow: lint $(DOCS_READY)
 	$(BIN)/python -m pytest -m "not gui and not libraries" $(ARGS)
 
 test-bounds: $(TESTS_READY)
-	$(BIN)/python -m pytest -n auto tests/bounds $(ARGS)
+	$(BIN)/python -m pytest -n auto tests/bounds/test_bounds.py $(ARGS)
+
+test-random: $(TESTS_READY)
+	$(BIN)/python -m pytest -n auto tests/bounds/test_mixed.py $(ARGS)
 
 test-gui: $(GUI_READY)
 	tests/gui/system_packages.sh
