@@ -22,7 +22,7 @@ BACKENDS = {
     "macosx": "matplotlib.backends.backend_macosx",
 }
 INSTEAD = "Pictures need no window: render_mode='rgb_array', save_figure and films work without a display."
-VIRTUAL = "A virtual screen shows windows to nobody: `xvfb-run -a python script.py`."
+VIRTUAL = "Without a screen, a virtual one will do: `xvfb-run -a python script.py`."
 DRIVERS = {
     "SDL_VIDEODRIVER": "chooses where SDL and pygame show windows; these are matplotlib's",
     "MPLBACKEND": "chooses how matplotlib draws; without a display it opens no window either",
