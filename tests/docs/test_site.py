@@ -18,7 +18,7 @@ from builder import check, films, gallery, language, links, reference, source_pa
 from reference_rules import documented
 
 import irsim_gym
-from irsim_gym import arraytypes
+from irsim_gym import arraytypes, families
 from irsim_gym.errors import MissingExtraError
 from irsim_gym.scenario.library import every_scenario
 from irsim_gym.scenario.option_tables import option_tables
@@ -90,6 +90,23 @@ def test_every_option_is_on_a_page() -> None:
         assert f"## {title}\n" in pages
         assert all(f"| `{row.key}` | " in pages for row in rows)
     assert [place for place, text in language.pages().items() if "\n## " not in text] == []
+
+
+def test_every_kind_is_in_one_table_and_leads_to_its_options() -> None:
+    pages = language.pages()
+    for family in families.every():
+        place = f"{family.family.replace(' ', '_')}.md"
+        for entry in family:
+            row = f"| [`{entry.name}`]({place}#{family.family.replace(' ', '-')}-{entry.name}) | "
+            assert pages["options/index.md"].count(row) == 1
+            assert f"\n## {family.family} {entry.name}\n" in pages[f"options/{place}"]
+
+
+def test_columns_that_say_nothing_are_left_out() -> None:
+    text = "Options.\n\n| key | unit | effect |\n|---|---|---|\n| `a\\|b` |  |  |\n| `c` |  | bad |\n"
+    kept = "Options.\n\n| key | effect |\n|---|---|\n| `a\\|b` |  |\n| `c` | bad |\n"
+    assert language.without_empty_columns(text) == kept
+    assert language.without_empty_columns("No options.\n") == "No options.\n"
 
 
 def test_every_public_name_is_in_the_reference() -> None:
