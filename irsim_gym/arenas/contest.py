@@ -122,14 +122,7 @@ class Contest:
     """
 
     def __init__(
-        self,
-        entrants: Sequence[Entrant],
-        episodes: Episodes,
-        folder: Path,
-        levels: int,
-        split: str,
-        *,
-        team: bool,
+        self, entrants: Sequence[Entrant], episodes: Episodes, folder: Path, levels: int, split: str, *, team: bool
     ) -> None:
         self.entrants, self.episodes, self.levels, self.split = entrants, episodes, levels, split
         self.team, self.worlds = team, Perceived(episodes)

@@ -48,10 +48,10 @@ from irsim_gym.irsim.rotations import (
     vel_world2omni,
     vertices_transform,
 )
-from irsim_gym.irsim.substitutes import INSTEAD, MODULES
 from irsim_gym.live.grid_map import GridMap
 from irsim_gym.live.level_source import ScenarioSource
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
+from irsim_gym.world.irsim_names import advice
 
 __all__ = [
     "AStarPlanner",
@@ -104,6 +104,9 @@ EnvBase3D = EnvBase
 
 EnvGridMap = Map = GridMap
 
+MODULES = tuple(advice("modules"))
+"""IR-SIM's modules. Each of them can be imported, with all names in it."""
+
 # `import irsim_gym.irsim.lib.behavior` finds these entries, as `import os.path` finds that of `os`.
 for _name in MODULES:
     sys.modules[f"{__name__}.{_name}"] = sys.modules[__name__]
@@ -112,8 +115,9 @@ for _name in MODULES:
 def __getattr__(name: str) -> Any:
     if name in {part for path in MODULES for part in path.split(".")}:  # as in irsim.util.util.WrapToPi
         return sys.modules[__name__]
-    if name in INSTEAD:  # an AttributeError would lose its message in `from irsim_gym.irsim import ...`
-        raise ImportError(f"irsim_gym.irsim has no '{name}': {INSTEAD[name]}", name=__name__)
+    instead = advice("import")
+    if name in instead:  # an AttributeError would lose its message in `from irsim_gym.irsim import ...`
+        raise ImportError(f"irsim_gym.irsim has no '{name}': {instead[name]}", name=__name__)
     raise AttributeError(f"module 'irsim_gym.irsim' has no attribute '{name}'{suggestion(name, __all__)}")
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.live import hints
 from irsim_gym.live.vectors import vector
+from irsim_gym.world.irsim_names import advice, missing
 from irsim_gym.world.irsim_readings import IrSimReadings
 
 FLATTEST = 1e-9
@@ -28,7 +28,7 @@ class BodyProperties(ABC):
         def __getattr__(self, name: str) -> Any:
             if name != "properties" and name in self.properties:
                 return self.properties[name]
-            raise AttributeError(hints.missing("an info", name, hints.BODY, dir(self)), name=name, obj=self)
+            raise AttributeError(missing("an info", name, advice("body", "script"), dir(self)), name=name, obj=self)
 
     def add_property(self, name: str, value: object) -> None:
         """Add a property of the script's own, which can then be read as an attribute."""

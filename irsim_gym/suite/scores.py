@@ -12,12 +12,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, mean
-from irsim_gym.evaluation.statistics import (
-    Estimate,
-    interquartile_mean,
-    probability_of_improvement,
-    stratified_mean,
-)
+from irsim_gym.evaluation.statistics import Estimate, interquartile_mean, probability_of_improvement, stratified_mean
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.worst_levels import worst_shares
