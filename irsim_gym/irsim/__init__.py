@@ -53,51 +53,14 @@ from irsim_gym.live.level_source import ScenarioSource
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
 from irsim_gym.world.irsim_names import advice
 
-__all__ = [
-    "AStarPlanner",
-    "AckerDash",
-    "ClipTo2Pi",
-    "DiffDash",
-    "DiffRVO",
-    "EnvBase",
-    "EnvBase3D",
-    "EnvGridMap",
-    "GeometryFactory",
-    "JPSPlanner",
-    "Map",
-    "ObjectBase",
-    "OmniAngularDash",
-    "OmniDash",
-    "OmniRVO",
-    "WrapTo2Pi",
-    "WrapToPi",
-    "WrapToRegion",
-    "cross_product",
-    "diff_to_omni",
-    "dist_hypot",
-    "distance",
-    "gen_inequal_from_vertex",
-    "geometry_transform",
-    "get_affine_transform",
-    "get_transform",
-    "is_2d_list",
-    "is_convex_and_ordered",
-    "make",
-    "omni_to_diff",
-    "reciprocal_vel_obs",
-    "register_behavior",
-    "register_behavior_class",
-    "register_group_behavior",
-    "register_group_behavior_class",
-    "relative_position",
-    "to_numpy",
-    "transform_point_with_state",
-    "vel_diff2world",
-    "vel_omni2world",
-    "vel_world2diff",
-    "vel_world2omni",
-    "vertices_transform",
-]
+__all__ = ["AStarPlanner", "AckerDash", "ClipTo2Pi", "DiffDash", "DiffRVO", "EnvBase", "EnvBase3D", "EnvGridMap"]
+__all__ += ["GeometryFactory", "JPSPlanner", "Map", "ObjectBase", "OmniAngularDash", "OmniDash", "OmniRVO", "WrapTo2Pi"]
+__all__ += ["WrapToPi", "WrapToRegion", "cross_product", "diff_to_omni", "dist_hypot", "distance"]
+__all__ += ["gen_inequal_from_vertex", "geometry_transform", "get_affine_transform", "get_transform", "is_2d_list"]
+__all__ += ["is_convex_and_ordered", "make", "omni_to_diff", "reciprocal_vel_obs", "register_behavior"]
+__all__ += ["register_behavior_class", "register_group_behavior", "register_group_behavior_class", "relative_position"]
+__all__ += ["to_numpy", "transform_point_with_state", "vel_diff2world", "vel_omni2world", "vel_world2diff"]
+__all__ += ["vel_world2omni", "vertices_transform"]
 
 EnvBase3D = EnvBase
 """The same class: pictures show a world from above."""
