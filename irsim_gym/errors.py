@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import difflib
-import json
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import ClassVar
 
 
@@ -303,19 +300,6 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     same = [one for one in known if sorted(one.lower().split("_")) == words]
     near = same or difflib.get_close_matches(name, known, n=1, cutoff=cutoff)
     return near[0] if near else None
-
-
-@cache
-def word_tables(file: Path) -> dict[str, dict[str, str]]:
-    """Return the tables of a file of this package, each from names to what is said of them.
-
-    Args:
-        file: A JSON file of tables, each from what is said to the names that it is said of, with spaces between.
-    """
-    tables = json.loads(file.read_text(encoding="utf-8"))
-    return {
-        key: {name: text for text, names in table.items() for name in names.split()} for key, table in tables.items()
-    }
 
 
 def warn_caller(message: str | Warning, category: type[Warning] = UserWarning) -> None:

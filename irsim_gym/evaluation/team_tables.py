@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from rich.table import Table
 
 from irsim_gym.errors import UnreadableFileError
-from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.evaluation.metrics import EpisodeRow, Summary
 from irsim_gym.evaluation.tables import (
     COMPACT,
     EPISODE_COLUMNS,
@@ -24,7 +25,9 @@ from irsim_gym.evaluation.tables import (
     percent,
     read_cells,
     read_rows,
+    summary_table,
     write_csv,
+    write_episodes,
 )
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
 
@@ -93,6 +96,20 @@ def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
     """Write one CSV row per policy and level."""
     rows = ({"policy": policy, **_level_cells(level)} for policy, levels in results.items() for level in levels)
     write_csv(path, LEVEL_COLUMNS, rows)
+
+
+def write_rows(path: Path, results: Mapping[str, Sequence[Any]]) -> None:
+    """Write the rows of policies: one per episode; of teams, one per level and agent."""
+    is_team = any(isinstance(row, TeamRow) for rows in results.values() for row in rows[:1])
+    (write_agents if is_team else write_episodes)(path, results)
+
+
+def figure_tables(summaries: Sequence[Any], title: str) -> list[Table]:
+    """Lay out the figures of several policies; of teams, also the extra times that can be compared."""
+    if isinstance(summaries[0], Summary):
+        return [summary_table(summaries, title)]
+    compared = compared_table(summaries)
+    return [team_table(summaries, title), *([] if compared is None else [compared])]
 
 
 def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from irsim_gym.errors import nearest, word_tables
+from irsim_gym.errors import nearest
+from irsim_gym.outside_files import word_tables
 
 EVERYWHERE = ("task", "max_steps", "render_mode", "strict")
 """Keywords of all functions that make an environment."""

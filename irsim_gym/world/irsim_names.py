@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-from irsim_gym.errors import suggestion, word_tables
+from irsim_gym.errors import suggestion
+from irsim_gym.outside_files import word_tables
 
 DRAWN = "render() draws bodies as their section `plot` says; world.draw draws over them"
 FILE = Path(__file__).with_suffix(".json")
