@@ -123,7 +123,7 @@ def evaluate_policies(
     figure = None if folder is None else TrajectoryFigure(episodes)
     check_policies(chosen, worlds)
     report_perceptions(chosen, worlds)
-    follow = (lambda name: None) if figure is None else figure.follow
+    follow: Callable[[str], Watcher | None] = (lambda name: None) if figure is None else figure.follow
     rows = dict(play_policies(chosen, worlds, levels, split, team=asked.team, follow=follow))
     played = played_levels(episodes.simulation, split, levels)
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
