@@ -263,7 +263,11 @@ def hit_columns(summaries: Sequence[Any], hits: Sequence[str]) -> list[Column]:
     """Return the columns that split collisions by what was hit, if there are several such things."""
     seen = [hit for hit in hits if any(summary.collision_with[hit].count for summary in summaries)]
     split = seen if len(seen) > 1 else []
-    return [(f"with {hit}\n[%]", lambda row, hit=hit: percent(row.collision_with[hit])) for hit in split]
+
+    def share_of(hit: str) -> Callable[[Any], str]:
+        return lambda row: percent(row.collision_with[hit])
+
+    return [(f"with {hit}\n[%]", share_of(hit)) for hit in split]
 
 
 def goal_columns(summaries: Sequence[Any]) -> list[Column]:
