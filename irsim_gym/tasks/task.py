@@ -23,7 +23,12 @@ from irsim_gym.tasks.goal_form import goal_terms
 from irsim_gym.tasks.layers import Layer, merge
 
 DEFAULT = "navigation"
-FAMILIES = {"observations": OBSERVATIONS, "critic_observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
+FAMILIES = {
+    "observations": OBSERVATIONS,
+    "critic_observations": OBSERVATIONS,
+    "rewards": REWARDS,
+    "endings": ENDINGS,
+}
 LONGEST_CHAIN = 8
 _CHANGES = "; changes the terms of the named task by name."
 
@@ -32,27 +37,37 @@ _CHANGES = "; changes the terms of the named task by name."
 class TaskOptions:
     """The keys of the section `task` and of files in `tasks/`; defaults apply if the named task does not set a key."""
 
-    name: str = option(DEFAULT)
-    """A shipped task or a file to extend; 'blank' starts from an empty task."""
-    agents: str | tuple[str, ...] = option("")
-    """Which robots learn: a name, a list of names, or 'all'; default: the first robot, or all in a team."""
-    max_steps: int = option(500, ge=1, le=10**9, unit="steps")
-    """Time limit of an episode."""
-    observation_form: Literal["flat", "dict", "goal"] = option("flat")
-    """One vector (flat), a dictionary with a vector per observation (dict), or observation, achieved_goal and
-    desired_goal (goal)."""
-    ended: Literal["stay", "vanish"] = option("stay")
-    """What happens to the body of an agent whose episode has ended: it stays, or is removed before the next step."""
-    team_reward: float = option(0.0, ge=0.0, le=1.0)
-    """Share of each reward term that is the mean over all agents of the world; the rest is the agent's own."""
-    deadlock_speed: float = option(0.05, ge=0.0, unit="m/s")
-    """An agent that is slower than this, away from its goal, counts as stalled."""
-    deadlock_time: float = option(5.0, gt=0.0, unit="s")
-    """An agent that is stalled for this time is deadlocked."""
-    audit: bool = option(True)
-    """Reject rewards under which crashing or leaving the world pays more than continuing."""
-    action: Any = option("velocity")
-    """What a learner commands."""
+    name: str = option(DEFAULT, meaning="A shipped task or a file to extend; 'blank' starts from an empty task.")
+    agents: str | tuple[str, ...] = option(
+        "", meaning="Which robots learn: a name, a list of names, or 'all'; default: the first robot, or all in a team."
+    )
+    max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
+    observation_form: Literal["flat", "dict", "goal"] = option(
+        "flat",
+        meaning="One vector (flat), a dictionary with a vector per observation (dict), or observation, "
+        "achieved_goal and desired_goal (goal).",
+    )
+    ended: Literal["stay", "vanish"] = option(
+        "stay",
+        meaning="What happens to the body of an agent whose episode has ended: it stays, or is removed before the "
+        "next step.",
+    )
+    team_reward: float = option(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        meaning="Share of each reward term that is the mean over all agents of the world; the rest is the agent's own.",
+    )
+    deadlock_speed: float = option(
+        0.05, ge=0.0, unit="m/s", meaning="An agent that is slower than this, away from its goal, counts as stalled."
+    )
+    deadlock_time: float = option(
+        5.0, gt=0.0, unit="s", meaning="An agent that is stalled for this time is deadlocked."
+    )
+    audit: bool = option(
+        True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
+    )
+    action: Any = option("velocity", meaning="What a learner commands.")
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
     critic_observations: tuple[Any, ...] = option(
         (), meaning=f"What the critic alone observes besides, in training with Stable-Baselines3{_CHANGES}"
