@@ -32,8 +32,7 @@ class PythonBehavior(RenewsGoals):
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Which other bodies are seen."""
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

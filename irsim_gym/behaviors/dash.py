@@ -28,10 +28,16 @@ class Dash(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Which other bodies the behaviour sees; dash looks at none."""
-    angle_tolerance: float = option(0.1, ge=0.0, unit="rad", consequence="Large: it passes its goal by.")
-    """No turn while the bearing of the goal is smaller than this."""
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which other bodies the behaviour sees; dash looks at none."
+    )
+    angle_tolerance: float = option(
+        0.1,
+        ge=0.0,
+        unit="rad",
+        meaning="No turn while the bearing of the goal is smaller than this.",
+        consequence="Large: it passes its goal by.",
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -40,30 +40,45 @@ class Dwa(LocalPlanner):
     reads_scan: ClassVar[bool] = True
 
     samples: tuple[int, int] = option(
-        (7, 21), consequence="Few: it swerves, or finds no way. Computing time grows with the product."
+        (7, 21),
+        meaning="Number of values of each of the command's two numbers: speed and turn rate or steering angle, or the "
+        "velocities along two axes.",
+        consequence="Few: it swerves, or finds no way. Computing time grows with the product.",
     )
-    """Number of values of each of the command's two numbers: speed and turn rate or steering angle, or the velocities
-    along two axes."""
-    sim_time: float = option(1.5, gt=0.0, le=60.0, unit="s")
-    """Duration of the ways that are compared."""
-    sim_granularity: float = option(0.1, gt=0.0, unit="s")
-    """Time between the poses at which a way is compared with the scan."""
-    free_time: float | None = option(None, ge=0.0, unit="s")
-    """How long a way has to be free (default: a step and half of the time to stop)."""
-    min_speed: float = option(0.0, unit="m/s")
-    """Minimum speed of diff and acker, apart from turns on the spot; negative to drive backwards."""
-    escape_speed: float = option(0.0, le=0.0, unit="m/s")
-    """Speed straight back when no way ahead is admissible; 0: it stands."""
-    min_turn_rate: float = option(0.5, ge=0.0, unit="rad/s")
-    """Minimum turn rate of diff on the spot, or the highest that a step can reach."""
-    oscillation_distance: float = option(0.25, ge=0.0, unit="m", consequence="0: it may turn to and fro for ever.")
-    """After turns on the spot to both sides, it makes no further one before it has moved this far."""
-    obstacle_weight: float = option(0.002, ge=0.0, unit="m")
-    """Weight of the nearness of obstacles."""
-    path_weight: float = option(0.5, ge=0.0)
-    """Weight of the distance from the path."""
-    goal_weight: float = option(1.0, ge=0.0)
-    """Weight of the rest of the path."""
+    sim_time: float = option(1.5, gt=0.0, le=60.0, unit="s", meaning="Duration of the ways that are compared.")
+    sim_granularity: float = option(
+        0.1, gt=0.0, unit="s", meaning="Time between the poses at which a way is compared with the scan."
+    )
+    free_time: float | None = option(
+        None,
+        ge=0.0,
+        unit="s",
+        meaning="How long a way has to be free (default: a step and half of the time to stop).",
+    )
+    min_speed: float = option(
+        0.0,
+        unit="m/s",
+        meaning="Minimum speed of diff and acker, apart from turns on the spot; negative to drive backwards.",
+    )
+    escape_speed: float = option(
+        0.0, le=0.0, unit="m/s", meaning="Speed straight back when no way ahead is admissible; 0: it stands."
+    )
+    min_turn_rate: float = option(
+        0.5,
+        ge=0.0,
+        unit="rad/s",
+        meaning="Minimum turn rate of diff on the spot, or the highest that a step can reach.",
+    )
+    oscillation_distance: float = option(
+        0.25,
+        ge=0.0,
+        unit="m",
+        meaning="After turns on the spot to both sides, it makes no further one before it has moved this far.",
+        consequence="0: it may turn to and fro for ever.",
+    )
+    obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
+    path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -33,19 +33,23 @@ class HybridAstar(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Moving bodies that it stops for; bodies that stand are part of the map."""
-    clearance: float = option(0.1, gt=0.0, unit="m")
-    """Closer to obstacles than this, time costs more, up to three times as much."""
-    change_cost: float = option(0.5, ge=0.0, unit="s")
-    """Cost of a change between driving ahead, back and turning on the spot."""
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Moving bodies that it stops for; bodies that stand are part of the map."
+    )
+    clearance: float = option(
+        0.1, gt=0.0, unit="m", meaning="Closer to obstacles than this, time costs more, up to three times as much."
+    )
+    change_cost: float = option(
+        0.5, ge=0.0, unit="s", meaning="Cost of a change between driving ahead, back and turning on the spot."
+    )
     cell: float | None = option(
         None,
         gt=0.0,
         unit="m",
+        meaning="Cell size of the search; default: 0.75 times the radius of the largest disc about the origin in the "
+        "body.",
         consequence="Large: narrow ways are missed. Small: the search takes longer, and gives up sooner.",
     )
-    """Cell size of the search; default: 0.75 times the radius of the largest disc about the origin in the body."""
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -35,24 +35,25 @@ class Mppi(LocalPlanner):
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True
 
-    samples: int = option(200, ge=2, le=100_000, consequence="Computing time grows with it.")
-    """Number of sequences."""
-    horizon: float = option(2.0, gt=0.0, le=60.0, unit="s")
-    """Duration of a sequence; in whole steps."""
-    temperature: float = option(0.1, gt=0.0, unit="m s")
-    """A sequence that costs this much more than the best one has a weight of 1 / e."""
-    noise: float = option(0.5, gt=0.0)
-    """Standard deviation of the noise, as a share of half the range of each number of a command."""
-    gamma: float = option(0.001, ge=0.0, unit="m s")
-    """Cost of noise in the direction of the planned command: gamma u e / s^2."""
-    collision_cost: float = option(100.0, ge=0.0, unit="m s")
-    """Cost of a way that touches something."""
-    obstacle_weight: float = option(0.005, ge=0.0, unit="m")
-    """Weight of the nearness of obstacles."""
-    path_weight: float = option(0.5, ge=0.0)
-    """Weight of the distance from the path."""
-    goal_weight: float = option(1.0, ge=0.0)
-    """Weight of the rest of the path."""
+    samples: int = option(
+        200, ge=2, le=100_000, meaning="Number of sequences.", consequence="Computing time grows with it."
+    )
+    horizon: float = option(2.0, gt=0.0, le=60.0, unit="s", meaning="Duration of a sequence; in whole steps.")
+    temperature: float = option(
+        0.1, gt=0.0, unit="m s", meaning="A sequence that costs this much more than the best one has a weight of 1 / e."
+    )
+    noise: float = option(
+        0.5,
+        gt=0.0,
+        meaning="Standard deviation of the noise, as a share of half the range of each number of a command.",
+    )
+    gamma: float = option(
+        0.001, ge=0.0, unit="m s", meaning="Cost of noise in the direction of the planned command: gamma u e / s^2."
+    )
+    collision_cost: float = option(100.0, ge=0.0, unit="m s", meaning="Cost of a way that touches something.")
+    obstacle_weight: float = option(0.005, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
+    path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -28,22 +28,17 @@ class OrcaGroup(RenewsMembersGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    neighborDist: float = option(15.0, ge=0.0, unit="m")  # noqa: N815
-    """Bodies farther away than this are not seen."""
-    maxNeighbors: int = option(10, ge=0)  # noqa: N815
-    """Maximum number of bodies that are seen."""
-    timeHorizon: float = option(20.0, gt=0.0, unit="s")  # noqa: N815
-    """Collisions with bodies later than this are ignored."""
+    neighborDist: float = option(15.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")  # noqa: N815
+    maxNeighbors: int = option(10, ge=0, meaning="Maximum number of bodies that are seen.")  # noqa: N815
+    timeHorizon: float = option(20.0, gt=0.0, unit="s", meaning="Collisions with bodies later than this are ignored.")  # noqa: N815
     timeHorizonObst: float = option(  # noqa: N815
-        10.0, gt=0.0, unit="s"
+        10.0, gt=0.0, unit="s", meaning="Collisions with walls later than this are ignored."
     )
-    """Collisions with walls later than this are ignored."""
-    safe_radius: float = option(0.1, ge=0.0, unit="m")
-    """Distance added around each body."""
-    maxSpeed: float | None = option(None, gt=0.0, unit="m/s")  # noqa: N815
-    """Maximum speed; by default the drive's."""
-    sidestep: bool = option(False)
-    """A body that others hold up wants to go to its right, so that none wait for each other for ever."""
+    safe_radius: float = option(0.1, ge=0.0, unit="m", meaning="Distance added around each body.")
+    maxSpeed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")  # noqa: N815
+    sidestep: bool = option(
+        False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

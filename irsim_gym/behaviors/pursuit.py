@@ -35,36 +35,53 @@ class Pursuit(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Which other bodies that move it stops for; all that stand are on the map."""
-    known: Literal["all", "seen"] = option("all")
-    """What it knows: all that stands, or what its own scans have shown, with unknown space taken as free."""
-    clearance: float = option(0.1, ge=0.0, unit="m")
-    """Distance that the way keeps from obstacles; half, a quarter or nothing of it where no way does."""
-    cell: float | None = option(None, gt=0.0, unit="m", consequence="Large: ways through narrow gaps are missed.")
-    """Cell size of the grid on which ways are found; default: half the radius of the body."""
-    speed: float | None = option(None, gt=0.0, unit="m/s")
-    """Maximum speed; by default the drive's."""
-    lookahead_time: float = option(0.6, ge=0.0, unit="s")
-    """The point aimed at is as far ahead as the body drives in this time."""
-    lookahead_min: float = option(0.3, gt=0.0, unit="m")
-    """Minimum distance of that point."""
-    lookahead_max: float | None = option(None, gt=0.0, unit="m")
-    """Maximum distance of that point."""
-    min_radius: float = option(0.5, ge=0.0, unit="m")
-    """Curves of a smaller radius are driven slower, in proportion to the radius."""
-    proximity: float = option(0.1, ge=0.0, unit="m")
-    """Nearer to an obstacle it drives slower, in proportion to the distance."""
-    proximity_gain: float = option(1.0, gt=0.0, le=1.0)
-    """Factor of that: the lower the slower."""
-    min_speed: float = option(0.25, ge=0.0, unit="m/s")
-    """Curves and obstacles never slow it below this."""
-    approach: float = option(0.6, ge=0.0, unit="m")
-    """From here on it slows down for the goal, in proportion to what is left."""
-    approach_speed: float = option(0.05, ge=0.0, unit="m/s")
-    """Minimum speed at the goal."""
-    turn_angle: float = option(0.785, gt=0.0, unit="rad")
-    """A differential drive turns on the spot for a point ahead beyond this angle."""
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
+    )
+    known: Literal["all", "seen"] = option(
+        "all",
+        meaning="What it knows: all that stands, or what its own scans have shown, with unknown space taken as free.",
+    )
+    clearance: float = option(
+        0.1,
+        ge=0.0,
+        unit="m",
+        meaning="Distance that the way keeps from obstacles; half, a quarter or nothing of it where no way does.",
+    )
+    cell: float | None = option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Cell size of the grid on which ways are found; default: half the radius of the body.",
+        consequence="Large: ways through narrow gaps are missed.",
+    )
+    speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")
+    lookahead_time: float = option(
+        0.6, ge=0.0, unit="s", meaning="The point aimed at is as far ahead as the body drives in this time."
+    )
+    lookahead_min: float = option(0.3, gt=0.0, unit="m", meaning="Minimum distance of that point.")
+    lookahead_max: float | None = option(None, gt=0.0, unit="m", meaning="Maximum distance of that point.")
+    min_radius: float = option(
+        0.5, ge=0.0, unit="m", meaning="Curves of a smaller radius are driven slower, in proportion to the radius."
+    )
+    proximity: float = option(
+        0.1,
+        ge=0.0,
+        unit="m",
+        meaning="Nearer to an obstacle it drives slower, in proportion to the distance.",
+    )
+    proximity_gain: float = option(1.0, gt=0.0, le=1.0, meaning="Factor of that: the lower the slower.")
+    min_speed: float = option(0.25, ge=0.0, unit="m/s", meaning="Curves and obstacles never slow it below this.")
+    approach: float = option(
+        0.6,
+        ge=0.0,
+        unit="m",
+        meaning="From here on it slows down for the goal, in proportion to what is left.",
+    )
+    approach_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Minimum speed at the goal.")
+    turn_angle: float = option(
+        0.785, gt=0.0, unit="rad", meaning="A differential drive turns on the spot for a point ahead beyond this angle."
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -21,14 +21,14 @@ _GOALS = option(
 class RenewsGoals:
     """Options of behaviours."""
 
-    wander: bool = option(False)
-    """Draw a new random goal after each arrival."""
-    loop: bool = option(False)
-    """Begin again with the first goal after the last."""
-    range_low: tuple[float, float, float] = option(_LOW, unit="m, m, rad")
-    """Lower bounds of a wandering body's goals."""
-    range_high: tuple[float, float, float] = option(_HIGH, unit="m, m, rad")
-    """Upper bounds of a wandering body's goals."""
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    range_low: tuple[float, float, float] = option(
+        _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
     wander_goals: WanderGoals = _GOALS
 
 
@@ -38,10 +38,12 @@ class RenewsMembersGoals:
 
     wander: bool = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
     loop: bool = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
-    range_low: tuple[float, float, float] = option(_LOW, unit="m, m, rad")
-    """Lower bounds of a wandering member's goals."""
-    range_high: tuple[float, float, float] = option(_HIGH, unit="m, m, rad")
-    """Upper bounds of a wandering member's goals."""
+    range_low: tuple[float, float, float] = option(
+        _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering member's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering member's goals."
+    )
     wander_goals: WanderGoals = _GOALS
 
 

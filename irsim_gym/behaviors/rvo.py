@@ -34,26 +34,25 @@ class Rvo(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Which other bodies are avoided."""
-    vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s")
-    """Maximum sampled velocity in x."""
-    vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s")
-    """Maximum sampled velocity in y."""
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
+    vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Maximum sampled velocity in x.")
+    vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Maximum sampled velocity in y.")
     acce: float = option(
         1.0,
         gt=0.0,
         unit="m/s",
+        meaning="Maximum change of each sampled velocity in a step.",
         consequence="The samples lie 0.05 m/s apart: below 0.025 a single one is left, the lowest.",
     )
-    """Maximum change of each sampled velocity in a step."""
-    factor: float = option(1.0, ge=0.0)
-    """Weight of the time to collision where every sample collides."""
-    mode: Literal["rvo", "hrvo", "vo"] = option("rvo")
-    """How the cone of forbidden velocities is placed."""
-    neighbor_threshold: float = option(3.0, ge=0.0, unit="m")
-    """Bodies farther away than this are not seen: a moving one or a disc by its centre, a standing one with sides by
-    its outline. Walls of linestrings are seen from anywhere."""
+    factor: float = option(1.0, ge=0.0, meaning="Weight of the time to collision where every sample collides.")
+    mode: Literal["rvo", "hrvo", "vo"] = option("rvo", meaning="How the cone of forbidden velocities is placed.")
+    neighbor_threshold: float = option(
+        3.0,
+        ge=0.0,
+        unit="m",
+        meaning="Bodies farther away than this are not seen: a moving one or a disc by its centre, a standing one with "
+        "sides by its outline. Walls of linestrings are seen from anywhere.",
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

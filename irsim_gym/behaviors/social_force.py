@@ -48,8 +48,7 @@ class SocialForce(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Which other bodies are avoided."""
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
     vmax: float = SPEED
     neighbor_threshold: float = NEIGHBORS
     relaxation_time: float = RELAXATION

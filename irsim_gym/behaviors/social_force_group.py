@@ -53,20 +53,19 @@ class SocialForceGroup(RenewsMembersGoals):
     safety_radius: float = social_force.SAFETY
     interaction: Literal["moussaid", "circular"] = social_force.INTERACTION
     interaction_range: float = social_force.RANGE
-    target_roles: Literal["all", "robot", "obstacle"] = option("all")
-    """Which bodies outside of the group are avoided."""
-    social_groups: tuple[tuple[int, ...], ...] = option(())
-    """Lists of members who walk together."""
-    force_factor_coherence: float = option(2.0, ge=0.0)
-    """Weight of the pull to the others of the list."""
-    force_factor_group_repulsion: float = option(1.0, ge=0.0)
-    """Weight of the push from those too near."""
-    group_repulsion_threshold: float | None = option(None, ge=0.0, unit="m")
-    """A member closer than this is too near; default: when the bodies touch."""
-    force_factor_gaze: float = option(3.0, ge=0.0)
-    """Weight of the force that keeps the others in sight."""
-    gaze_vision_angle: float = option(90.0, gt=0.0, le=180.0, unit="deg")
-    """The others are in sight up to this angle from the way ahead."""
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which bodies outside of the group are avoided."
+    )
+    social_groups: tuple[tuple[int, ...], ...] = option((), meaning="Lists of members who walk together.")
+    force_factor_coherence: float = option(2.0, ge=0.0, meaning="Weight of the pull to the others of the list.")
+    force_factor_group_repulsion: float = option(1.0, ge=0.0, meaning="Weight of the push from those too near.")
+    group_repulsion_threshold: float | None = option(
+        None, ge=0.0, unit="m", meaning="A member closer than this is too near; default: when the bodies touch."
+    )
+    force_factor_gaze: float = option(3.0, ge=0.0, meaning="Weight of the force that keeps the others in sight.")
+    gaze_vision_angle: float = option(
+        90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

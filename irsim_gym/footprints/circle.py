@@ -27,16 +27,13 @@ class Circle:
     only_kernels: ClassVar[bool] = True
     keeps_symmetry: ClassVar[bool] = True
 
-    radius: float = option(0.2, gt=0.0, unit="m")
-    """Radius."""
-    center: tuple[float, float] = option((0.0, 0.0), unit="m")
-    """Centre in the body frame."""
-    random_shape: bool = option(False)
-    """Draw the radius from radius_range at each reset."""
-    radius_range: tuple[float, float] = option((0.1, 1.0), unit="m")
-    """Bounds of a random radius."""
-    wheelbase: float | None = option(None, ge=0.0, unit="m")
-    """Axle distance; the disc moves forward by half of it."""
+    radius: float = option(0.2, gt=0.0, unit="m", meaning="Radius.")
+    center: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Centre in the body frame.")
+    random_shape: bool = option(False, meaning="Draw the radius from radius_range at each reset.")
+    radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random radius.")
+    wheelbase: float | None = option(
+        None, ge=0.0, unit="m", meaning="Axle distance; the disc moves forward by half of it."
+    )
 
     @property
     def is_random(self) -> bool:

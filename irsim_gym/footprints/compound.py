@@ -24,20 +24,17 @@ ROUND = 128
 class CompoundPart:
     """One part of a compound."""
 
-    name: Literal["circle", "rectangle", "polygon"] = option()
-    """Shape of the part."""
-    pose: tuple[float, float, float] = option((0.0, 0.0, 0.0), unit="m, m, rad")
-    """Pose of the part in the body frame."""
-    radius: float | None = option(None, gt=0.0, unit="m")
-    """Radius of a circle; by default 0.2."""
-    center: tuple[float, float] | None = option(None, unit="m")
-    """Centre of a circle; by default the origin."""
-    length: float | None = option(None, gt=0.0, unit="m")
-    """Size of a rectangle along its x axis; by default 1."""
-    width: float | None = option(None, gt=0.0, unit="m")
-    """Size of a rectangle along its y axis; by default 1."""
-    vertices: tuple[tuple[float, float], ...] | None = option(None, min_length=3, unit="m")
-    """Corners of a polygon in the part's frame; required there."""
+    name: Literal["circle", "rectangle", "polygon"] = option(meaning="Shape of the part.")
+    pose: tuple[float, float, float] = option(
+        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Pose of the part in the body frame."
+    )
+    radius: float | None = option(None, gt=0.0, unit="m", meaning="Radius of a circle; by default 0.2.")
+    center: tuple[float, float] | None = option(None, unit="m", meaning="Centre of a circle; by default the origin.")
+    length: float | None = option(None, gt=0.0, unit="m", meaning="Size of a rectangle along its x axis; by default 1.")
+    width: float | None = option(None, gt=0.0, unit="m", meaning="Size of a rectangle along its y axis; by default 1.")
+    vertices: tuple[tuple[float, float], ...] | None = option(
+        None, min_length=3, unit="m", meaning="Corners of a polygon in the part's frame; required there."
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
@@ -83,10 +80,8 @@ class Compound:
 
     is_random: ClassVar[bool] = False
 
-    parts: tuple[CompoundPart, ...] = option(min_length=1)
-    """The shapes."""
-    wheelbase: float | None = option(None, ge=0.0, unit="m")
-    """Axle distance; does not move the outline."""
+    parts: tuple[CompoundPart, ...] = option(min_length=1, meaning="The shapes.")
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; does not move the outline.")
 
     def outline(self) -> Outline:
         """Return the boundary of the polygonal parts, the area to the left of it, and the discs."""

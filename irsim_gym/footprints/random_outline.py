@@ -28,26 +28,28 @@ MOST_VERTICES = 1000
 class VertexShape:
     """What polygons and linestrings have in common: vertices that are given, or drawn as IR-SIM draws them."""
 
-    vertices: tuple[tuple[float, float], ...] | None = option(None, min_length=2, unit="m")
-    """Points in the body frame; needed unless random_shape is true."""
-    random_shape: bool = option(False)
-    """Draw the outline at each reset."""
-    is_convex: bool = option(False)
-    """Make random outlines convex."""
-    wheelbase: float | None = option(None, ge=0.0, unit="m")
-    """Axle distance; does not move the outline."""
-    number: int = option(1)
-    """Outlines per body: always 1; use the entry's number for several bodies."""
-    center_range: tuple[float, float, float, float] = option((0.0, 0.0, 0.0, 0.0), unit="m")
-    """Bounds of a random outline's centre: x, y, x, y."""
-    avg_radius_range: tuple[float, float] = option((0.1, 1.0), unit="m")
-    """Bounds of the mean distance of vertices from the centre."""
-    irregularity_range: tuple[float, float] = option((0.0, 1.0))
-    """Bounds of the irregularity of the angles between vertices, 0 to 1."""
-    spikeyness_range: tuple[float, float] = option((0.0, 1.0))
-    """Bounds of the relative deviation of the vertices' distances, 0 to 1."""
-    num_vertices_range: tuple[int, int] = option((4, 10))
-    """Bounds of the number of vertices, the upper one excluded."""
+    vertices: tuple[tuple[float, float], ...] | None = option(
+        None, min_length=2, unit="m", meaning="Points in the body frame; needed unless random_shape is true."
+    )
+    random_shape: bool = option(False, meaning="Draw the outline at each reset.")
+    is_convex: bool = option(False, meaning="Make random outlines convex.")
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; does not move the outline.")
+    number: int = option(1, meaning="Outlines per body: always 1; use the entry's number for several bodies.")
+    center_range: tuple[float, float, float, float] = option(
+        (0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y."
+    )
+    avg_radius_range: tuple[float, float] = option(
+        (0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre."
+    )
+    irregularity_range: tuple[float, float] = option(
+        (0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1."
+    )
+    spikeyness_range: tuple[float, float] = option(
+        (0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1."
+    )
+    num_vertices_range: tuple[int, int] = option(
+        (4, 10), meaning="Bounds of the number of vertices, the upper one excluded."
+    )
 
     @property
     def is_random(self) -> bool:

@@ -27,18 +27,12 @@ class Rectangle:
     only_kernels: ClassVar[bool] = True
     keeps_symmetry: ClassVar[bool] = True
 
-    length: float = option(1.0, gt=0.0, unit="m")
-    """Size along the body's x axis."""
-    width: float = option(1.0, gt=0.0, unit="m")
-    """Size along the body's y axis."""
-    wheelbase: float | None = option(None, ge=0.0, unit="m")
-    """Axle distance; the origin is on the rear axle."""
-    random_shape: bool = option(False)
-    """Draw length and width at each reset."""
-    length_range: tuple[float, float] = option((0.1, 1.0), unit="m")
-    """Bounds of a random length."""
-    width_range: tuple[float, float] = option((0.1, 1.0), unit="m")
-    """Bounds of a random width."""
+    length: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's x axis.")
+    width: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's y axis.")
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; the origin is on the rear axle.")
+    random_shape: bool = option(False, meaning="Draw length and width at each reset.")
+    length_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random length.")
+    width_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random width.")
 
     @property
     def is_random(self) -> bool:

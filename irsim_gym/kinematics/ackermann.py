@@ -38,15 +38,14 @@ class Ackermann:
     drive: ClassVar[int] = ACKERMANN
     needs_wheelbase: ClassVar[bool] = True
 
-    mode: Literal["steer", "angular"] = option("steer")
-    """Second component: steering angle, or yaw rate."""
-    wheelbase: float | None = option(None, gt=0.0, unit="m")
-    """Axle distance; default: the shape's."""
-    noise: bool = option(False)
-    """Add motion noise."""
-    alpha: tuple[float, float, float, float] = option((0.03, 0.0, 0.0, 0.03))
-    """Motion noise: variances of the first component per square of the first and of the second, then the same for the
-    second."""
+    mode: Literal["steer", "angular"] = option("steer", meaning="Second component: steering angle, or yaw rate.")
+    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; default: the shape's.")
+    noise: bool = option(False, meaning="Add motion noise.")
+    alpha: tuple[float, float, float, float] = option(
+        (0.03, 0.0, 0.0, 0.03),
+        meaning="Motion noise: variances of the first component per square of the first and of the second, then "
+        "the same for the second.",
+    )
 
     @property
     def command_words(self) -> tuple[tuple[str, str], ...]:

@@ -32,10 +32,11 @@ class Differential:
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = DIFFERENTIAL
 
-    noise: bool = option(False)
-    """Add motion noise."""
-    alpha: tuple[float, float, float, float] = option((0.03, 0.0, 0.0, 0.03))
-    """Motion noise: variances of v per v^2 and w^2, then of w per v^2 and w^2."""
+    noise: bool = option(False, meaning="Add motion noise.")
+    alpha: tuple[float, float, float, float] = option(
+        (0.03, 0.0, 0.0, 0.03),
+        meaning="Motion noise: variances of v per v^2 and w^2, then of w per v^2 and w^2.",
+    )
 
     @property
     def variances(self) -> Variances:

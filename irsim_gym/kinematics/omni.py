@@ -27,14 +27,21 @@ class Omni:
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 3
 
-    frame: Literal["world", "body"] = option("world")
-    """Frame of the command: the world's, or the body's (forward and left)."""
-    bound: Literal["components", "speed"] = option("components")
-    """What vel_max limits: each component, or the speed in any direction too, to its first number."""
-    noise: bool = option(False)
-    """Add motion noise, also at rest."""
-    alpha: tuple[float, ...] = option((0.03, 0.03), min_length=2, max_length=4, unit="m2/s2")
-    """Variances of the motion noise of the two components; of four numbers, the first and the last count."""
+    frame: Literal["world", "body"] = option(
+        "world", meaning="Frame of the command: the world's, or the body's (forward and left)."
+    )
+    bound: Literal["components", "speed"] = option(
+        "components",
+        meaning="What vel_max limits: each component, or the speed in any direction too, to its first number.",
+    )
+    noise: bool = option(False, meaning="Add motion noise, also at rest.")
+    alpha: tuple[float, ...] = option(
+        (0.03, 0.03),
+        min_length=2,
+        max_length=4,
+        unit="m2/s2",
+        meaning="Variances of the motion noise of the two components; of four numbers, the first and the last count.",
+    )
 
     @property
     def command_words(self) -> tuple[tuple[str, str], ...]:

@@ -33,10 +33,12 @@ class OmniAngular:
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = OMNI_ANGULAR
 
-    noise: bool = option(False)
-    """Add motion noise, also at rest."""
-    alpha: tuple[float, float, float] = option((0.03, 0.03, 0.03), unit="m2/s2, m2/s2, rad2/s2")
-    """Variances of the motion noise of the three components."""
+    noise: bool = option(False, meaning="Add motion noise, also at rest.")
+    alpha: tuple[float, float, float] = option(
+        (0.03, 0.03, 0.03),
+        unit="m2/s2, m2/s2, rad2/s2",
+        meaning="Variances of the motion noise of the three components.",
+    )
 
     @property
     def variances(self) -> Variances:

@@ -24,8 +24,7 @@ class ArrayMap:
 
     is_random: ClassVar[bool] = False
 
-    cells: Any = option()
-    """One list per column, from the left; each lists the rows from the bottom."""
+    cells: Any = option(meaning="One list per column, from the left; each lists the rows from the bottom.")
     disc_radius: float | None = disc_option()
 
     def outline(self) -> Outline:

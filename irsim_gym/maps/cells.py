@@ -26,8 +26,9 @@ class RandomCells(LevelMap):
     is_random: ClassVar[bool] = True
     only_kernels: ClassVar[bool] = True
 
-    fill: tuple[float, float] = option((0.0, 0.6))
-    """Bounds of the share of occupied cells, those of the border not counted, 0 to 1."""
+    fill: tuple[float, float] = option(
+        (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

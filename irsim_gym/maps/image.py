@@ -29,9 +29,11 @@ class ImageMap:
 
     is_random: ClassVar[bool] = False
 
-    path: str = option(min_length=1)
-    """Image file (PNG, JPEG, ...). It is looked for as given, beside the scenario, among the shipped maps, then among
-    those of an installed ir-sim."""
+    path: str = option(
+        min_length=1,
+        meaning="Image file (PNG, JPEG, ...). It is looked for as given, beside the scenario, among the shipped maps, "
+        "then among those of an installed ir-sim.",
+    )
     disc_radius: float | None = disc_option()
 
     def outline(self) -> Outline:

@@ -68,10 +68,10 @@ def disc_option() -> Any:
 class LevelMap:
     """The base class of maps that are drawn for each level."""
 
-    resolution: float = option(1.0, gt=0.0, unit="m")
-    """Cell size, rounded so that whole cells fill the world; at most 65536 cells."""
-    border: bool = option(True)
-    """Occupy the outermost cells in every level."""
+    resolution: float = option(
+        1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
+    )
+    border: bool = option(True, meaning="Occupy the outermost cells in every level.")
     disc_radius: float | None = disc_option()
 
     def outline(self) -> Outline:

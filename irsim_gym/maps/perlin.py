@@ -25,21 +25,14 @@ class PerlinMap:
 
     only_kernels: ClassVar[bool] = True
 
-    resolution: float = option(gt=0.0, unit="m")
-    """Cell size, rounded so that whole cells fill the world."""
-    complexity: float = option(0.142857, gt=0.0)
-    """Bumps per cell: larger is finer."""
-    fill: float = option(0.38, ge=0.0, le=1.0)
-    """Share of occupied cells."""
-    fractal: int = option(1, ge=1, le=32)
-    """Number of octaves, each twice as fine as the previous one."""
-    attenuation: float = option(0.5, gt=0.0)
-    """Octave k has this weight divided by k + 1."""
-    seed: int | None = option(None, ge=0)
-    """Seed of the map; default: derived from the world's name."""
+    resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
+    complexity: float = option(0.142857, gt=0.0, meaning="Bumps per cell: larger is finer.")
+    fill: float = option(0.38, ge=0.0, le=1.0, meaning="Share of occupied cells.")
+    fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the previous one.")
+    attenuation: float = option(0.5, gt=0.0, meaning="Octave k has this weight divided by k + 1.")
+    seed: int | None = option(None, ge=0, meaning="Seed of the map; default: derived from the world's name.")
     disc_radius: float | None = disc_option()
-    per_level: bool = option(False)
-    """Draw another map in each level; at most 65536 cells."""
+    per_level: bool = option(False, meaning="Draw another map in each level; at most 65536 cells.")
 
     @property
     def is_random(self) -> bool:

@@ -34,14 +34,10 @@ class RoomsMap(LevelMap):
     is_random: ClassVar[bool] = True
     only_kernels: ClassVar[bool] = True
 
-    number: tuple[int, int] = option((4, 9))
-    """Bounds of the number of rooms, as far as they fit."""
-    door: tuple[float, float] = option((1.0, 1.0), unit="m")
-    """Bounds of a door's width, in whole cells."""
-    least_side: float = option(2.0, gt=0.0, unit="m")
-    """Minimum width of a room, in whole cells."""
-    loops: float = option(0.0, ge=0.0, le=1.0)
-    """Probability that a wall has a second door."""
+    number: tuple[int, int] = option((4, 9), meaning="Bounds of the number of rooms, as far as they fit.")
+    door: tuple[float, float] = option((1.0, 1.0), unit="m", meaning="Bounds of a door's width, in whole cells.")
+    least_side: float = option(2.0, gt=0.0, unit="m", meaning="Minimum width of a room, in whole cells.")
+    loops: float = option(0.0, ge=0.0, le=1.0, meaning="Probability that a wall has a second door.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -64,23 +64,31 @@ class CirclePlacement:
     ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = True
 
-    center: tuple[float, float] | tuple[float, float, float] | None = option(None, unit="m")
-    """Centre; by default the centre of the world."""
-    radius: float | None = option(None, gt=0.0, unit="m")
-    """Radius; by default half of the world's shorter side, less 0.5 m."""
-    jitter: float = option(
-        0.0, ge=0.0, unit="m", consequence="Large on a full circle: levels take long to draw, or cannot be."
+    center: tuple[float, float] | tuple[float, float, float] | None = option(
+        None, unit="m", meaning="Centre; by default the centre of the world."
     )
-    """Each start and each goal is shifted in each level: drawn evenly from a disc of this radius."""
-    turn: bool = option(False)
-    """Turn the whole circle by another angle in each level."""
-    scatter: bool = option(False)
-    """Each level draws the places on the circle; by default they are evenly spaced."""
-    mirror: bool = option(False)
-    """Each goal is the mirror image of its start about the centre, and no body starts at another's goal; by default,
-    goals are shifted independently."""
-    clearance: float = option(0.05, ge=0.0, unit="m")
-    """Minimum distance between outlines, for shifted or scattered starts and goals."""
+    radius: float | None = option(
+        None, gt=0.0, unit="m", meaning="Radius; by default half of the world's shorter side, less 0.5 m."
+    )
+    jitter: float = option(
+        0.0,
+        ge=0.0,
+        unit="m",
+        meaning="Each start and each goal is shifted in each level: drawn evenly from a disc of this radius.",
+        consequence="Large on a full circle: levels take long to draw, or cannot be.",
+    )
+    turn: bool = option(False, meaning="Turn the whole circle by another angle in each level.")
+    scatter: bool = option(
+        False, meaning="Each level draws the places on the circle; by default they are evenly spaced."
+    )
+    mirror: bool = option(
+        False,
+        meaning="Each goal is the mirror image of its start about the centre, and no body starts at another's goal; by "
+        "default, goals are shifted independently.",
+    )
+    clearance: float = option(
+        0.05, ge=0.0, unit="m", meaning="Minimum distance between outlines, for shifted or scattered starts and goals."
+    )
 
     @property
     def is_random(self) -> bool:

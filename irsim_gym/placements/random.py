@@ -39,27 +39,43 @@ class RandomPlacement:
     roams: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True
 
-    range_low: tuple[float, float, float] | None = option(None, unit="m, m, rad")
-    """Lower bounds; by default the world drawn in by 0.5 m, and -pi."""
-    range_high: tuple[float, float, float] | None = option(None, unit="m, m, rad")
-    """Upper bounds; by default the world drawn in by 0.5 m, and pi."""
-    goal_low: tuple[float, float, float] | None = option(None, unit="m, m, rad")
-    """Lower bounds of the goals; by default those of the starts."""
-    goal_high: tuple[float, float, float] | None = option(None, unit="m, m, rad")
-    """Upper bounds of the goals; by default those of the starts."""
-    min_distance: float | None = option(None, ge=0.0, unit="m", consequence="As clearance.")
-    """Minimum distance between the origins (and between the goals) of one entry. Default: 1 m, or 0 if there is no room
-    for that."""
+    range_low: tuple[float, float, float] | None = option(
+        None, unit="m, m, rad", meaning="Lower bounds; by default the world drawn in by 0.5 m, and -pi."
+    )
+    range_high: tuple[float, float, float] | None = option(
+        None, unit="m, m, rad", meaning="Upper bounds; by default the world drawn in by 0.5 m, and pi."
+    )
+    goal_low: tuple[float, float, float] | None = option(
+        None, unit="m, m, rad", meaning="Lower bounds of the goals; by default those of the starts."
+    )
+    goal_high: tuple[float, float, float] | None = option(
+        None, unit="m, m, rad", meaning="Upper bounds of the goals; by default those of the starts."
+    )
+    min_distance: float | None = option(
+        None,
+        ge=0.0,
+        unit="m",
+        meaning="Minimum distance between the origins (and between the goals) of one entry. Default: 1 m, or 0 "
+        "if there is no room for that.",
+        consequence="As clearance.",
+    )
     clearance: float = option(
-        0.0, ge=0.0, unit="m", consequence="Large in a full world: levels take long to draw, or cannot be."
+        0.0,
+        ge=0.0,
+        unit="m",
+        meaning="Surface distance kept from everything else.",
+        consequence="Large in a full world: levels take long to draw, or cannot be.",
     )
-    """Surface distance kept from everything else."""
     min_goal_distance: float = option(
-        0.0, ge=0.0, unit="m", consequence="Larger than the world: an error that names the body."
+        0.0,
+        ge=0.0,
+        unit="m",
+        meaning="Minimum distance from start to goal.",
+        consequence="Larger than the world: an error that names the body.",
     )
-    """Minimum distance from start to goal."""
-    reachable: bool = option(False)
-    """Hand out only goals that a disc around the body can reach past the static bodies."""
+    reachable: bool = option(
+        False, meaning="Hand out only goals that a disc around the body can reach past the static bodies."
+    )
     goals: int = goals_option()
     min_way_length: float = length_option("min_way_length")
     max_way_length: float | None = length_option("max_way_length")

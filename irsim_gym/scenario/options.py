@@ -5,10 +5,7 @@ from __future__ import annotations
 import copy
 import copyreg
 import inspect
-import linecache
 import math
-import re
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar, cast, dataclass_transform
 
@@ -25,45 +22,21 @@ REQUIRED: Any = ...
 LARGEST = 1e7
 """Maximum magnitude of a number in a file; much larger ones overflow in products, squares and single precision."""
 
-MOST_LINES = 40
-"""Lines in which an option and the docstring below it end."""
-# A statement, whose further lines are indented or begin with a bracket, and the text below it.
-_DOCUMENTED = re.compile(r'( *)\S.*\n(?:(?:\1 .*|\1[)\]}].*)\n)*\1"""((?:.|\n)*?)"""')
-
 T = TypeVar("T")
 
 
-def option(default: Any = REQUIRED, *, meaning: str = "", unit: str = "", consequence: str = "", **bounds: Any) -> Any:
-    """Declare one option of a class. A docstring below it says what it does.
+def option(default: Any = REQUIRED, *, meaning: str, unit: str = "", consequence: str = "", **bounds: Any) -> Any:
+    """Declare one option.
 
     Args:
         default: Value if the key is not given; ``REQUIRED`` if it must be given.
-        meaning: What the option does, in one sentence, in place of the docstring.
+        meaning: What the option does, in one sentence.
         unit: SI unit without brackets, e.g. ``"m"``.
         consequence: Effect of a bad value that validation cannot detect.
         **bounds: pydantic's constraints: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``allow_inf_nan``, ...
-
-    Raises:
-        TypeError: Neither is there.
     """
     extra: dict[str, Any] = {"unit": unit, "consequence": consequence}
-    caller = sys._getframe(1)
-    lines = linecache.getlines(caller.f_code.co_filename, caller.f_globals)
-    meaning = meaning or _docstring_below(lines, caller.f_lineno)
-    if lines and not meaning:
-        raise TypeError("an option needs a docstring below it, or meaning='...', that says what it does")
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)
-
-
-def _docstring_below(lines: Sequence[str], number: int) -> str:
-    """Return the docstring of the statement that begins in a line of a class, in one line; empty without one.
-
-    Args:
-        lines: Lines of the file.
-        number: Number of the first line, from 1.
-    """
-    found = _DOCUMENTED.match("".join(lines[number - 1 : number + MOST_LINES]))
-    return " ".join(found[2].split()) if found else ""
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(option,))

@@ -47,19 +47,17 @@ Value = bool | int | float | str
 class ParameterSpec:
     """One parameter."""
 
-    default: bool | int | float | str = option()
-    """Value if none is given. It sets the type: a whole number (a number if min, max or a choice is not whole), a
-    number, true or false, or text."""
-    min: float | None = option(None)
-    """Minimum value, for numbers."""
-    max: float | None = option(None)
-    """Maximum value, for numbers."""
-    choices: tuple[bool | int | float | str, ...] | None = option(None, min_length=1)
-    """The allowed values; replaces min and max."""
-    unit: str = option("")
-    """SI unit, for the reader."""
-    meaning: str = option(min_length=1)
-    """What the parameter does, in one sentence; shown in messages."""
+    default: bool | int | float | str = option(
+        meaning="Value if none is given. It sets the type: a whole number (a number if min, max or a choice is "
+        "not whole), a number, true or false, or text."
+    )
+    min: float | None = option(None, meaning="Minimum value, for numbers.")
+    max: float | None = option(None, meaning="Maximum value, for numbers.")
+    choices: tuple[bool | int | float | str, ...] | None = option(
+        None, min_length=1, meaning="The allowed values; replaces min and max."
+    )
+    unit: str = option("", meaning="SI unit, for the reader.")
+    meaning: str = option(min_length=1, meaning="What the parameter does, in one sentence; shown in messages.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of conflicting options."""

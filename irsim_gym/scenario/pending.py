@@ -31,24 +31,19 @@ class PendingBehavior:
     reads_neighbors: ClassVar[bool] = False
     is_known: ClassVar[bool] = False
 
-    wander: bool = option(False)
-    """Draw a new random goal after each arrival."""
-    loop: bool = option(False)
-    """Begin again with the first goal after the last."""
-    range_low: tuple[float, float, float] = option((0.0, 0.0, -math.pi), unit="m, m, rad")
-    """Lower bounds of a wandering body's goals."""
-    range_high: tuple[float, float, float] = option((10.0, 10.0, math.pi), unit="m, m, rad")
-    """Upper bounds of a wandering body's goals."""
-    wander_goals: WanderGoals = option(defaults(WanderGoals))
-    """Where and when it gets its goals."""
-    key: str = option("behavior")
-    """Where it stands: behavior or group_behavior."""
-    where: str = option("")
-    """File and line."""
-    place: tuple[Any, ...] = option(())
-    """Its path."""
-    data: Any = option(None)
-    """What stands there."""
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    range_low: tuple[float, float, float] = option(
+        (0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
+    wander_goals: WanderGoals = option(defaults(WanderGoals), meaning="Where and when it gets its goals.")
+    key: str = option("behavior", meaning="Where it stands: behavior or group_behavior.")
+    where: str = option("", meaning="File and line.")
+    place: tuple[Any, ...] = option((), meaning="Its path.")
+    data: Any = option(None, meaning="What stands there.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of conflicting options."""

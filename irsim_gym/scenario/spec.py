@@ -29,56 +29,69 @@ Coordinate = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 class WorldSpec:
     """The section ``world``."""
 
-    name: str = option("world", min_length=1, max_length=200)
-    """Name of the world; default: the file's name."""
+    name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; default: the file's name.")
     width: float = option(
         10.0,
         gt=0.0,
         le=1e5,
         unit="m",
+        meaning="Size of the world in x.",
         consequence="Only pictures, maps, default placements and left_world use it; bodies may leave the world.",
     )
-    """Size of the world in x."""
-    height: float = option(10.0, gt=0.0, le=1e5, unit="m", consequence="As width.")
-    """Size of the world in y."""
+    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
     step_time: float = option(
         0.1,
         gt=0.0,
         le=100.0,
         unit="s",
+        meaning="Duration of a step.",
         consequence="If large, bodies jump through thin walls and over small goals. If small, runs take longer.",
     )
-    """Duration of a step."""
-    sample_time: float = option(0.1, gt=0.0, unit="s", consequence="If shorter than step_time, every step is a frame.")
-    """Time between frames, rounded to whole steps."""
-    offset: tuple[Coordinate, Coordinate] = option((0.0, 0.0), unit="m", consequence="It does not shift given poses.")
-    """Lower left corner of the world."""
-    control_mode: Literal["auto", "keyboard"] = option("auto")
-    """What drives in irsim_gym.load: behaviours, or the keyboard of a window. No effect on learners."""
+    sample_time: float = option(
+        0.1,
+        gt=0.0,
+        unit="s",
+        meaning="Time between frames, rounded to whole steps.",
+        consequence="If shorter than step_time, every step is a frame.",
+    )
+    offset: tuple[Coordinate, Coordinate] = option(
+        (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="It does not shift given poses."
+    )
+    control_mode: Literal["auto", "keyboard"] = option(
+        "auto", meaning="What drives in irsim_gym.load: behaviours, or the keyboard of a window. No effect on learners."
+    )
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
-        "stop", consequence="With stop, bodies that touch stand still until one of them is removed."
+        "stop",
+        meaning="Which bodies stop at a collision: all, none, or robots only.",
+        consequence="With stop, bodies that touch stand still until one of them is removed.",
     )
-    """Which bodies stop at a collision: all, none, or robots only."""
     collision_check: Literal["step_end", "swept"] = option(
-        "step_end", consequence="With step_end, bodies pass what is thinner than a step is long. swept takes time."
+        "step_end",
+        meaning="Where contacts are looked for: where each step ends, or all along its way (swept).",
+        consequence="With step_end, bodies pass what is thinner than a step is long. swept takes time.",
     )
-    """Where contacts are looked for: where each step ends, or all along its way (swept)."""
-    status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option("None")
-    """Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."""
-    obstacle_map: Any = option(None)
-    """Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind."""
-    mdownsample: int = option(1, ge=1, consequence="Thinner walls may vanish.")
-    """Keep every n-th column and row of the map."""
-    plot: WorldPlot = option(defaults(WorldPlot))
-    """Drawing options of the world."""
-    step_mode: Literal["internal", "external"] = option("internal")
-    """What moves the bodies: the step, or the caller with set_state (external; not for learners)."""
-    fog_map: bool = option(False)
-    """Keep a map of what the robots have seen; it does not affect the simulation."""
-    fog_map_resolution: float | None = option(None, gt=0.0, unit="m")
-    """Cell size of fog_map; default: that of obstacle_map, else 0.1 m."""
-    update: Literal["sequential", "simultaneous"] = option("sequential")
-    """Bodies see earlier ones after their move (sequential), or all before the step (simultaneous)."""
+    status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
+        "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
+    )
+    obstacle_map: Any = option(
+        None, meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind."
+    )
+    mdownsample: int = option(
+        1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
+    )
+    plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
+    step_mode: Literal["internal", "external"] = option(
+        "internal",
+        meaning="What moves the bodies: the step, or the caller with set_state (external; not for learners).",
+    )
+    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it does not affect the simulation.")
+    fog_map_resolution: float | None = option(
+        None, gt=0.0, unit="m", meaning="Cell size of fog_map; default: that of obstacle_map, else 0.1 m."
+    )
+    update: Literal["sequential", "simultaneous"] = option(
+        "sequential",
+        meaning="Bodies see earlier ones after their move (sequential), or all before the step (simultaneous).",
+    )
 
     @property
     def steps_per_sample(self) -> int:
@@ -90,106 +103,134 @@ class WorldSpec:
 class BodyOptions:
     """The keys of an entry of ``robot`` or ``obstacle``."""
 
-    number: int = option(1, ge=0, le=MAX_BODIES, consequence="If they do not fit at random, an error names the body.")
-    """Number of bodies in the entry."""
-    number_range: tuple[int, int] | None = option(None)
-    """Minimum and maximum number of bodies, drawn anew in each level; replaces number."""
-    distribution: Any = option(None)
-    """How starts and goals are chosen; default: as given (manual)."""
-    name: str | None = option(None, min_length=1, max_length=200)
-    """Unique name; default: role and number, such as robot_0."""
-    kinematics: Any = option(None)
-    """The drive; a body without one, or with {name: static}, never moves."""
-    shape: Any = option(None)
-    """The footprint; default: a circle of radius 0.2 m."""
+    number: int = option(
+        1,
+        ge=0,
+        le=MAX_BODIES,
+        meaning="Number of bodies in the entry.",
+        consequence="If they do not fit at random, an error names the body.",
+    )
+    number_range: tuple[int, int] | None = option(
+        None, meaning="Minimum and maximum number of bodies, drawn anew in each level; replaces number."
+    )
+    distribution: Any = option(None, meaning="How starts and goals are chosen; default: as given (manual).")
+    name: str | None = option(
+        None, min_length=1, max_length=200, meaning="Unique name; default: role and number, such as robot_0."
+    )
+    kinematics: Any = option(None, meaning="The drive; a body without one, or with {name: static}, never moves.")
+    shape: Any = option(None, meaning="The footprint; default: a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
         (0.0, 0.0, 0.0),
         min_length=1,
         unit="m, m, rad",
+        meaning="Start pose; missing numbers are 0.",
         consequence="Degrees instead of radians give an arbitrary heading.",
     )
-    """Start pose; missing numbers are 0."""
-    velocity: tuple[float, ...] = option((), unit="m/s or rad/s")
-    """Velocity at the start, in the drive's coordinates; missing numbers are 0."""
+    velocity: tuple[float, ...] = option(
+        (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
+    )
     goal: tuple[tuple[Coordinate, ...], ...] = option(
-        (), unit="m, m, rad", consequence="Without a goal, behaviours stand still and the body never arrives."
+        (),
+        unit="m, m, rad",
+        meaning="[x, y] or [x, y, heading]; for one body also a list of them, in order; for several bodies, see above.",
+        consequence="Without a goal, behaviours stand still and the body never arrives.",
     )
-    """[x, y] or [x, y, heading]; for one body also a list of them, in order; for several bodies, see above."""
-    behavior: Any = option(None)
-    """How the body decides; without one, it stands still unless an agent drives it."""
-    group_behavior: Any = option(None)
-    """How the bodies of a group decide together."""
-    role: Literal["robot", "obstacle"] | None = option(None)
-    """The name of the section; may be left out."""
-    color: str | None = option(None, min_length=1)
-    """Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry its own. Default:
-    green for robots, grey for obstacles."""
-    static: bool = option(False)
-    """The body never moves."""
+    behavior: Any = option(
+        None, meaning="How the body decides; without one, it stands still unless an agent drives it."
+    )
+    group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
+    role: Literal["robot", "obstacle"] | None = option(None, meaning="The name of the section; may be left out.")
+    color: str | None = option(
+        None,
+        min_length=1,
+        meaning="Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry "
+        "its own. Default: green for robots, grey for obstacles.",
+    )
+    static: bool = option(False, meaning="The body never moves.")
     vel_min: tuple[float, ...] | None = option(
-        None, unit="m/s or rad/s", consequence="If above 0, the body cannot stand still."
+        None,
+        unit="m/s or rad/s",
+        meaning="Minimum velocities; default: -1 each.",
+        consequence="If above 0, the body cannot stand still.",
     )
-    """Minimum velocities; default: -1 each."""
     vel_max: tuple[float, ...] | None = option(
         None,
         unit="m/s or rad/s",
+        meaning="Maximum velocities; default: 1 each.",
         consequence="For acker, the second is the largest steering angle [rad]; near pi/2, the car spins.",
     )
-    """Maximum velocities; default: 1 each."""
     acce: tuple[Limit, ...] | None = option(
-        None, unit="m/s2 or rad/s2", consequence="If small, the body cannot brake in time and overshoots its goal."
+        None,
+        unit="m/s2 or rad/s2",
+        meaning="Maximum change of each velocity per second; default: no limit (.inf).",
+        consequence="If small, the body cannot brake in time and overshoots its goal.",
     )
-    """Maximum change of each velocity per second; default: no limit (.inf)."""
-    angle_range: tuple[float, float] = option((-np.pi, np.pi), unit="rad")
-    """Interval that headings wrap into; 2 pi wide."""
+    angle_range: tuple[float, float] = option(
+        (-np.pi, np.pi), unit="rad", meaning="Interval that headings wrap into; 2 pi wide."
+    )
     goal_threshold: float = option(
         0.1,
         ge=0.0,
         unit="m",
+        meaning="The body reaches the goal when it is closer than this.",
         consequence="If smaller than half the distance of a step, the body may jump over the goal; 0 is never reached.",
     )
-    """The body reaches the goal when it is closer than this."""
-    sensors: Any = option(None)
-    """List of sensors."""
+    sensors: Any = option(None, meaning="List of sensors.")
     arrive_mode: Literal["position", "state"] = option(
-        "position", consequence="state adds metres and radians; dash does not turn at the goal, so it seldom arrives."
+        "position",
+        meaning="What must match the goal on arrival.",
+        consequence="state adds metres and radians; dash does not turn at the goal, so it seldom arrives.",
     )
-    """What must match the goal on arrival."""
-    description: str | None = option(None, min_length=1)
-    """Image instead of the outline, seen from above and heading right: a file beside the scenario, an absolute path, or
-    a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; default: car_green.png
-    for a rectangular acker robot without a colour or line style."""
+    description: str | None = option(
+        None,
+        min_length=1,
+        meaning="Image instead of the outline, seen from above and heading right: a file beside the scenario, an "
+        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, "
+        "diff_robot1.png; default: car_green.png for a rectangular acker robot without a colour or line "
+        "style.",
+    )
     group: int | None = option(
-        None, ge=0, consequence="With the same number, a group_behavior drives robots of several entries together."
+        None,
+        ge=0,
+        meaning="Number of the group; default: one per entry.",
+        consequence="With the same number, a group_behavior drives robots of several entries together.",
     )
-    """Number of the group; default: one per entry."""
-    group_name: str | None = option(None, min_length=1)
-    """Name of the group; default: role_group."""
+    group_name: str | None = option(None, min_length=1, meaning="Name of the group; default: role_group.")
     unobstructed: bool = option(
-        False, consequence="The body drives through everything, and everything drives through it."
+        False,
+        meaning="Collisions and sensors ignore the body; rvo, sfm and Python functions still see it.",
+        consequence="The body drives through everything, and everything drives through it.",
     )
-    """Collisions and sensors ignore the body; rvo, sfm and Python functions still see it."""
     seen_by: tuple[str, ...] | None = option(
-        None, consequence="Others walk into a body that they do not see. Sensors and observations are not concerned."
+        None,
+        meaning="Whose behaviours see the body: all (default), or a list of roles, names and group names; [] for none.",
+        consequence="Others walk into a body that they do not see. Sensors and observations are not concerned.",
     )
-    """Whose behaviours see the body: all (default), or a list of roles, names and group names; [] for none."""
-    speed_range: tuple[float, float] | None = option(None, unit="m/s")
-    """Bounds of the maximum speed, which each level draws in place of those of vel_max."""
-    party: int = option(1, ge=1, le=100)
-    """Number of successive bodies of the entry that walk together. A circle places them side by side; if they wander,
-    they share the goals of the first."""
-    unyielding: float = option(0.0, ge=0.0, le=1.0)
-    """Probability, for each body and level, that its behaviour ignores everything that moves."""
-    plot: ObjectPlot = option(defaults(ObjectPlot))
-    """Drawing options of the body."""
-    state_dim: int | None = option(None, ge=1)
-    """Number of state variables; must match the drive."""
-    vel_dim: int | None = option(None, ge=1)
-    """Number of velocities; must match the drive."""
-    fov: float | None = option(None, gt=0.0, unit="rad")
-    """Width of the field of view, at most 2 pi; default: that of the lidar."""
-    fov_radius: float | None = option(None, gt=0.0, unit="m")
-    """Depth of the field of view; default: that of the lidar."""
+    speed_range: tuple[float, float] | None = option(
+        None, unit="m/s", meaning="Bounds of the maximum speed, which each level draws in place of those of vel_max."
+    )
+    party: int = option(
+        1,
+        ge=1,
+        le=100,
+        meaning="Number of successive bodies of the entry that walk together. A circle places them side by side; if "
+        "they wander, they share the goals of the first.",
+    )
+    unyielding: float = option(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        meaning="Probability, for each body and level, that its behaviour ignores everything that moves.",
+    )
+    plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
+    state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")
+    vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; must match the drive.")
+    fov: float | None = option(
+        None, gt=0.0, unit="rad", meaning="Width of the field of view, at most 2 pi; default: that of the lidar."
+    )
+    fov_radius: float | None = option(
+        None, gt=0.0, unit="m", meaning="Depth of the field of view; default: that of the lidar."
+    )
 
 
 @dataclass(frozen=True)

@@ -20,36 +20,21 @@ from irsim_gym.world.state import State
 class FmcwPlot:
     """Drawing options of a scanner with radial velocities; defaults come from the sensor's options."""
 
-    alpha: float | None = option(None, ge=0.0, le=1.0)
-    """Opacity of beams that hit; default: the sensor's."""
-    color: str | None = option(None, min_length=1)
-    """Colour without velocity_color; default: the sensor's."""
-    velocity_color: bool = option(True)
-    """Colour the beams by their radial velocity."""
-    velocity_color_max: float = option(2.0, gt=0.0, unit="m/s")
-    """Speed with the full colour."""
-    velocity_linewidth: float = option(1.2, ge=0.0, unit="point")
-    """Line width of beams that hit."""
-    no_hit_linewidth: float = option(0.8, ge=0.0, unit="point")
-    """Line width of other beams."""
-    no_hit_alpha: float = option(0.1, ge=0.0, le=1.0)
-    """Opacity of other beams."""
-    show_velocity_markers: bool = option(True)
-    """Mark the points that beams hit."""
-    velocity_marker_size: float = option(12.0, ge=0.0, unit="point^2")
-    """Area of these marks."""
-    velocity_marker_edge_color: str = option("black", min_length=1)
-    """Edge colour of these marks."""
-    velocity_marker_edge_width: float = option(0.4, ge=0.0, unit="point")
-    """Edge width of these marks."""
-    zero_velocity_color: str = option("#56B4E9", min_length=1)
-    """Colour for zero velocity."""
-    positive_velocity_color: str = option("#CC3311", min_length=1)
-    """Colour for increasing range."""
-    negative_velocity_color: str = option("#0072B2", min_length=1)
-    """Colour for decreasing range."""
-    no_hit_color: str = option("lightgray", min_length=1)
-    """Colour of other beams."""
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; default: the sensor's.")
+    color: str | None = option(None, min_length=1, meaning="Colour without velocity_color; default: the sensor's.")
+    velocity_color: bool = option(True, meaning="Colour the beams by their radial velocity.")
+    velocity_color_max: float = option(2.0, gt=0.0, unit="m/s", meaning="Speed with the full colour.")
+    velocity_linewidth: float = option(1.2, ge=0.0, unit="point", meaning="Line width of beams that hit.")
+    no_hit_linewidth: float = option(0.8, ge=0.0, unit="point", meaning="Line width of other beams.")
+    no_hit_alpha: float = option(0.1, ge=0.0, le=1.0, meaning="Opacity of other beams.")
+    show_velocity_markers: bool = option(True, meaning="Mark the points that beams hit.")
+    velocity_marker_size: float = option(12.0, ge=0.0, unit="point^2", meaning="Area of these marks.")
+    velocity_marker_edge_color: str = option("black", min_length=1, meaning="Edge colour of these marks.")
+    velocity_marker_edge_width: float = option(0.4, ge=0.0, unit="point", meaning="Edge width of these marks.")
+    zero_velocity_color: str = option("#56B4E9", min_length=1, meaning="Colour for zero velocity.")
+    positive_velocity_color: str = option("#CC3311", min_length=1, meaning="Colour for increasing range.")
+    negative_velocity_color: str = option("#0072B2", min_length=1, meaning="Colour for decreasing range.")
+    no_hit_color: str = option("lightgray", min_length=1, meaning="Colour of other beams.")
 
 
 @kind
@@ -63,34 +48,38 @@ class FmcwLidar2D:
     only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
 
-    number: int = option(100, ge=1, le=100_000)
-    """Number of beams."""
-    angle_range: float = option(np.pi, ge=0.0, unit="rad")
-    """Angle between first and last beam; at most 2 pi, where both look the same way."""
-    range_min: float = option(0.0, ge=0.0, unit="m")
-    """Shorter ranges are reported as this value and marked invalid."""
-    range_max: float = option(10.0, gt=0.0, unit="m")
-    """Maximum range; a beam that hits nothing reports this."""
-    scan_time: float = option(0.1, gt=0.0, unit="s")
-    """Duration of a scan; for information only."""
-    noise: bool = option(False)
-    """Add noise to ranges and directions; beams that hit nothing keep their range."""
-    std: float = option(0.2, ge=0.0, unit="m")
-    """Standard deviation of the range noise."""
-    angle_std: float = option(0.02, ge=0.0, unit="rad")
-    """With noise, standard deviation of the directions; reported angles do not change."""
-    velocity_noise_std: float = option(0.0, ge=0.0, unit="m/s")
-    """Standard deviation of the velocity noise; applies also with noise: false."""
-    motion_compensate: bool = option(False)
-    """Subtract the sensor's own motion from the velocities."""
-    offset: tuple[float, float, float] = option((0.0, 0.0, 0.0), unit="m, m, rad")
-    """Mount pose in the body frame."""
-    alpha: float | None = option(None, ge=0.0, le=1.0)
-    """Opacity of beams that hit; default: 1, or 0.3 without velocity_color."""
-    color: str = option("#F97316", min_length=1)
-    """Colour of the beams without velocity_color."""
-    plot: FmcwPlot = option(defaults(FmcwPlot))
-    """Drawing options of the sensor."""
+    number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
+    angle_range: float = option(
+        np.pi,
+        ge=0.0,
+        unit="rad",
+        meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
+    )
+    range_min: float = option(
+        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
+    )
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Maximum range; a beam that hits nothing reports this.")
+    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
+    noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
+    std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
+    angle_std: float = option(
+        0.02,
+        ge=0.0,
+        unit="rad",
+        meaning="With noise, standard deviation of the directions; reported angles do not change.",
+    )
+    velocity_noise_std: float = option(
+        0.0, ge=0.0, unit="m/s", meaning="Standard deviation of the velocity noise; applies also with noise: false."
+    )
+    motion_compensate: bool = option(False, meaning="Subtract the sensor's own motion from the velocities.")
+    offset: tuple[float, float, float] = option(
+        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
+    )
+    alpha: float | None = option(
+        None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; default: 1, or 0.3 without velocity_color."
+    )
+    color: str = option("#F97316", min_length=1, meaning="Colour of the beams without velocity_color.")
+    plot: FmcwPlot = option(defaults(FmcwPlot), meaning="Drawing options of the sensor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -20,10 +20,8 @@ from irsim_gym.world.state import State
 class LidarPlot:
     """Drawing options of a range sensor; defaults come from the sensor's options."""
 
-    alpha: float | None = option(None, ge=0.0, le=1.0)
-    """Opacity of the beams; default: the sensor's."""
-    color: str | None = option(None, min_length=1)
-    """Colour of the beams; default: the sensor's."""
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the beams; default: the sensor's.")
+    color: str | None = option(None, min_length=1, meaning="Colour of the beams; default: the sensor's.")
 
 
 @kind
@@ -34,33 +32,45 @@ class Lidar2D:
     reading: ClassVar[str] = "ranges"
 
     number: int = option(
-        100, ge=1, le=100_000, consequence="If large, steps take longer. If small, beams miss thin things."
+        100,
+        ge=1,
+        le=100_000,
+        meaning="Number of beams.",
+        consequence="If large, steps take longer. If small, beams miss thin things.",
     )
-    """Number of beams."""
-    angle_range: float = option(np.pi, ge=0.0, unit="rad", consequence="Degrees instead of radians give a full turn.")
-    """Angle between first and last beam; at most 2 pi, where both look the same way."""
-    range_min: float = option(0.0, ge=0.0, unit="m")
-    """Shorter ranges are reported as this value and marked invalid."""
-    range_max: float = option(10.0, gt=0.0, unit="m")
-    """Maximum range; a beam that hits nothing reports this."""
-    scan_time: float = option(0.1, gt=0.0, unit="s")
-    """Duration of a scan; for information only."""
-    noise: bool = option(False)
-    """Add noise to ranges and directions; beams that hit nothing keep their range."""
-    std: float = option(0.2, ge=0.0, unit="m", consequence="If as large as range_max, ranges are useless.")
-    """Standard deviation of the range noise."""
-    angle_std: float = option(0.02, ge=0.0, unit="rad")
-    """With noise, standard deviation of the directions; reported angles do not change."""
-    offset: tuple[float, float, float] = option((0.0, 0.0, 0.0), unit="m, m, rad")
-    """Mount pose in the body frame."""
-    alpha: float = option(0.3, ge=0.0, le=1.0)
-    """Opacity of the drawn beams."""
-    color: str = option("#F97316", min_length=1)
-    """Colour of the drawn beams."""
-    has_velocity: bool = option(False)
-    """Report the velocity of what each beam hits, in the world frame."""
-    plot: LidarPlot | None = option(None)
-    """Drawing options of the sensor."""
+    angle_range: float = option(
+        np.pi,
+        ge=0.0,
+        unit="rad",
+        meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
+        consequence="Degrees instead of radians give a full turn.",
+    )
+    range_min: float = option(
+        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
+    )
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Maximum range; a beam that hits nothing reports this.")
+    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
+    noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
+    std: float = option(
+        0.2,
+        ge=0.0,
+        unit="m",
+        meaning="Standard deviation of the range noise.",
+        consequence="If as large as range_max, ranges are useless.",
+    )
+    angle_std: float = option(
+        0.02,
+        ge=0.0,
+        unit="rad",
+        meaning="With noise, standard deviation of the directions; reported angles do not change.",
+    )
+    offset: tuple[float, float, float] = option(
+        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
+    )
+    alpha: float = option(0.3, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
+    color: str = option("#F97316", min_length=1, meaning="Colour of the drawn beams.")
+    has_velocity: bool = option(False, meaning="Report the velocity of what each beam hits, in the world frame.")
+    plot: LidarPlot | None = option(None, meaning="Drawing options of the sensor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -19,8 +19,7 @@ from irsim_gym.engine import compile
 from irsim_gym.errors import IrsimGymError, Problem, ScenarioWarning
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.notes import notes
-from irsim_gym.scenario.option_tables import MARKER, markdown, option_rows, rewritten
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.option_tables import MARKER, markdown, rewritten
 from irsim_gym.tasks import load_task
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -247,35 +246,3 @@ def test_the_page_names_each_difference(monkeypatch: pytest.MonkeyPatch) -> None
     rows = [f"| `{name}` | {one.theirs} | {one.ours} | {one.why} |" for name, one in decisions.items()]
     missing = [row for row in rows if row not in page]
     assert not missing, "add to docs/differences.md:\n" + "\n".join(missing)
-
-
-@kind
-class Documented:
-    """Options that say in three ways what they do."""
-
-    near: float = option(1.0)
-    """A distance,
-    in two lines."""
-    far: float = option(
-        2.0,
-        unit="m",
-        consequence="Nothing is seen, "
-        "if it is small.",
-    )  # fmt: skip
-    """Another distance."""
-    named: float = option(3.0, meaning="Given as a keyword.")
-
-
-def test_the_docstring_below_an_option_says_what_it_does() -> None:
-    meanings = {row.key: row.meaning for row in option_rows(Documented)}
-    assert meanings == {
-        "near": "A distance, in two lines.",
-        "far": "Another distance.",
-        "named": "Given as a keyword.",
-    }
-    with pytest.raises(TypeError, match="an option needs a docstring below it"):
-
-        class Mute:
-            near: float = option(1.0)
-            far: float = option(2.0)
-            """Another distance."""
