@@ -15,6 +15,7 @@ import shutil
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -77,6 +78,19 @@ def json_object(file: Path) -> dict[str, Any]:
         ValueError: The file holds something else.
     """
     return json_text(file.read_text(encoding="utf-8"))
+
+
+@cache
+def word_tables(file: Path) -> dict[str, dict[str, str]]:
+    """Return the tables of a file of this package, each from names to what is said of them.
+
+    Args:
+        file: A JSON file of tables, each from what is said to the names that it is said of, with spaces between.
+    """
+    tables = json_object(file)
+    return {
+        key: {name: text for text, names in table.items() for name in names.split()} for key, table in tables.items()
+    }
 
 
 def checked(made: T) -> T:

@@ -73,7 +73,7 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
         assert (f"irsim_gym/shelf/{source.name}" in names) is not is_left_out
     for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():
         assert f"irsim_gym/render/page/{source.name}" in names
-    assert "irsim_gym/py.typed" in names
+    assert {"irsim_gym/py.typed", "irsim_gym/world/irsim_names.json", "irsim_gym/scenario/keywords.json"} <= set(names)
     assert [name for name in names if name.endswith("licenses/LICENSE")]
     strangers = [name for name in names if not name.startswith(("irsim_gym/", "irsim_gym-"))]
     assert not strangers

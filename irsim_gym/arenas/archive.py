@@ -9,8 +9,8 @@ from typing import Any
 
 from irsim_gym.arenas.board import Row
 from irsim_gym.errors import IrsimGymError, UnreadableFileError
-from irsim_gym.evaluation.tables import check_levels, plain, read_episodes, write_episodes, write_json
-from irsim_gym.evaluation.team_tables import read_agents, write_agents, write_levels
+from irsim_gym.evaluation.tables import check_levels, plain, read_episodes, write_json
+from irsim_gym.evaluation.team_tables import read_agents, write_levels, write_rows
 from irsim_gym.outside_files import json_object, reading, remove
 from irsim_gym.scenario.messages import show
 
@@ -82,13 +82,13 @@ class Archive:
     def keep(self, name: str, rows: Sequence[Row]) -> None:
         """Write the rows of a finished policy."""
         path = self.folder / PARTS / f"{len(self._parts()):04d}.csv"
-        self._write(path, {name: rows})
+        write_rows(path, {name: rows})
         self.rows |= self._read(path)
 
     def finish(self, names: Sequence[str], summary: Mapping[str, object]) -> None:
         """Write the rows of all policies as one file, and the summary."""
         self.rows = {name: self.rows[name] for name in names}
-        self._write(self.folder / EPISODES, self.rows)
+        write_rows(self.folder / EPISODES, self.rows)
         if self.team:
             write_levels(self.folder / LEVELS, self.rows)
         write_json(self.folder / SUMMARY, {"finished": True, **summary})
@@ -105,12 +105,6 @@ class Archive:
         rows |= read_agents(path, self.limit) if self.team else read_episodes(path)
         check_levels(path, rows, self.levels)
         return rows
-
-    def _write(self, path: Path, rows: Mapping[str, Sequence[Any]]) -> None:
-        if self.team:
-            write_agents(path, rows)
-        else:
-            write_episodes(path, rows)
 
 
 def holds_arena(folder: Path) -> bool:

@@ -12,31 +12,28 @@ from rich.console import Console
 from irsim_gym import __version__
 from irsim_gym.arenas.archive import PAGE, TABLE, Archive, holds_arena
 from irsim_gym.arenas.board import Board
-from irsim_gym.arenas.entrants import Entrant, load_entrants
+from irsim_gym.arenas.entrants import Entrant, load_entrants, place_of
 from irsim_gym.arenas.page_data import page_data
 from irsim_gym.arenas.page_file import write_page
 from irsim_gym.arenas.shown_episodes import choose_episodes, record_episodes
 from irsim_gym.arenas.standings import Standings, stand
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.progress_bars import progress_bar
-from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import table_text, write_text
-from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.played import played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import conditions, make_episodes, team_conditions
+from irsim_gym.training.evaluate import WORLDS, play_policies
 from irsim_gym.training.fitting import check_policies, report_perceptions
 from irsim_gym.training.folders import has_results
 from irsim_gym.training.policies import Source, policy_names
 from irsim_gym.training.run import machine
 from irsim_gym.training.snapshot import snapshot_of
 
-WORLDS = 128
 REPLAYS = 200
 
 
@@ -122,14 +119,7 @@ class Contest:
     """
 
     def __init__(
-        self,
-        entrants: Sequence[Entrant],
-        episodes: Episodes,
-        folder: Path,
-        levels: int,
-        split: str,
-        *,
-        team: bool,
+        self, entrants: Sequence[Entrant], episodes: Episodes, folder: Path, levels: int, split: str, *, team: bool
     ) -> None:
         self.entrants, self.episodes, self.levels, self.split = entrants, episodes, levels, split
         self.team, self.worlds = team, Perceived(episodes)
@@ -150,8 +140,8 @@ class Contest:
         scenario = self.episodes.simulation.scenario
         return {
             "scenario": scenario.label,
-            "source": _named(source),
-            "task": _named(task),
+            "source": place_of(source),
+            "task": place_of(task),
             "scenario_sha256": snapshot_of(scenario, task).digest,
             "split": self.split,
             "levels": self.levels,
@@ -182,21 +172,10 @@ class Contest:
 
     def _play(self, console: Console | None) -> None:
         """Play all policies that have not finished, one after another."""
-        optima, waiting = Optima(self.split), [name for name in self.players if name not in self.archive.rows]
-        evaluation: Any = evaluate_team if self.team else evaluate
-        with progress_bar(console) as bar:
-            line = bar.add_task("playing", total=len(waiting) * self.levels)
-            for name in waiting:
-                bar.update(line, description=name)
-                rows = evaluation(
-                    self.players[name],
-                    self.worlds.of(self.players[name]),
-                    self.levels,
-                    self.split,
-                    optima=optima,
-                    on_episodes=lambda count: bar.advance(line, count),
-                )
-                self.archive.keep(name, rows)
+        waiting = {name: policy for name, policy in self.players.items() if name not in self.archive.rows}
+        played = play_policies(waiting, self.worlds, self.levels, self.split, team=self.team, console=console)
+        for name, rows in played:
+            self.archive.keep(name, rows)
 
     def _write_page(self, found: Arena, summary: Mapping[str, object], replays: int, console: Console | None) -> None:
         """Record some episodes again, and write the page."""
@@ -207,11 +186,6 @@ class Contest:
         with progress_bar(console) as bar:
             track = bar.track(recorded, total=len(chosen), description="recording")
             write_page(found.page, data, board, track, chosen)
-
-
-def _named(source: object) -> str | None:
-    """Return the name or path that something was loaded from; None for plain data."""
-    return str(source) if isinstance(source, str | Path) else None
 
 
 def _place(folder: Path, levels: int, split: str, *, resume: bool, overwrite: bool) -> Path:
@@ -243,13 +217,9 @@ def _entrants(policies: Source | Sequence[Source] | Mapping[str, Source], resume
         told = Archive(resumed, False, 0.0).told()["policies"]
         known = {policy["name"]: policy["source"] for policy in told if policy["source"] is not None}
     if isinstance(policies, Mapping):
-        return _loaded({**known, **policies})
+        return load_entrants({**known, **policies})
     sources: Any = policies
     if not isinstance(sources, Sequence) or isinstance(sources, str):
         sources = [sources]
     new = [source for source in sources if not isinstance(source, str | Path) or str(source) not in known.values()]
-    return _loaded({**known, **dict(zip(policy_names(new), new, strict=True))})
-
-
-def _loaded(sources: Mapping[str, Source]) -> list[Entrant]:
-    return load_entrants(list(sources.values()), list(sources))
+    return load_entrants({**known, **dict(zip(policy_names(new), new, strict=True))})

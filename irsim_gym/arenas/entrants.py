@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,23 +37,22 @@ class Entrant:
         return told if observes is None else {**told, "observes": observes}
 
 
-def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None) -> list[Entrant]:
+def load_entrants(policies: Sequence[Source] | Mapping[str, Source]) -> list[Entrant]:
     """Load policies.
 
     Args:
-        sources: The policies, as ``load_policy`` takes them.
-        names: Their names; None to derive them from the sources.
+        policies: The policies, as ``load_policy`` takes them, perhaps by their names; else names follow from them.
 
     Raises:
         IrsimGymError: If there are no policies, some do not exist, or one is given twice.
     """
+    sources = list(policies.values() if isinstance(policies, Mapping) else policies)
     check_entrants(sources)
-    called = policy_names(sources) if names is None else list(names)
-    texts = _texts(sources)
-    loaded = load_policies(sources)
+    names = list(policies) if isinstance(policies, Mapping) else policy_names(sources)
+    places = map(place_of, sources)
     return [
-        Entrant(*parts, None if parts[2] is None else policy_digest(parts[2]))
-        for parts in zip(called, loaded, texts, strict=True)
+        Entrant(name, policy, place, None if place is None else policy_digest(place))
+        for name, policy, place in zip(names, load_policies(sources), places, strict=True)
     ]
 
 
@@ -65,12 +64,12 @@ def check_entrants(sources: Sequence[Source]) -> None:
     """
     if not sources:
         raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
-    texts = [text for text in _texts(sources) if text is not None]
+    texts = [text for text in map(place_of, sources) if text is not None]
     twice = sorted({text for text in texts if texts.count(text) > 1})
     if twice:
         raise IrsimGymError(f"an arena plays each policy once, but {', '.join(twice)} is given more than once")
 
 
-def _texts(sources: Sequence[Source]) -> list[str | None]:
-    """Return the name or path of each policy; None for objects."""
-    return [str(source) if isinstance(source, str | Path) else None for source in sources]
+def place_of(source: object) -> str | None:
+    """Return the name or path that something was loaded from; None for plain data and objects."""
+    return str(source) if isinstance(source, str | Path) else None

@@ -13,9 +13,8 @@ from irsim_gym.arenas.board import Board
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.evaluation.metrics import Rate, Summary, rate, summarize
 from irsim_gym.evaluation.paired import PairedComparison, compare_pairs
-from irsim_gym.evaluation.tables import summary_table
 from irsim_gym.evaluation.team_metrics import TeamSummary, summarize_teams
-from irsim_gym.evaluation.team_tables import compared_table, team_table
+from irsim_gym.evaluation.team_tables import figure_tables
 from irsim_gym.levels.played import QUARTER_NAMES, PlayedLevels
 
 PEERS = "by how many of the other policies fail"
@@ -61,11 +60,7 @@ class Standings:
 
     def tables(self, title: str) -> list[Table]:
         """Return the tables of figures for a terminal."""
-        first = self.summaries[0]
-        if isinstance(first, Summary):
-            return [summary_table(self.summaries, title)]  # type: ignore[arg-type]
-        compared = compared_table(self.summaries)  # type: ignore[arg-type]
-        return [team_table(self.summaries, title), *([] if compared is None else [compared])]  # type: ignore[arg-type]
+        return figure_tables(self.summaries, title)
 
 
 def stand(rows: Mapping[str, Sequence[Any]], *, team: bool, level_set: PlayedLevels) -> Standings:

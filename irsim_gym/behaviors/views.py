@@ -9,33 +9,13 @@ import numpy as np
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.world import irsim_names
 from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
+from irsim_gym.world.irsim_names import advice, missing
 from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
-
-_ANSWER = "a behaviour only looks at bodies: it returns the command of its own"
-_SCRIPT = "a behaviour sees the moment alone; ask the world, in the script"
-INSTEAD: dict[str, str] = {
-    **irsim_names.BODY,
-    **dict.fromkeys(
-        ("set_state", "set_velocity", "set_goal", "append_goal", "clear_flags", "step", "remove", "reset"), _ANSWER
-    ),
-    **dict.fromkeys(("env_param", "_env_param", "_env", "plot", "set_text", "set_goal_text", "refresh"), _SCRIPT),
-    **dict.fromkeys(("sensor_step", "check_status", "check_arrive_status", "check_collision_status"), _SCRIPT),
-    **dict.fromkeys(("info", "get_info"), "its names are here themselves: shape, kinematics, vel_min, vel_max, goal"),
-    **dict.fromkeys(("obstacle_info", "get_obstacle_info"), "use center, vertices, velocity_xy, radius"),
-    **dict.fromkeys(("get_Gh", "get_init_Gh", "G", "h", "cone_type", "convex_flag"), "use segments, discs, geometry"),
-    **dict.fromkeys(("init_state", "original_state", "trajectory"), "keep what it needs in ego.memory"),
-    **dict.fromkeys(("world_param", "_world_param"), "use time and step_time"),
-    "set_random_goal": f"{_ANSWER}; behavior: {{wander: true}} draws goals",
-    "set_laser_color": "a behaviour draws nothing; a script colours beams with world.robot.set_laser_color()",
-    "logger": "use Python's own logging",
-}
-"""Replacements for names of ``world.robot`` and of IR-SIM's objects that views do not have."""
 
 
 class BodyView(IrSimReadings):
@@ -234,4 +214,4 @@ def tell_missing(error: AttributeError) -> None:
     view, name = error.obj, error.name
     if not isinstance(view, BodyView) or name is None or name in dir(type(view)):
         return
-    error.args = (irsim_names.missing("a body in a behaviour", name, INSTEAD, dir(view)),)
+    error.args = (missing("a body in a behaviour", name, advice("body", "behavior"), dir(view)),)

@@ -49,14 +49,27 @@ class Driver:
         """Wait for a time [s] while processing the user's input; return early if the window is closed."""
         self.window.wait(seconds)
 
-    def poll(self, *, drives: bool, turns: bool) -> list[str]:
-        """Return the user's commands in order, see ``Keyboard.poll``; a closed window adds ``quit``."""
-        asked = self.keyboard.poll(drives=drives, turns=turns)
-        return [*asked, "quit"] if self.closed else asked
+    def execute(
+        self,
+        command: Callable[[str], object],
+        look_at: Callable[[Limits | None], object],
+        *,
+        drives: bool,
+        turns: bool,
+    ) -> None:
+        """Execute the user's commands in order, see ``Keyboard.poll``; a closed window adds ``quit``.
 
-    def new_limits(self) -> tuple[bool, Limits | None]:
-        """Return whether the visible part of the world has changed, and its limits; None for the whole world."""
-        return self.mouse.new_limits()
+        Args:
+            command: Executes one of them.
+            look_at: Shows another part of the world; None for the whole world. It is called after the commands.
+            drives: Whether the keys drive.
+            turns: Whether the robot has a third component of its command.
+        """
+        for name in [*self.keyboard.poll(drives=drives, turns=turns), *(["quit"] if self.closed else [])]:
+            command(name)
+        changed, limits = self.mouse.new_limits()
+        if changed:
+            look_at(limits)
 
     def close(self) -> None:
         """Close the window and stop listening. Calling it again has no effect."""

@@ -24,7 +24,7 @@ from rich.text import Text
 
 from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.metrics import HITS, OUTCOMES, EpisodeRow, Rate, Summary
-from irsim_gym.outside_files import reading, writing
+from irsim_gym.outside_files import json_object, reading, writing
 
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
@@ -32,30 +32,13 @@ NARROW: Mapping[str, Any] = MappingProxyType({**COMPACT, "padding": (0, 1, 0, 0)
 """Layouts of tables with many columns."""
 PLAIN: Mapping[str, Any] = MappingProxyType({"markup": False, "highlight": False, "soft_wrap": True})
 """Arguments of ``Console.print`` for text that is printed as it is."""
-LEGEND: Mapping[str, str] = MappingProxyType(
-    {
-        "CSR": "share of levels in which all robots arrive",
-        "ISR": "share of robots that arrive",
-        "left": "left the world",
-        "deadlocked": "stood still, away from the goal, when the episode ended",
-        "SPL": "success weighted by path length: mean of shortest / driven way, 0 for a failure",
-        "path ratio": "driven / shortest way of successes; can be just below 1, as they end within the goal_threshold",
-        "makespan": "time until the last robot arrives",
-        "flowtime": "sum of the arrival times",
-        "extra time": "beyond the time of the straight line at full speed; median, 75 and 90 %",
-        "clear.": "mean of the smallest distance to other bodies in an episode",
-        "<.25 m": "share of steps nearer than that to a person; <.45 m likewise",
-        "TTC": "mean of the smallest time to collision with a person",
-        "goals /min": "rate of reached goals",
-        "worst": "success on the share of levels that a policy does worst",
-        "CPU s": "processor time of the training",
-        "mark": "when success rose to it and never fell below it again in later checkpoints",
-    }
-)
+LEGEND = Path(__file__).with_name("legend.json")
 """Meaning of columns, by the beginning of their heads in one line."""
 COPIES = "95 % interval: none (-), because all levels are the same, and every episode is a copy of the first"
 ROWS, ROW = "table of episodes", "row of an episode"
 Row = TypeVar("Row")
+Column = tuple[str, Callable[[Any], str]]
+"""Head of a column of figures, and what makes its cell from a summary."""
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
 EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "sct", "path_ratio")
@@ -251,37 +234,52 @@ def plain(data: object) -> Any:
 
 def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     """Lay out the figures of several policies, one row each; narrow enough for a terminal of 80 columns."""
-    hits = [hit for hit in HITS if any(summary.collision_with[hit].count for summary in summaries)]
-    split = hits if len(hits) > 1 else []
-    shares = ["success", "95 %\ninterval", "collision", *(f"with {hit}" for hit in split), "timeout", "left"]
-    gave_up = any(summary.deadlock.count for summary in summaries)
-    shares += ["deadlock"] if gave_up else []
-    people = any(math.isfinite(summary.intrusion_025) for summary in summaries)
-    social = ["<.25 m\n[%]", "<.45 m\n[%]", "TTC\n[s]"] if people else []
-    several = any(math.isfinite(summary.throughput) for summary in summaries)
-    jobs = ["goals\n/min"] if several else []
-    rest = ["SPL", "time\n[s]", "path\nratio", "clear.\n[m]", *social, *jobs]
-    heads = ["policy", *(f"{share}\n[%]" for share in shares), *rest]
-    rows = [
-        (
-            summary.policy,
-            percent(summary.success),
-            interval(summary.success),
-            percent(summary.collision),
-            *(percent(summary.collision_with[hit]) for hit in split),
-            percent(summary.timeout),
-            percent(summary.left_world),
-            *([percent(summary.deadlock)] if gave_up else []),
-            number(summary.spl, 3),
-            number(summary.time, 2),
-            number(summary.path_ratio, 3),
-            number(summary.min_clearance, 3),
-            *(_social(summary) if people else ()),
-            *([number(summary.throughput, 2)] if several else []),
-        )
-        for summary in summaries
+    columns: list[Column] = [
+        ("success\n[%]", lambda row: percent(row.success)),
+        ("95 %\ninterval\n[%]", lambda row: interval(row.success)),
+        ("collision\n[%]", lambda row: percent(row.collision)),
+        *hit_columns(summaries, HITS),
+        ("timeout\n[%]", lambda row: percent(row.timeout)),
+        ("left\n[%]", lambda row: percent(row.left_world)),
     ]
-    return figure_table(title, heads, rows, **NARROW)
+    if any(summary.deadlock.count for summary in summaries):
+        columns.append(("deadlock\n[%]", lambda row: percent(row.deadlock)))
+    columns += [
+        ("SPL", lambda row: number(row.spl, 3)),
+        ("time\n[s]", lambda row: number(row.time, 2)),
+        ("path\nratio", lambda row: number(row.path_ratio, 3)),
+        ("clear.\n[m]", lambda row: number(row.min_clearance, 3)),
+    ]
+    if any(math.isfinite(summary.intrusion_025) for summary in summaries):
+        columns += [
+            ("<.25 m\n[%]", lambda row: number(100.0 * row.intrusion_025, 1)),
+            ("<.45 m\n[%]", lambda row: number(100.0 * row.intrusion_045, 1)),
+            ("TTC\n[s]", lambda row: number(row.time_to_collision, 2)),
+        ]
+    return columns_table(title, [*columns, *goal_columns(summaries)], summaries)
+
+
+def hit_columns(summaries: Sequence[Any], hits: Sequence[str]) -> list[Column]:
+    """Return the columns that split collisions by what was hit, if there are several such things."""
+    seen = [hit for hit in hits if any(summary.collision_with[hit].count for summary in summaries)]
+    split = seen if len(seen) > 1 else []
+
+    def share_of(hit: str) -> Callable[[Any], str]:
+        return lambda row: percent(row.collision_with[hit])
+
+    return [(f"with {hit}\n[%]", share_of(hit)) for hit in split]
+
+
+def goal_columns(summaries: Sequence[Any]) -> list[Column]:
+    """Return the column of the rate of goals, if robots have several."""
+    several = any(math.isfinite(summary.throughput) for summary in summaries)
+    return [("goals\n/min", lambda row: number(row.throughput, 2))] if several else []
+
+
+def columns_table(title: str, columns: Sequence[Column], summaries: Sequence[Any]) -> Table:
+    """Return a table of summaries, one row each: the policy, and its cell in each column."""
+    rows = [(summary.policy, *(cell(summary) for _, cell in columns)) for summary in summaries]
+    return figure_table(title, ["policy", *(head for head, _ in columns)], rows, **NARROW)
 
 
 def titled_table(title: str, **layout: Any) -> Table:
@@ -297,12 +295,6 @@ def figure_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]
     for cells in rows:
         table.add_row(*map(Text, cells))
     return table
-
-
-def _social(summary: Summary) -> tuple[str, ...]:
-    """Return the cells about people for the table."""
-    shares = summary.intrusion_025, summary.intrusion_045
-    return (*(number(100.0 * share, 1) for share in shares), number(summary.time_to_collision, 2))
 
 
 def worst_table(worst: Mapping[str, Mapping[str, float]], seeds: Mapping[str, Sequence[str]]) -> Table:
@@ -329,8 +321,9 @@ def legend(tables: Iterable[Table], shares: Iterable[Rate] = ()) -> str:
         tables: The tables.
         shares: Shares with intervals in them, where these might be missing.
     """
+    meanings = json_object(LEGEND)
     heads = [str(column.header).replace("-\n", "").replace("\n", " ") for table in tables for column in table.columns]
-    lines = [f"{name}: {text}" for name, text in LEGEND.items() if any(head.startswith(name) for head in heads)]
+    lines = [f"{name}: {text}" for name, text in meanings.items() if any(head.startswith(name) for head in heads)]
     if any("set " in str(table.title) for table in tables):
         lines.append("set: hash of the levels; certified: they were measured beforehand (`irsim-gym levels certify`)")
     return "\n".join([*lines, *([COPIES] if any(share.is_exact for share in shares) else [])])

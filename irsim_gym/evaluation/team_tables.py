@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from rich.table import Table
 
 from irsim_gym.errors import UnreadableFileError
-from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import (
-    COMPACT,
-    EPISODE_COLUMNS,
-    NARROW,
-    ROW,
-    PlacedRow,
-    check_next,
-    figure_table,
-    interval,
-    number,
-    percent,
-    read_cells,
-    read_rows,
-    write_csv,
-)
+from irsim_gym.evaluation import tables
+from irsim_gym.evaluation.metrics import EpisodeRow, Summary
+from irsim_gym.evaluation.tables import EPISODE_COLUMNS, ROW, PlacedRow, number, percent
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
 
 AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
@@ -47,7 +34,7 @@ def write_agents(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
         for level in levels
         for agent in level.agents
     )
-    write_csv(path, ("policy", "level", "agent", *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
+    tables.write_csv(path, ("policy", "level", "agent", *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
 
 
 def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
@@ -60,7 +47,7 @@ def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
         IrsimGymError: If the file cannot be read, or holds other rows.
     """
     rows: dict[str, list[PlacedRow]] = {}
-    for place, row in read_rows(path, EpisodeRow, AgentRow):
+    for place, row in tables.read_rows(path, EpisodeRow, AgentRow):
         rows.setdefault(row.get("policy", ""), []).append((place, row))
     return {policy: read_levels(own, limit=limit) for policy, own in rows.items()}
 
@@ -78,11 +65,11 @@ def read_levels(rows: Iterable[PlacedRow], *, in_order: bool = True, **given: fl
     """
     levels: dict[int, TeamRow] = {}
     for place, row in rows:
-        episode = read_cells(place, EpisodeRow, row)
-        agent = read_cells(place, AgentRow, row, episode=episode)
+        episode = tables.read_cells(place, EpisodeRow, row)
+        agent = tables.read_cells(place, AgentRow, row, episode=episode)
         if in_order and episode.level not in list(levels)[-1:]:
-            check_next(place, episode.level, len(levels))
-        level = levels.get(episode.level) or read_cells(place, TeamRow, row, agents=(), **given)
+            tables.check_next(place, episode.level, len(levels))
+        level = levels.get(episode.level) or tables.read_cells(place, TeamRow, row, agents=(), **given)
         if agent.agent in [other.agent for other in level.agents]:
             raise UnreadableFileError(place, ROW, f"'{agent.agent}' has two rows in level {level.level}")
         levels[episode.level] = replace(level, agents=(*level.agents, agent))
@@ -92,43 +79,46 @@ def read_levels(rows: Iterable[PlacedRow], *, in_order: bool = True, **given: fl
 def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
     """Write one CSV row per policy and level."""
     rows = ({"policy": policy, **_level_cells(level)} for policy, levels in results.items() for level in levels)
-    write_csv(path, LEVEL_COLUMNS, rows)
+    tables.write_csv(path, LEVEL_COLUMNS, rows)
+
+
+def write_rows(path: Path, results: Mapping[str, Sequence[Any]]) -> None:
+    """Write the rows of policies: one per episode; of teams, one per level and agent."""
+    is_team = any(isinstance(row, TeamRow) for rows in results.values() for row in rows[:1])
+    (write_agents if is_team else tables.write_episodes)(path, results)
+
+
+def figure_tables(summaries: Sequence[Any], title: str) -> list[Table]:
+    """Lay out the figures of several policies; of teams, also the extra times that can be compared."""
+    if isinstance(summaries[0], Summary):
+        return [tables.summary_table(summaries, title)]
+    compared = compared_table(summaries)
+    return [team_table(summaries, title), *([] if compared is None else [compared])]
 
 
 def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
     """Lay out the figures of several policies, one row each."""
-    hits = [hit for hit in TEAM_HITS if any(summary.collision_with[hit].count for summary in summaries)]
-    split = hits if len(hits) > 1 else []
-    gave_up = any(summary.deadlock.count for summary in summaries)
-    shares = ["CSR", "95 %\ninterval", "ISR", "95 %\ninterval", "collided", *(f"with {hit}" for hit in split)]
-    shares += ["timeout", "left", *(["given\nup"] if gave_up else []), "dead-\nlocked"]
-    rest = ["SPL", "make-\nspan\n[s]", "flow-\ntime\n[s]", "extra time\n50/75/90 %\n[s]", "clear.\n[m]"]
-    several = any(math.isfinite(summary.throughput) for summary in summaries)
-    rest += ["goals\n/min"] if several else []
-    heads = ["policy", *(f"{share}\n[%]" for share in shares), *rest]
-    rows = [
-        (
-            summary.policy,
-            percent(summary.cooperative_success),
-            interval(summary.cooperative_success),
-            percent(summary.individual_success),
-            interval(summary.individual_success),
-            percent(summary.collision),
-            *(percent(summary.collision_with[hit]) for hit in split),
-            percent(summary.timeout),
-            percent(summary.left_world),
-            *([percent(summary.deadlock)] if gave_up else []),
-            percent(summary.deadlocked),
-            number(summary.spl, 3),
-            number(summary.makespan, 1),
-            number(summary.flowtime, 1),
-            _percentiles(summary.extra_time),
-            number(summary.min_clearance, 3),
-            *([number(summary.throughput, 2)] if several else []),
-        )
-        for summary in summaries
+    columns: list[tables.Column] = [
+        ("CSR\n[%]", lambda row: percent(row.cooperative_success)),
+        ("95 %\ninterval\n[%]", lambda row: tables.interval(row.cooperative_success)),
+        ("ISR\n[%]", lambda row: percent(row.individual_success)),
+        ("95 %\ninterval\n[%]", lambda row: tables.interval(row.individual_success)),
+        ("collided\n[%]", lambda row: percent(row.collision)),
+        *tables.hit_columns(summaries, TEAM_HITS),
+        ("timeout\n[%]", lambda row: percent(row.timeout)),
+        ("left\n[%]", lambda row: percent(row.left_world)),
     ]
-    return figure_table(title, heads, rows, **NARROW)
+    if any(summary.deadlock.count for summary in summaries):
+        columns.append(("given\nup\n[%]", lambda row: percent(row.deadlock)))
+    columns += [
+        ("dead-\nlocked\n[%]", lambda row: percent(row.deadlocked)),
+        ("SPL", lambda row: number(row.spl, 3)),
+        ("make-\nspan\n[s]", lambda row: number(row.makespan, 1)),
+        ("flow-\ntime\n[s]", lambda row: number(row.flowtime, 1)),
+        ("extra time\n50/75/90 %\n[s]", lambda row: _percentiles(row.extra_time)),
+        ("clear.\n[m]", lambda row: number(row.min_clearance, 3)),
+    ]
+    return tables.columns_table(title, [*columns, *tables.goal_columns(summaries)], summaries)
 
 
 def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
@@ -139,7 +129,7 @@ def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
         return None
     heads = ("policy", "levels", "extra time, 50/75/90 % [s]")
     rows = [(policy, f"{time.levels:,}", _percentiles(time)) for policy, time in times]
-    return figure_table("levels that all of these solved", heads, rows, **COMPACT)
+    return tables.figure_table("levels that all of these solved", heads, rows, **tables.COMPACT)
 
 
 def _agent_cells(agent: AgentRow) -> dict[str, object]:

@@ -48,61 +48,27 @@ from irsim_gym.irsim.rotations import (
     vel_world2omni,
     vertices_transform,
 )
-from irsim_gym.irsim.substitutes import INSTEAD, MODULES
 from irsim_gym.live.grid_map import GridMap
 from irsim_gym.live.level_source import ScenarioSource
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
+from irsim_gym.world.irsim_names import advice
 
-__all__ = [
-    "AStarPlanner",
-    "AckerDash",
-    "ClipTo2Pi",
-    "DiffDash",
-    "DiffRVO",
-    "EnvBase",
-    "EnvBase3D",
-    "EnvGridMap",
-    "GeometryFactory",
-    "JPSPlanner",
-    "Map",
-    "ObjectBase",
-    "OmniAngularDash",
-    "OmniDash",
-    "OmniRVO",
-    "WrapTo2Pi",
-    "WrapToPi",
-    "WrapToRegion",
-    "cross_product",
-    "diff_to_omni",
-    "dist_hypot",
-    "distance",
-    "gen_inequal_from_vertex",
-    "geometry_transform",
-    "get_affine_transform",
-    "get_transform",
-    "is_2d_list",
-    "is_convex_and_ordered",
-    "make",
-    "omni_to_diff",
-    "reciprocal_vel_obs",
-    "register_behavior",
-    "register_behavior_class",
-    "register_group_behavior",
-    "register_group_behavior_class",
-    "relative_position",
-    "to_numpy",
-    "transform_point_with_state",
-    "vel_diff2world",
-    "vel_omni2world",
-    "vel_world2diff",
-    "vel_world2omni",
-    "vertices_transform",
-]
+__all__ = ["AStarPlanner", "AckerDash", "ClipTo2Pi", "DiffDash", "DiffRVO", "EnvBase", "EnvBase3D", "EnvGridMap"]
+__all__ += ["GeometryFactory", "JPSPlanner", "Map", "ObjectBase", "OmniAngularDash", "OmniDash", "OmniRVO", "WrapTo2Pi"]
+__all__ += ["WrapToPi", "WrapToRegion", "cross_product", "diff_to_omni", "dist_hypot", "distance"]
+__all__ += ["gen_inequal_from_vertex", "geometry_transform", "get_affine_transform", "get_transform", "is_2d_list"]
+__all__ += ["is_convex_and_ordered", "make", "omni_to_diff", "reciprocal_vel_obs", "register_behavior"]
+__all__ += ["register_behavior_class", "register_group_behavior", "register_group_behavior_class", "relative_position"]
+__all__ += ["to_numpy", "transform_point_with_state", "vel_diff2world", "vel_omni2world", "vel_world2diff"]
+__all__ += ["vel_world2omni", "vertices_transform"]
 
 EnvBase3D = EnvBase
 """The same class: pictures show a world from above."""
 
 EnvGridMap = Map = GridMap
+
+MODULES = tuple(advice("modules"))
+"""IR-SIM's modules. Each of them can be imported, with all names in it."""
 
 # `import irsim_gym.irsim.lib.behavior` finds these entries, as `import os.path` finds that of `os`.
 for _name in MODULES:
@@ -112,8 +78,9 @@ for _name in MODULES:
 def __getattr__(name: str) -> Any:
     if name in {part for path in MODULES for part in path.split(".")}:  # as in irsim.util.util.WrapToPi
         return sys.modules[__name__]
-    if name in INSTEAD:  # an AttributeError would lose its message in `from irsim_gym.irsim import ...`
-        raise ImportError(f"irsim_gym.irsim has no '{name}': {INSTEAD[name]}", name=__name__)
+    instead = advice("import")
+    if name in instead:  # an AttributeError would lose its message in `from irsim_gym.irsim import ...`
+        raise ImportError(f"irsim_gym.irsim has no '{name}': {instead[name]}", name=__name__)
     raise AttributeError(f"module 'irsim_gym.irsim' has no attribute '{name}'{suggestion(name, __all__)}")
 
 

@@ -21,6 +21,7 @@ from irsim_gym.scenario.spec import BodySpec
 from irsim_gym.world.arrays import A, frozen
 from irsim_gym.world.body_readings import BodyReadings
 from irsim_gym.world.group import WorldContext
+from irsim_gym.world.irsim_names import advice, missing
 from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
@@ -60,9 +61,9 @@ class Body(IrSimReadings):
     if not TYPE_CHECKING:  # a type checker would otherwise accept any name
 
         def __getattr__(self, name: str) -> NoReturn:
-            if name in dir(type(self)) or (name.startswith("_") and name not in hints.BODY):
+            if name in dir(type(self)) or (name.startswith("_") and name not in advice("body", "script")):
                 object.__getattribute__(self, name)  # raises the error of the property itself
-            raise AttributeError(hints.missing("a body", name, hints.BODY, dir(self)), name=name, obj=self)
+            raise AttributeError(missing("a body", name, advice("body", "script"), dir(self)), name=name, obj=self)
 
         def __setattr__(self, name: str, value: object) -> None:
             if name in FLAGS:

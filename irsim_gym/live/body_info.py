@@ -10,10 +10,12 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.live import hints
 from irsim_gym.live.vectors import vector
+from irsim_gym.world.irsim_names import advice, missing
 from irsim_gym.world.irsim_readings import IrSimReadings
 
+OF_BODIES = ("id", "name", "role", "shape", "kinematics", "color", "static", "goal", "goal_threshold", "wheelbase")
+"""Properties that a body has under the same name."""
 FLATTEST = 1e-9
 """Tolerance for corners outside the half-plane of a side, relative to the area."""
 
@@ -28,7 +30,7 @@ class BodyProperties(ABC):
         def __getattr__(self, name: str) -> Any:
             if name != "properties" and name in self.properties:
                 return self.properties[name]
-            raise AttributeError(hints.missing("an info", name, hints.BODY, dir(self)), name=name, obj=self)
+            raise AttributeError(missing("an info", name, advice("body", "script"), dir(self)), name=name, obj=self)
 
     def add_property(self, name: str, value: object) -> None:
         """Add a property of the script's own, which can then be read as an attribute."""
@@ -139,20 +141,11 @@ def robot_info(
     """Return what a body is; ``limits`` are its least and greatest velocities, and its greatest changes."""
     least, greatest, changes = limits
     return RobotInfo(
-        id=body.id,
-        name=body.name,
-        role=body.role,
-        shape=body.shape,
-        kinematics=body.kinematics,
-        color=body.color,
-        static=body.static,
-        goal=body.goal,
+        **{name: getattr(body, name) for name in OF_BODIES},
         vel_min=least,
         vel_max=greatest,
         acce=changes,
         angle_range=vector(np.array(body.angle_range), True) if columns else body.angle_range,
-        goal_threshold=body.goal_threshold,
-        wheelbase=body.wheelbase,
         properties=properties,
         **half_planes._asdict(),
     )

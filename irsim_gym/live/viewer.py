@@ -184,11 +184,8 @@ class Viewer:
         """Execute the commands of keys and mouse."""
         chosen = self._chosen_robot
         turns = chosen is not None and len(self._command_names(chosen)) == 3
-        for name in driver.poll(drives=self._status.control_mode == "keyboard", turns=turns):
-            self._commands[name]()
-        changed, limits = driver.new_limits()
-        if changed:
-            self._camera.show_part(limits)
+        drives = self._status.control_mode == "keyboard"
+        driver.execute(lambda name: self._commands[name](), self._camera.show_part, drives=drives, turns=turns)
         if self.quit:
             self._left = True
             self._status.set_status("Quit")

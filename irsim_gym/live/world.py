@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Literal, NoReturn, Self
 
 from irsim_gym.engine import Simulation
-from irsim_gym.live import hints, moves
+from irsim_gym.live import moves
 from irsim_gym.live.action_pairs import Actions, pair_actions
 from irsim_gym.live.arguments import read_arguments
 from irsim_gym.live.camera import Camera
@@ -25,6 +25,7 @@ from irsim_gym.live.track import Track
 from irsim_gym.live.viewer import Viewer
 from irsim_gym.live.world_info import WorldInfo, WorldRecord
 from irsim_gym.scenario import Scenario
+from irsim_gym.world.irsim_names import advice, missing
 
 
 class World:
@@ -98,12 +99,7 @@ class World:
             "figure": lambda: self.save_figure(f"{self.name}_{self.count:04d}"),
         }
         self._viewer = Viewer(
-            self._session,
-            self._status,
-            self._camera,
-            asked.render_mode,
-            keys,
-            needs_window=render_mode == "human",
+            self._session, self._status, self._camera, asked.render_mode, keys, needs_window=render_mode == "human"
         )
         self._media = MediaWriter(
             self._session,
@@ -136,9 +132,9 @@ class World:
     if not TYPE_CHECKING:  # a type checker would otherwise accept any name
 
         def __getattr__(self, name: str) -> NoReturn:
-            if name in dir(type(self)) or (name.startswith("_") and name not in hints.WORLD):
+            if name in dir(type(self)) or (name.startswith("_") and name not in advice("world")):
                 object.__getattribute__(self, name)  # raises the error of the property itself
-            raise AttributeError(hints.missing("a world", name, hints.WORLD, dir(self)), name=name, obj=self)
+            raise AttributeError(missing("a world", name, advice("world"), dir(self)), name=name, obj=self)
 
     __getitem__ = Method("_population", Population.__getitem__)
     __iter__ = Method("_population", Population.__iter__)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 import numpy as np
 
-from irsim_gym.live import hints
 from irsim_gym.live.run_status import RunStatus
 from irsim_gym.live.session import Session
 from irsim_gym.scenario import Scenario
+from irsim_gym.world.irsim_names import advice, missing
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class WorldParam:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> NoReturn:
-            message = hints.missing("world_param", name, hints.PARAM, dir(self))
+            message = missing("world_param", name, advice("world_param"), dir(self))
             raise AttributeError(message, name=name, obj=self)
 
 
@@ -56,8 +56,8 @@ class WorldRecord:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            if name in hints.WORLD_RECORD or not hasattr(self._own, name):
-                message = hints.missing("_world", name, hints.WORLD_RECORD, dir(self._own))
+            if name in advice("_world") or not hasattr(self._own, name):
+                message = missing("_world", name, advice("_world"), dir(self._own))
                 raise AttributeError(message, name=name, obj=self)
             return getattr(self._own, name)
 

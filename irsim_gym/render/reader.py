@@ -12,14 +12,7 @@ from irsim_gym.arraytypes import Flags
 from irsim_gym.render import theme
 from irsim_gym.render.body_reader import BodyReader, labels
 from irsim_gym.render.scan_reader import ScanReader
-from irsim_gym.render.scene import (
-    DrawnBody,
-    FieldView,
-    FogView,
-    GoalView,
-    MapView,
-    Scene,
-)
+from irsim_gym.render.scene import DrawnBody, FieldView, FogView, GoalView, MapView, Scene
 from irsim_gym.render.styles import BodyStyle, body_style, field_of_view
 from irsim_gym.render.track_reader import TrackReader
 from irsim_gym.scenario.plot_spec import trailing

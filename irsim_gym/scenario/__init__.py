@@ -14,15 +14,7 @@ if TYPE_CHECKING:
     from irsim_gym.scenario.source import MissingFileError
     from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario, WorldSpec
 
-__all__ = [
-    "BodySpec",
-    "GuiSpec",
-    "MissingFileError",
-    "PlacementSpec",
-    "Scenario",
-    "WorldSpec",
-    "load_scenario",
-]
+__all__ = ["BodySpec", "GuiSpec", "MissingFileError", "PlacementSpec", "Scenario", "WorldSpec", "load_scenario"]
 
 _HOMES = {"load_scenario": "load", "MissingFileError": "source", "GuiSpec": "gui_spec"}
 

@@ -17,15 +17,7 @@ from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import MAX_BODIES, BodyOptions, Waypoint
-from irsim_gym.scenario.validation import (
-    BAD,
-    Report,
-    build,
-    build_named,
-    check_keys,
-    read_color,
-    read_field,
-)
+from irsim_gym.scenario.validation import BAD, Report, build, build_named, check_keys, read_color, read_field
 
 FIELDS = option_fields(BodyOptions)
 OF_ENTRY = frozenset({"number", "number_range", "distribution"})

@@ -12,8 +12,7 @@ class KeyboardSpec:
     """The section ``gui.keyboard``."""
 
     backend: Literal["pynput", "mpl"] = option(
-        "pynput",
-        meaning="Source of key presses; if pynput does not work, the window (mpl).",
+        "pynput", meaning="Source of key presses; if pynput does not work, the window (mpl)."
     )
     global_hook: bool = option(False, meaning="Listen to keys while another window has the focus (pynput).")
     key_lv_max: float = option(

@@ -36,39 +36,6 @@ ARGUMENTS = frozenset(
 )
 """Names of arguments of functions that make environments, which parameters must not have."""
 
-_TAKEN_BY = {
-    "num_threads": "make_vec, make_batch and those of sb3",
-    "seed": "load, reset and those of sb3",
-    "level": "reset, as options={'level': ...}",
-    "split": "reset, as options={'split': ...}",
-    "max_cycles": "parallel_env",
-    "padded": "parallel_env",
-    "black_death": "parallel_env",
-    "numpy_infos": "make",
-    "respawn": "make_batch and sb3.make_multi_agent_vec_env",
-    "world_steps": "make_batch and sb3.make_multi_agent_vec_env",
-    "max_episode_steps": "make, make_vec and sb3.make_vec_env",
-    "autoreset_mode": "make_vec",
-    "autoreset": "make_batch",
-    "team_state": "make_batch",
-    "disable_env_checker": "make",
-    "vectorization_mode": "make_vec",
-    "wrappers": "make_vec with vectorization_mode='sync'",
-    "vector_kwargs": "make_vec with vectorization_mode='sync'",
-    **dict.fromkeys(("env_kwargs", "start_index", "monitor_dir", "monitor_kwargs"), "sb3.make_vec_env"),
-    **dict.fromkeys(
-        ("wrapper_class", "wrapper_kwargs", "vec_env_cls", "vec_env_kwargs"), "Stable-Baselines3's own make_vec_env"
-    ),
-    **dict.fromkeys(
-        (
-            *("world_name", "display", "headless", "disable_all_plot", "full", "projection", "log_level", "log_file"),
-            *("record", "save_ani", "ani_kwargs", "columns", "step_mode"),
-        ),
-        "load, which runs a file by hand as IR-SIM does",
-    ),
-}
-"""Functions that take an argument of this name, for hints if it is passed to another function."""
-
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _WITHIN = re.compile(r"\$\{[ ]*([A-Za-z_][A-Za-z0-9_]*)[ ]*\}", re.ASCII)
 _BARE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
@@ -260,7 +227,7 @@ def _chosen(
     unknown = [name for name in given if name not in declared]
     values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
     if unknown:
-        names = ", ".join(f"'{name}'{meant(name, declared, _TAKEN_BY)}" for name in unknown)
+        names = ", ".join(f"'{name}'{meant(name, declared)}" for name in unknown)
         refused = {name: specs[name].refusal(values[name]) for name in given if name in specs}
         wrong = "".join(f"; '{name}' {refusal}" for name, refusal in refused.items() if refusal)
         shipped = {str(file): name for name, file in every_scenario().items()}

@@ -74,8 +74,7 @@ class ObjectPlot:
 
     obj_linestyle: LineStyle = option("-", meaning="Line style of the outline.")
     obj_zorder: int | None = option(
-        None,
-        meaning="Layer of the body; higher numbers lie on top. Default: 3 for robots, 1 for obstacles.",
+        None, meaning="Layer of the body; higher numbers lie on top. Default: 3 for robots, 1 for obstacles."
     )
     obj_color: str | None = option(None, meaning="Colour of the body.")
     obj_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the body.")

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from statistics import fmean
+from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, mean
-from irsim_gym.evaluation.statistics import (
-    Estimate,
-    interquartile_mean,
-    probability_of_improvement,
-    stratified_mean,
-)
+from irsim_gym.evaluation.statistics import Estimate, interquartile_mean, probability_of_improvement, stratified_mean
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.worst_levels import worst_shares
@@ -26,6 +23,11 @@ from irsim_gym.suite.certificates import certified_levels
 from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord
 
+OF_SUMMARIES = (
+    *("spl", "sct", "makespan", "acceleration", "jerk", "intrusion_025", "intrusion_045"),
+    *("time_to_collision", "throughput"),
+)
+"""Figures of a score that are means of those of summaries with the same name."""
 Repetitions = Sequence[Sequence[TeamRow]]
 """The levels that the policies of one method played, one list per policy."""
 
@@ -145,6 +147,7 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
     def over(read: Callable[[TeamSummary], float]) -> float:
         return mean([read(summary) for summary in summaries])
 
+    same: dict[str, Any] = {name: over(attrgetter(name)) for name in OF_SUMMARIES}
     return Score(
         repetitions=len(summaries),
         success=_success(summaries),
@@ -152,8 +155,6 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         outcomes={name: fmean(episode.outcome == name for episode in episodes) for name in OUTCOMES},
         hits={hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
         deadlocked=over(lambda summary: summary.deadlocked.value),
-        spl=over(lambda summary: summary.spl),
-        sct=over(lambda summary: summary.sct),
         worst={share: mean([one[share] for one in own]) for share in own[0]},
         worst_shared=worst_shares(success) if len(success) > 1 else {},
         quarters=_by_quarter(success, quarters),
@@ -162,14 +163,8 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         common_levels=len(common),
         common_time=_of_successes(there, lambda episode: episode.time),
         common_path=_of_successes(there, lambda episode: episode.path_length),
-        makespan=over(lambda summary: summary.makespan),
         clearance=over(lambda summary: summary.min_clearance),
-        acceleration=over(lambda summary: summary.acceleration),
-        jerk=over(lambda summary: summary.jerk),
-        intrusion_025=over(lambda summary: summary.intrusion_025),
-        intrusion_045=over(lambda summary: summary.intrusion_045),
-        time_to_collision=over(lambda summary: summary.time_to_collision),
-        throughput=over(lambda summary: summary.throughput),
+        **same,
     )
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
 from rich.table import Table
 
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
@@ -21,16 +23,15 @@ from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, TEAM_SHOWN
 from irsim_gym.evaluation.tables import (
     legend,
     percent,
-    summary_table,
     table_text,
     worst_table,
-    write_episodes,
     write_json,
     write_text,
 )
 from irsim_gym.evaluation.team_metrics import summarize_teams
-from irsim_gym.evaluation.team_tables import write_agents, write_levels
+from irsim_gym.evaluation.team_tables import figure_tables, write_levels, write_rows
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
@@ -74,7 +75,7 @@ class Evaluation:
         """Tables of the summaries, of the worst levels, and, if the levels are certified, of success by difficulty."""
         title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels, {self.level_set}"
         worst = worst_table(self.worst, self.seeds)
-        return [summary_table(self.summaries, title), worst, *self.level_set.tables(self.solved)]
+        return [*figure_tables(self.summaries, title), worst, *self.level_set.tables(self.solved)]
 
     @property
     def solved(self) -> dict[str, list[bool]]:
@@ -120,7 +121,10 @@ def evaluate_policies(
     if references:
         chosen |= _references(chosen, episodes, team=asked.team)
     figure = None if folder is None else TrajectoryFigure(episodes)
-    rows = _drive_policies(worlds, chosen, levels, split, figure, team=asked.team)
+    check_policies(chosen, worlds)
+    report_perceptions(chosen, worlds)
+    follow: Callable[[str], Watcher | None] = (lambda name: None) if figure is None else figure.follow
+    rows = dict(play_policies(chosen, worlds, levels, split, team=asked.team, follow=follow))
     played = played_levels(episodes.simulation, split, levels)
     label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
     found: Evaluation | TeamEvaluation
@@ -138,11 +142,9 @@ def evaluate_policies(
 
 def _write(folder: Path, found: Evaluation | TeamEvaluation, named: Mapping[str, object]) -> None:
     """Write the rows, the summaries and the tables of an evaluation; ``named`` are its conditions."""
+    write_rows(folder / "episodes.csv", found.rows)
     if isinstance(found, TeamEvaluation):
-        write_agents(folder / "episodes.csv", found.rows)
         write_levels(folder / "levels.csv", found.rows)
-    else:
-        write_episodes(folder / "episodes.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
     figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
     write_json(folder / "summary.json", {**figures, "observes": found.observes})
@@ -188,34 +190,29 @@ def _references(chosen: Mapping[str, Policy], episodes: Episodes, *, team: bool)
     return found
 
 
-def _drive_policies(
-    worlds: Perceived,
+def play_policies(
     policies: Mapping[str, Policy],
+    worlds: Perceived,
     levels: int,
     split: str,
-    figure: TrajectoryFigure | None,
     *,
     team: bool,
-) -> dict[str, list[Any]]:
-    """Play the same levels with several policies, and return their rows; show a progress bar.
+    follow: Callable[[str], Watcher | None] = lambda name: None,
+    console: Console | None = None,
+) -> Iterator[tuple[str, list[Any]]]:
+    """Play the same levels with several policies, and show a progress bar; yield the rows of each when it is done.
 
-    Raises:
-        UnfitPolicyError: If some policies cannot drive the agents.
+    Args:
+        levels: Number of levels of the split, from level 0.
+        team: Whether each policy drives all robots.
+        follow: Returns what observes the steps of a policy, by its name.
+        console: Console of the progress bar; None for standard error.
     """
-    check_policies(policies, worlds)
-    report_perceptions(policies, worlds)
-    optima, rows = Optima(split), dict[str, list[Any]]()
+    optima = Optima(split)
     evaluation: Any = evaluate_team if team else evaluate
-    with progress_bar() as bar:
+    with progress_bar(console) as bar:
         for name, policy in policies.items():
             line = bar.add_task(name, total=levels)
-            rows[name] = evaluation(
-                policy,
-                worlds.of(policy),
-                levels,
-                split,
-                optima=optima,
-                on_episodes=lambda count, line=line: bar.advance(line, count),
-                watcher=None if figure is None else figure.follow(name),
-            )
-    return rows
+            advance = partial(bar.advance, line)
+            how: dict[str, Any] = {"optima": optima, "on_episodes": advance, "watcher": follow(name)}
+            yield name, evaluation(policy, worlds.of(policy), levels, split, **how)

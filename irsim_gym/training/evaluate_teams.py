@@ -8,7 +8,7 @@ from rich.table import Table
 
 from irsim_gym.evaluation.tables import legend, table_text, worst_table
 from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary
-from irsim_gym.evaluation.team_tables import compared_table, team_table
+from irsim_gym.evaluation.team_tables import figure_tables
 from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels
 
@@ -41,9 +41,8 @@ class TeamEvaluation:
         first = self.summaries[0]
         whose = "1 agent" if first.agents == 1 else f"{first.agents} agents"
         title = f"{self.scenario}: {whose}, {first.levels:,} {self.split} levels, {self.level_set}"
-        compared = compared_table(self.summaries)
-        tables = [team_table(self.summaries, title), *([] if compared is None else [compared])]
-        return [*tables, worst_table(self.worst, self.seeds), *self.level_set.tables(self.solved)]
+        worst = worst_table(self.worst, self.seeds)
+        return [*figure_tables(self.summaries, title), worst, *self.level_set.tables(self.solved)]
 
     @property
     def solved(self) -> dict[str, list[bool]]:

@@ -191,13 +191,9 @@ class Player:
         """Wait for the next step, and handle keys in the meantime."""
         while True:
             turns = len(self._scenario.bodies[self._body].kinematics.command_names) == 3
-            for command in self._driver.poll(drives=True, turns=turns):
-                self._handle(command)
+            self._driver.execute(self._handle, lambda limits: self._screen.look_at(limits), drives=True, turns=turns)
             if self._driver.keyboard.key_id != self._number:
                 self._choose(self._driver.keyboard.key_id)
-            changed, limits = self._driver.new_limits()
-            if changed:
-                self._screen.look_at(limits)
             left = due - time.perf_counter()
             if left <= 0.0 or self._quit:
                 return

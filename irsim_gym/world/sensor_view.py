@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
-from irsim_gym.world.irsim_names import SENSOR, missing
+from irsim_gym.world.irsim_names import advice, missing
 
 if TYPE_CHECKING:
     from irsim_gym.world.body_readings import BodyReadings
@@ -61,7 +61,7 @@ class SensorView:
                 return getattr(self.options, name)
             if self.options.reading == "ranges" and SCANNED.get(name, name) in (report := self.get_scan()):
                 return report[SCANNED.get(name, name)]
-            message = missing(f"a sensor '{self.sensor_type}'", name, SENSOR, dir(self))
+            message = missing(f"a sensor '{self.sensor_type}'", name, advice("sensor"), dir(self))
             raise AttributeError(message, name=name, obj=self)
 
     @property

@@ -13,12 +13,12 @@ import pytest
 from command_line import run
 
 import irsim_gym
-from irsim_gym.arenas import contest
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.page_file import read_page
 from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
 from irsim_gym.arenas.standings import stand, strata_of_peers, strata_of_quarters
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation import protocol
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.paired import compare_pairs
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
@@ -159,10 +159,9 @@ def test_an_interrupted_arena_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
         irsim_gym.arena(ROOM, {"dash": "dash", "stopped": Interrupted()}, tmp_path / "cut", levels=6)
     assert not json.loads((tmp_path / "cut" / "summary.json").read_text())["finished"]
     played: list[str] = []
-    known = contest.evaluate
-    monkeypatch.setattr(
-        contest, "evaluate", lambda policy, *a, **k: played.append(str(policy)) or known(policy, *a, **k)
-    )
+    known = protocol.evaluate
+    name = "irsim_gym.training.evaluate.evaluate"
+    monkeypatch.setattr(name, lambda policy, *a, **k: played.append(str(policy)) or known(policy, *a, **k))
     resumed = irsim_gym.arena(ROOM, "random", tmp_path / "cut", levels=6, replays=4, resume=True)
     names = sorted(path.name for path in (tmp_path / "whole").iterdir())
     assert names == ["arena.html", "episodes.csv", "summary.json", "table.txt"]

@@ -10,9 +10,10 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym import families
-from irsim_gym.behaviors.views import INSTEAD, BodyView, EgoView
+from irsim_gym.behaviors.views import BodyView, EgoView
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live.body import Body
+from irsim_gym.world.irsim_names import advice
 from irsim_gym.world.sensor_view import SensorView
 
 ROBOT: dict[str, Any] = {
@@ -83,7 +84,7 @@ def plain(value: Any) -> Any:
 def test_each_name_of_one_side_is_on_the_other_or_says_what_to_use() -> None:
     views, scripts = public(EgoView), public(Body)
     assert views - scripts - OWN_OF_BEHAVIOURS == set()
-    assert scripts - views - set(INSTEAD) == set()
+    assert scripts - views - set(advice("body", "behavior")) == set()
 
 
 SHARED = sorted((public(EgoView) & public(Body)) - set(FLAT_ALIKE) - {"fov_detect_object", "memory"})

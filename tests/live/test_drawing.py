@@ -280,11 +280,8 @@ class Window:
     def wait(self, _: float) -> None:
         pass
 
-    def poll(self, **_: Any) -> list[str]:
-        return []
-
-    def new_limits(self) -> tuple[bool, None]:
-        return False, None
+    def execute(self, *_: Any, **__: Any) -> None:
+        pass
 
     def close(self) -> None:
         pass
