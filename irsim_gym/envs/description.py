@@ -17,7 +17,6 @@ from irsim_gym.envs.spaces import action_space, critic_key, observation_key, obs
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
-from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
 
 STATE_NAMES = {"is_success": "success"}
@@ -262,7 +261,7 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     for family, term in _observed(episodes):
         is_critics = family == "critic_observations"
         key = critic_key(term.name, term.options) if is_critics else observation_key(episodes, term.name)
-        summary, width = first_sentence(kind_of(term)), len(bounds.get((family, term.name), ((), ()))[0])
+        summary, width = first_sentence(type(term.options)), len(bounds.get((family, term.name), ((), ()))[0])
         columns = _columns_of(episodes, term, agent, width)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
@@ -343,7 +342,7 @@ def _action(episodes: Episodes, term: Term, agent: int, space: str) -> Action:
         commands = 0.5 * (low + high) + asked * (0.5 * (high - low))
         choices = tuple(map(tuple, (commands + 0.0).tolist()))
     components = _components(episodes, term, agent)
-    return Action(term.name, first_sentence(kind_of(term)), space, components, choices)
+    return Action(term.name, first_sentence(type(term.options)), space, components, choices)
 
 
 def _reward(term: Term) -> Reward:
@@ -355,7 +354,7 @@ def _when(term: Term) -> str:
     """Return when a term pays or applies: in its own words, else by its docstring."""
     if isinstance(term.options, TellsWhen):
         return term.options.when(term)
-    return first_sentence(kind_of(term)) or "not described"
+    return first_sentence(type(term.options)) or "not described"
 
 
 def _infos(info: Mapping[str, object]) -> list[Info]:

@@ -18,7 +18,6 @@ from irsim_gym.tasks.actions import DiscreteAction
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored, command_exchanged, signed
 from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.term_contract import checked_mirrored
-from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.world.kinds import KeepsSymmetry
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -125,7 +124,7 @@ def _observed(episodes: Episodes) -> Iterator[tuple[str, Term, int]]:
 
 def _mirrored(term: Term, width: int) -> Mirrored | str:
     """Return what becomes of an observation, or why it cannot be mirrored."""
-    kind = kind_of(term)
+    kind = type(term.options)
     if not isinstance(term.options, HasMirrored):
         return f"the observation '{term.name}' does not say what it becomes (it has no method 'mirrored')"
     found = checked_mirrored(term, kind, width) if is_foreign(kind) else term.options.mirrored(term)
@@ -151,7 +150,7 @@ def _of_action(episodes: Episodes) -> Iterator[str]:
     """Yield why actions cannot be mirrored."""
     drives, agents = episodes.simulation.model.drive, np.array(episodes.task.agents)
     action = episodes.terms["action"][0]
-    if is_foreign(kind_of(action)):
+    if is_foreign(type(action.options)):
         yield f"the action '{action.name}' is a plugin's, and nothing says what it becomes"
         return
     command = command_exchanged(action)

@@ -308,12 +308,12 @@ class Episodes:
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._record_step(shard)
         for term in self._endings:
-            term.options.ends(term, model, world, state, shard)
+            (term.watched or term.options.ends)(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
-            term.options.pay(term, model, world, state, shard)
+            (term.watched or term.options.pay)(term, model, world, state, shard)
         if self.waits:
             account.settle_arrivals(shard.worlds, self._on_the_way, state)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
@@ -323,7 +323,8 @@ class Episodes:
 
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state
-        self._action.options.act(self._action, model, self.simulation.state, state, shard)
+        term = self._action
+        (term.watched or term.options.act)(term, model, self.simulation.state, state, shard)
         actions.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
             actions.turn_commands(shard.worlds, self._turned, self.simulation.state)
@@ -343,9 +344,11 @@ class Episodes:
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+            (term.watched or term.options.write)(term, self.simulation.model, self.simulation.state, self.state, shard)
         for term in self._critic:
-            term.options.write(term, self.simulation.model, self.simulation.state, self._critic_state, shard)
+            (term.watched or term.options.write)(
+                term, self.simulation.model, self.simulation.state, self._critic_state, shard
+            )
 
     def _with_columns(self, width: int) -> EpisodeState:
         """Return a state that shares all arrays except for an observation of its own."""

@@ -63,6 +63,7 @@ class Term:
         bodies: The agents as a group, for views of them (``behaviors.views``).
         image: Output of an image observation, ``(n_worlds, n_agents, height, width, n_channels)``; empty for other
             terms.
+        watched: Called in place of the kind's method while a plugin is checked, see ``term_watch``; else None.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Term:
     components: tuple[Words, ...] = ()
     bodies: Group | None = None
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
+    watched: Any = None
 
     @cached_property
     def bound(self) -> Bound:
