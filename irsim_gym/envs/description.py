@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ from gymnasium import Space
 from gymnasium.spaces import Box, Dict
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.envs.spaces import action_space, critic_key, observation_key, observation_space
+from irsim_gym.envs.spaces import action_space, observation_space, observed
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
@@ -256,19 +256,14 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     """Return the blocks of an agent's observations, in the order of the flat observation; pictures stand apart."""
     blocks: list[Block] = []
     held: Counter[str] = Counter()
-    bounds = {("observations", name): (low, high) for name, low, high in episodes.observation_terms}
-    bounds |= {("critic_observations", name): (low, high) for name, low, high in episodes.critic_terms}
-    for family, term in _observed(episodes):
-        is_critics = family == "critic_observations"
-        key = critic_key(term.name, term.options) if is_critics else observation_key(episodes, term.name)
-        summary, width = first_sentence(type(term.options)), len(bounds.get((family, term.name), ((), ()))[0])
-        columns = _columns_of(episodes, term, agent, width)
+    for key, term, is_critics in observed(episodes):
+        summary, (low, high) = first_sentence(type(term.options)), term.bounds
+        columns = _columns_of(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
             parts = _parts(columns, np.ones(sum(one.count for one in columns), np.bool_), (0.0, 255.0), 0)
             blocks.append(Block(term.name, key, summary, term.image.shape[2:], parts, True, view))
             continue
-        low, high = bounds[family, term.name]
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
         kept = used if own and not is_critics else np.ones(low.size, np.bool_)
         if kept.any():
@@ -278,19 +273,13 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     return tuple(blocks)
 
 
-def _observed(episodes: Episodes) -> Iterator[tuple[str, Term]]:
-    """Yield the observations with their families: those of the actor, then those of the critic alone."""
-    for family in ("observations", "critic_observations"):
-        yield from ((family, term) for term in episodes.terms[family])
-
-
-def _columns_of(episodes: Episodes, term: Term, agent: int, width: int) -> Sequence[Columns]:
+def _columns_of(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]:
     """Return what an observation says of its columns; one part for all of them where it says nothing."""
     if isinstance(term.options, TellsColumns):
         return term.options.columns(term, episodes.simulation.model, agent)
     if isinstance(term.options, IsImage):
         return [Columns("not described", count=term.options.image_shape[2])]
-    return [Columns("not described", count=width)]
+    return [Columns("not described", count=term.bounds[0].size)]
 
 
 def _parts(columns: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:

@@ -87,10 +87,7 @@ class Episodes:
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
-        parts = {"observations": self.observation_terms, "critic_observations": self.critic_terms}
-        bounds = {(family, name): (low, high) for family, those in parts.items() for name, low, high in those}
-        recorded = (self._play, self._begin_episodes, self._begin)
-        self._watch = TermWatch(self.terms, simulation, bounds, recorded)
+        self._watch = TermWatch(self.terms, simulation, (self._play, self._begin_episodes, self._begin))
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
 

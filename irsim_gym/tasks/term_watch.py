@@ -18,12 +18,10 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.fused import Fused
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
-Bounds = tuple[Any, Any]
-"""Lower and upper bound of each column."""
 CALLS, CLOSELY = 300, 3
 """Number of calls of a term that are watched, and of the first ones, in which all arrays are compared."""
 MARK, BYTE = 2.0**100, 171
@@ -47,25 +45,18 @@ class TermWatch:
     Args:
         terms: The terms by family, see ``Episodes.terms``.
         simulation: The simulation.
-        bounds: Lower and upper bounds of each observation, by family and name.
         recorded: Functions that must not be recorded while terms are watched.
 
     Attributes:
         is_on: Whether any term is watched.
     """
 
-    def __init__(
-        self,
-        terms: Mapping[str, Sequence[Term]],
-        simulation: Simulation,
-        bounds: Mapping[tuple[str, str], Bounds],
-        recorded: Sequence[Fused],
-    ) -> None:
+    def __init__(self, terms: Mapping[str, Sequence[Term]], simulation: Simulation, recorded: Sequence[Fused]) -> None:
         self._checks: list[tuple[Term, CallCheck]] = []
         for key, those in terms.items():
             family = key.removeprefix("critic_").removesuffix("s")
             for term in (one for one in those if is_foreign(type(one.options))):
-                term.watched = check = CallCheck(family, term, simulation, bounds.get((key, term.name)))
+                term.watched = check = CallCheck(family, term, simulation)
                 self._checks.append((term, check))
         self.is_on = bool(self._checks)
         self._recorded = [function for function in recorded if function.is_fusable and self.is_on]
@@ -89,13 +80,14 @@ class CallCheck:
         calls: Number of calls so far.
     """
 
-    def __init__(self, family: str, term: Term, simulation: Simulation, bounds: Bounds | None) -> None:
+    def __init__(self, family: str, term: Term, simulation: Simulation) -> None:
         self.calls = 0
         self._family = family
-        self._output = "picture" if family == "observation" and bounds is None else family
-        self._bounds = (-np.ones(term.action_size), np.ones(term.action_size)) if family == "action" else bounds
+        self._output = "picture" if family == "observation" and isinstance(term.options, IsImage) else family
+        ones = np.ones(term.action_size if family == "action" else 0)
+        self._bounds = (-ones, ones) if family == "action" else term.bounds
         first = term.column if self._output in ("observation", "reward", "ending") else 0
-        width = term.image[0, 0].size if self._output == "picture" else len(self._bounds[0]) if self._bounds else 1
+        width = term.image[0, 0].size if self._output == "picture" else max(1, len(self._bounds[0]))
         self._own = slice(first, first + width)
         self._names = [simulation.parts.names[int(b)] for b in term.agents]
         self._is_alone = simulation.shards.n_slots == 1
@@ -162,7 +154,7 @@ class CallCheck:
             if wrong.any():
                 w, a, k = np.argwhere(wrong)[0].tolist()
                 element = f" into element {k}" if own.stop - own.start > 1 else ""
-                rule = rule.format(*(bound[k] for bound in self._bounds or ()))
+                rule = rule.format(*(bound[k] for bound in self._bounds if bound.size))
                 yield f"writes {values[w, a, k]:g}{element} for {self._names[a]} in world {worlds[w]}: {rule}"
         if self._family == "action":
             if _differ(episode.previous_action[worlds], before[worlds]).any():
@@ -178,7 +170,7 @@ class CallCheck:
         self, term: Term, episode: EpisodeState, values: NDArray[Any], worlds: Ints
     ) -> Iterator[tuple[Flags, str]]:
         """Yield which of the numbers ``(n, n_agents, width)`` break a rule, and the rule."""
-        if self._bounds is not None:
+        if self._bounds[0].size:
             low, high = self._bounds
             says = "an action lies" if self._family == "action" else "bounds() says that it is finite and"
             yield ~((values >= low - SLACK) & (values <= high + SLACK)), says + " in [{0:g}, {1:g}]"
