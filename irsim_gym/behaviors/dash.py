@@ -24,7 +24,6 @@ from irsim_gym.world.state import State
 class Dash(RenewsGoals):
     """Drive straight at the goal, turning towards it on the way."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 

@@ -34,7 +34,6 @@ class Dwa(LocalPlanner):
     g is the rest of the path from there [m]. An arc that arrives early counts as if it continued for the time saved.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "acker")
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True

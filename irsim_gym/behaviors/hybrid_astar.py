@@ -29,7 +29,6 @@ class HybridAstar(RenewsGoals):
     bodies are not part of the plan: the body waits for those close ahead, and does not drive around them.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 

@@ -30,7 +30,6 @@ class Mppi(LocalPlanner):
     is the plan for the next decision. The noise comes from the world's random stream.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "acker")
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True

@@ -24,7 +24,6 @@ from irsim_gym.world.state import State
 class OrcaGroup(RenewsMembersGoals):
     """All bodies of a group avoid each other, each taking half of the effort, and what never moves."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -31,7 +31,6 @@ class Pursuit(RenewsGoals):
     forgets all but its latest scan.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 

@@ -29,7 +29,6 @@ class Recorded:
     stopped, it falls behind.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("omni",)
     reads_neighbors: ClassVar[bool] = False
     replays: ClassVar[bool] = True

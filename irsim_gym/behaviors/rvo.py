@@ -30,7 +30,6 @@ TURNING = Turning(0.2, 0.1, 0.02, 1.5)
 class Rvo(RenewsGoals):
     """Pick the sampled velocity nearest to the preferred one that leads to no collision."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -44,7 +44,6 @@ NO_FORCE = 0.0, 0.0
 class SocialForce(RenewsGoals):
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -35,7 +35,6 @@ class SocialForceGroup(RenewsMembersGoals):
     All members decide from the same moment. ``social_groups`` counts members in the order of the file, from 0.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -31,11 +31,12 @@ _lists_jobs: ContextVar[bool] = ContextVar("lists_jobs", default=False)
 
 
 def only_kernels(kinds: Iterable[object]) -> bool:
-    """Return whether all kinds declare that their methods only call kernels, with arrays that are never replaced.
+    """Return whether the methods of all kinds only call kernels, with arrays that are never replaced.
 
-    A kind declares it with ``only_kernels = True`` in its own body: a class derived from it may do other things.
+    Kinds of the package do. Those from outside declare it with ``only_kernels = True`` in their own body: a class
+    derived from another may do other things.
     """
-    return all(vars(kind).get("only_kernels", False) for kind in kinds)
+    return all(vars(kind).get("only_kernels", not is_foreign(kind)) for kind in kinds)
 
 
 class Recordings:

@@ -24,7 +24,6 @@ LEAST_SIZE = 1e-3
 class Circle:
     """A disc."""
 
-    only_kernels: ClassVar[bool] = True
     keeps_symmetry: ClassVar[bool] = True
 
     radius: float = option(0.2, gt=0.0, unit="m", meaning="Radius.")

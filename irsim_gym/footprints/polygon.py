@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from irsim_gym.world.state import State
 @kind
 class Polygon(VertexShape):
     """A simple polygon, convex or not."""
-
-    only_kernels: ClassVar[bool] = True
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -24,7 +24,6 @@ LEAST_SIZE = 1e-3
 class Rectangle:
     """A rectangle about the body's origin; with a wheelbase the origin is the rear axle."""
 
-    only_kernels: ClassVar[bool] = True
     keeps_symmetry: ClassVar[bool] = True
 
     length: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's x axis.")

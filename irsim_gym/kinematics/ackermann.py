@@ -31,7 +31,6 @@ class Ackermann:
     turn: it keeps heading and steering angle.
     """
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "steer")
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 4

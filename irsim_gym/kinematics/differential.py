@@ -22,7 +22,6 @@ from irsim_gym.world.state import State
 class Differential:
     """Differential drive; command: linear velocity [m/s], angular velocity [rad/s]."""
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "angular")
     command_words: ClassVar[tuple[tuple[str, str], ...]] = (
         ("speed ahead", "m/s"),

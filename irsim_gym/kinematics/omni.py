@@ -22,7 +22,6 @@ from irsim_gym.world.state import State
 class Omni:
     """Moves in any direction and keeps its heading; command: two velocities [m/s]."""
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 3

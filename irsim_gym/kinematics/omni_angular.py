@@ -22,7 +22,6 @@ from irsim_gym.world.state import State
 class OmniAngular:
     """Moves in any direction while turning; command: forward, left [m/s] and angular velocity [rad/s]."""
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
     command_words: ClassVar[tuple[tuple[str, str], ...]] = (
         ("speed ahead", "m/s"),

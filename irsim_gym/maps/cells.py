@@ -24,7 +24,6 @@ class RandomCells(LevelMap):
     """Randomly occupied cells in each level: first their number is drawn uniformly, then their places."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     fill: tuple[float, float] = option(
         (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."

@@ -25,7 +25,6 @@ class CellularMap(LevelMap):
     """Randomly occupied cells, smoothed by a cellular automaton over the eight neighbours of each cell."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     fill: tuple[float, float] = option(
         (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."

@@ -25,7 +25,6 @@ class MazeMap(LevelMap):
     """Corridors between walls that are one cell thick; every corridor can be reached from every other."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
     loops: float = option(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +22,6 @@ from irsim_gym.world.state import State
 @kind
 class PerlinMap:
     """Caves and islands from smooth noise, with a given share of occupied cells."""
-
-    only_kernels: ClassVar[bool] = True
 
     resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
     complexity: float = option(0.142857, gt=0.0, meaning="Bumps per cell: larger is finer.")

@@ -25,7 +25,6 @@ class ShelvesMap(LevelMap):
     """Shelves in rows and columns with aisles between them, along x or along y; some shelves are missing."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
     aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")

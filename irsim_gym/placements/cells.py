@@ -63,7 +63,6 @@ class CellTables(Struct):
 class CellPlacement:
     """Starts and goals in the middle of free cells of the map, connected by cells that share sides."""
 
-    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
     roams: ClassVar[bool] = True
     ensures_way: ClassVar[bool] = True

@@ -59,7 +59,6 @@ class CircleTables(Struct):
 class CirclePlacement:
     """Starts on a circle, with each goal on the opposite side."""
 
-    only_kernels: ClassVar[bool] = True
     roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = True

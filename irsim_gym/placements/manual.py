@@ -18,7 +18,6 @@ from irsim_gym.world.state import State
 class ManualPlacement:
     """Poses and goals as given in the file."""
 
-    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = False
     roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False

@@ -34,7 +34,6 @@ COARSE, FINE = 1.0, 0.5
 class RandomPlacement:
     """Uniform draws without overlap. Too many failed draws raise an error that names the body."""
 
-    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
     roams: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True

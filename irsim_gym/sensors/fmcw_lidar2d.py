@@ -45,7 +45,6 @@ class FmcwLidar2D:
     ``motion_compensate``, to the ground.
     """
 
-    only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
 
     number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")

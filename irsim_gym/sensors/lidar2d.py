@@ -28,7 +28,6 @@ class LidarPlot:
 class Lidar2D:
     """A scanner with ``number`` beams, evenly spaced over ``angle_range``, including both ends."""
 
-    only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
 
     number: int = option(

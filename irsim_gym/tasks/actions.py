@@ -7,7 +7,7 @@ frame (``omni``), the command is then rotated by the heading, because learners o
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +30,6 @@ FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or 
 @kind
 class VelocityAction:
     """A continuous action: one number in [-1, 1] for each component of the command; other numbers are clipped."""
-
-    only_kernels: ClassVar[bool] = True
 
     frame: Literal["body", "command"] = FRAME
 
@@ -60,8 +58,6 @@ class DiscreteAction:
     number of values and symmetric limits, the middle value is 0. A drive with three components has ``lateral`` values
     of the second one: choice ``(i * lateral + l) * angular + j``.
     """
-
-    only_kernels: ClassVar[bool] = True
 
     linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the maximum.")
     lateral: int = option(

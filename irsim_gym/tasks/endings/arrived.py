@@ -24,7 +24,6 @@ class Arrived:
     its time do not grow.
     """
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True
 

@@ -26,7 +26,6 @@ class Collided:
     If it touches several bodies in the same step, the first one in the file counts.
     """
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False
 

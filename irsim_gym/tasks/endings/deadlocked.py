@@ -19,7 +19,6 @@ from irsim_gym.world.state import State
 class Deadlocked:
     """End with failure when the agent has been slower than the task's ``deadlock_speed`` for ``deadlock_time``."""
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.DEADLOCK
     needs_goal: ClassVar[bool] = True
 

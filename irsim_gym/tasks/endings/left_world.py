@@ -20,7 +20,6 @@ from irsim_gym.world.state import State
 class LeftWorld:
     """End with failure when the agent is outside the world's rectangle by more than its own reach."""
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
     needs_goal: ClassVar[bool] = False
 

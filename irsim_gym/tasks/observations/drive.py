@@ -28,7 +28,6 @@ class Drive:
     A policy that robots with different drives share needs to know the drive of each robot.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

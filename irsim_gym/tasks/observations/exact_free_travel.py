@@ -64,7 +64,6 @@ class ExactFreeTravel:
     It sees through walls and in all directions, but not bodies that are ``unobstructed``.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -67,7 +67,6 @@ class FreeTravel:
     appears closed, even with few directions. The codes are those of ``scan``.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 

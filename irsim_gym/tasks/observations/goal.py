@@ -28,7 +28,6 @@ class Goal:
     The bearing is given as cosine and sine, because an angle would jump where it wraps.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

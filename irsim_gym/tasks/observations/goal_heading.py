@@ -23,7 +23,6 @@ from irsim_gym.world.state import State
 class GoalHeading:
     """Cosine and sine of the turn to the goal's heading; both 0 if any heading is allowed."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

@@ -23,7 +23,6 @@ from irsim_gym.world.state import State
 class GoalPosition:
     """x and y of the next goal, scaled like ``position``."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

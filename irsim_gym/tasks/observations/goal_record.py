@@ -45,7 +45,6 @@ class GoalRecord:
     the goal than ever before, and thus never drive in circles (Lumelsky & Stepanov 1987; Kamon & Rivlin 1997).
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

@@ -23,7 +23,6 @@ from irsim_gym.world.state import State
 class HasArrived:
     """1 if the agent has reached its last goal and drives on, else 0; always 0 unless ``arrived`` has ``wait``."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

@@ -23,7 +23,6 @@ from irsim_gym.world.state import State
 class Heading:
     """Cosine and sine of the heading in the world."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

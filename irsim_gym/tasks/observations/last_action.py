@@ -23,7 +23,6 @@ from irsim_gym.world.state import State
 class LastAction:
     """The latest action, scaled to [-1, 1] as continuous actions are; at the start, the action for standing still."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

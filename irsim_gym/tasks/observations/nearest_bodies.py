@@ -57,7 +57,6 @@ class NearestBodies:
     body reads 0, 0, the code of ``range``, 0, 0.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

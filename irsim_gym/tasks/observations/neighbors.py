@@ -51,7 +51,6 @@ class Neighbors:
     and robots with a behaviour are observed alike.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

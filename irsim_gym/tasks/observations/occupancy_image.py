@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -57,8 +56,6 @@ class OccupancyImage:
     lidar's latest scan: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds a channel for other robots,
     ``goal_channel`` one with a disc at the goal, or at the border if the goal is farther away.
     """
-
-    only_kernels: ClassVar[bool] = True
 
     pixels: int = option(
         64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."

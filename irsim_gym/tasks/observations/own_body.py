@@ -34,7 +34,6 @@ class OwnBody:
     for limits; without a limit it reads 1.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

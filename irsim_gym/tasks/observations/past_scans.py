@@ -72,7 +72,6 @@ class PastScans:
     the age of a scan, its first scan is used.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 

@@ -26,7 +26,6 @@ class Position:
     The numbers continue beyond the world's edge, so that different positions stay different.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -70,7 +70,6 @@ class Route:
     those of the straight line.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

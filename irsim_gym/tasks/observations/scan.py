@@ -64,7 +64,6 @@ class Scan:
     at small depths, and about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 

@@ -56,7 +56,6 @@ class SeenMapImage:
     ``goal_channel`` adds a channel with a disc at the goal, or at the border if the goal is farther away.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = True
 
     pixels: int = option(

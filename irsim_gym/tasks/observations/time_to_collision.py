@@ -58,7 +58,6 @@ class TimeToCollision:
     without a collision within the horizon. Bodies that are ``unobstructed``, and an obstacle map, are not seen.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -42,7 +42,6 @@ class Trail:
     this observation, a policy without memory can avoid places where it has been.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -29,7 +29,6 @@ class Velocity:
     For an ``omni`` drive, it is the velocity in the body frame, divided by the length of the vector of both limits.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -34,7 +34,6 @@ class WayOnSeenMap:
     reach, too.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = True
 

@@ -40,7 +40,6 @@ class YieldingWay:
     lengths are counted in cells: along the diagonals of the grid they are up to 1.4 times as long.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = True
 

@@ -19,7 +19,6 @@ from irsim_gym.world.state import State
 class Arrival:
     """Bonus ``+weight``, once, when the agent succeeds; see ``arrived`` for agents that drive on."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "bonus"
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True

@@ -19,7 +19,6 @@ from irsim_gym.world.state import State
 class Clearance:
     """Cost of closeness: ``max(0, 1 - clearance / safe)^2``, times ``weight / max_steps``."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "running"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = False

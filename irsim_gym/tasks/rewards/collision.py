@@ -23,7 +23,6 @@ from irsim_gym.world.state import State
 class Collision:
     """Penalty ``-weight`` in the step in which the agent begins to touch another body, or its episode ends by it."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False

@@ -18,7 +18,6 @@ from irsim_gym.world.state import State
 class Deadlock:
     """Penalty ``-weight``, once, when the episode ends because the agent has stalled for too long."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.DEADLOCK
     needs_goal: ClassVar[bool] = True

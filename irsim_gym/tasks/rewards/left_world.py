@@ -18,7 +18,6 @@ from irsim_gym.world.state import State
 class LeftWorldPenalty:
     """Penalty ``-weight``, once, when the episode ends outside the world's rectangle."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
     needs_goal: ClassVar[bool] = False

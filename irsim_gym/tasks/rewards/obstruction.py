@@ -28,7 +28,6 @@ class Obstruction:
     in the observation ``route``.
     """
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "running"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True

@@ -41,7 +41,6 @@ class Progress:
     Progress is measured to the goal before the step, so that a change of goal costs nothing.
     """
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "potential"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True

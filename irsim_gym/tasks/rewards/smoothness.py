@@ -19,7 +19,6 @@ from irsim_gym.world.state import State
 class Smoothness:
     """Cost of abrupt actions: ``|a_t - a_(t-1)|^2`` over its largest possible value, times ``weight / max_steps``."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "running"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = False

@@ -19,7 +19,6 @@ from irsim_gym.world.state import State
 class Time:
     """Cost of time: ``-weight`` spread evenly over the steps of a full episode."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "running"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = False
