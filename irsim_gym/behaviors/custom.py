@@ -15,9 +15,8 @@ from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others, reserv
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import kind, kind_of_function, option
-from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Shard, State
 
 # In the order of the option's choices; -1 stands for every role.
 ROLES = (-1, ROBOT, OBSTACLE)

@@ -14,9 +14,7 @@ from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import forget_ways
 from irsim_gym.behaviors.renewal import renewal_problems
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State
 
 MOST_SAMPLES = 1000
 """Maximum number of values along an axis."""

@@ -31,12 +31,9 @@ from irsim_gym.behaviors.rollouts import (
     twist_of,
 )
 from irsim_gym.behaviors.steering import clear_command
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, Model
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, Model, State, Struct, kernel
 from irsim_gym.world.own_scan import OwnScan
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 BOTH = 2
 """Value of ``turned`` for turns to both sides."""

@@ -15,9 +15,7 @@ from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_ve
 from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.geometry.linear_program import HALF_PLANE
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State
 
 
 @kind

@@ -10,11 +10,8 @@ from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
 SOCIAL = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")

@@ -13,9 +13,8 @@ from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.irsim_names import advice, missing
 from irsim_gym.world.irsim_readings import IrSimReadings
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 class BodyView(IrSimReadings):

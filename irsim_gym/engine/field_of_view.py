@@ -6,10 +6,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine.body_measures import measure_into
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 def detect(worlds: Ints, body: int, fov: float, depth: float, model: Model, state: State, detected: Flags) -> None:

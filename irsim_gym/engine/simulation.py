@@ -19,8 +19,7 @@ from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Group, Shard, WorldContext, find_sensor
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State
 
 
 @dataclass

@@ -6,10 +6,8 @@ from collections.abc import Iterator
 
 from irsim_gym.footprints.random_outline import VertexShape, draw_outlines, outline_problems
 from irsim_gym.scenario.options import kind
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import State
 
 
 @kind

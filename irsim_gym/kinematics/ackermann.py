@@ -9,13 +9,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_below, wrap_from
-from irsim_gym.jit import kernel
 from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ACKERMANN, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import ACKERMANN, Group, Model, Shard, State, kernel
 
 
 @kind

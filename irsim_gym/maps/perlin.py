@@ -13,10 +13,8 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_size
 from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 
 @kind

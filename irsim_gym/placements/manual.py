@@ -7,11 +7,8 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel
 
 
 @kind

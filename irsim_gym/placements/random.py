@@ -14,9 +14,7 @@ from irsim_gym.placements.manual import world_box
 from irsim_gym.placements.random_draws import DrawTables, draw_members
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.scenario.options import crossed_bounds, kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State
 
 MARGIN = 0.5
 """Distance of the default bounds from the edge of the world [m]."""

@@ -17,10 +17,8 @@ from irsim_gym.geometry.angles import wrap_from
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.plugins.functions import answer, members, numbers, registering
 from irsim_gym.scenario.options import function_parameters, kind
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -23,11 +23,9 @@ from irsim_gym.geometry.ray_chunks import (
     span_segments,
 )
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
-from irsim_gym.jit import kernel
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 @kernel

@@ -10,10 +10,8 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.sensors import hits, reports, scanning
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 
 @kind

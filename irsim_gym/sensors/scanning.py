@@ -17,10 +17,8 @@ from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.sensors.room_casting import cast_room, is_small
 from irsim_gym.sensors.scan_tables import ScanTables
 from irsim_gym.world.arrays import aligned
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 FULL_TURN = 2.0 * np.pi
 

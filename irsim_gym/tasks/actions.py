@@ -13,16 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.families import ACTIONS
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import RUNNING
-from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Term, kernel, kind, option
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 

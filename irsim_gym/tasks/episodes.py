@@ -10,18 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.direct import Direct
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.tasks import account, actions, team_state
 from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.endings.arrived import Arrived
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
 from irsim_gym.tasks.term_watch import TermWatch
+from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
 from irsim_gym.tasks.transition import CRITIC, transition_of
 from irsim_gym.world.model import OMNI_WORLD
 

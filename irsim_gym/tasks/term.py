@@ -16,13 +16,10 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.world.group import Group, records
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, Struct, kernel
 
 
 @dataclass

@@ -13,7 +13,6 @@ import numpy as np
 
 from irsim_gym.contract import Contract, check_method, has_member, refuse
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
-from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import (
     ActionKind,
     EndingKind,
@@ -26,8 +25,8 @@ from irsim_gym.tasks.term import (
     RewardKind,
     Term,
 )
+from irsim_gym.tasks.terms import Model, Outcome
 from irsim_gym.tasks.words import TellsActions, TellsColumns, TellsWhen
-from irsim_gym.world.model import Model
 
 
 def _observation(kind: type[Any]) -> Iterator[str]:

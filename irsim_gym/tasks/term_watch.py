@@ -14,13 +14,9 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.contract import is_foreign, refuse
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.fused import Fused
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.term import IsImage, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, Simulation, State
 
 CALLS, CLOSELY = 300, 3
 """Number of calls of a term that are watched, and of the first ones, in which all arrays are compared."""

@@ -5,14 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, State, Term, kernel, kind
 
 
 @kind

@@ -8,17 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard
 from irsim_gym.geometry.angles import turned
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind, option
 
 
 @kind

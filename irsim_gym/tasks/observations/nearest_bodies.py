@@ -9,19 +9,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State
 

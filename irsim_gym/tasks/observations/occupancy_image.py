@@ -8,13 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.painting import (
     Canvas,
@@ -30,8 +25,7 @@ from irsim_gym.tasks.observations.painting import (
     view_from,
 )
 from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
-from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.world.model import ROBOT, Model
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import State

@@ -8,16 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, State, Term, kernel, kind
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 WIDTH = 8
 HALF_RADIUS, HALF_STEP = 0.5, 0.1

@@ -9,11 +9,6 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Words
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -25,9 +20,8 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 

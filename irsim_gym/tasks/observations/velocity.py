@@ -9,17 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.traits import limits_at_ends
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind
 from irsim_gym.world.model import OMNI_WORLD, Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 @kind

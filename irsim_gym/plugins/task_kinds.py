@@ -17,8 +17,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State
 
 F = TypeVar("F", bound=Callable[..., Any])
 
