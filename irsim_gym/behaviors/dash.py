@@ -8,14 +8,11 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import braked_rate, clear_command, goal_offset
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.names import Group, Shard, State, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Group, Ints, Shard, State, kernel, kind, option, row_of
 
 
 @kind

@@ -13,8 +13,7 @@ from irsim_gym.behaviors.local_paths import find_paths
 from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import forget_ways
 from irsim_gym.behaviors.renewal import renewal_problems
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State
+from irsim_gym.world.names import Group, Model, Shard, State, kind, option
 
 MOST_SAMPLES = 1000
 """Maximum number of values along an axis."""

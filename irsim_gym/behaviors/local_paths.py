@@ -13,9 +13,8 @@ from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Search
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, row_of
 from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.rows import row_of
 
 MAP, SEEN = 1, 2
 """Kinds of paths, in the order of the option ``path``."""

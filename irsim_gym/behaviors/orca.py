@@ -14,8 +14,7 @@ from irsim_gym.behaviors.orca_neighbors import OrcaObstacles
 from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
 from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.geometry.linear_program import HALF_PLANE
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State
+from irsim_gym.world.names import Group, Model, Shard, State, kind, option
 
 
 @kind

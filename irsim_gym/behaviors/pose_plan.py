@@ -28,9 +28,8 @@ from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.outline_room import PoseShape, largest_disc, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
-from irsim_gym.world.names import State, kernel
+from irsim_gym.world.names import State, kernel, row_of
 from irsim_gym.world.outline import own_outline
-from irsim_gym.world.rows import row_of
 
 PADDING = 0.02
 """Minimum distance of paths from obstacles [m], unless the body starts closer."""

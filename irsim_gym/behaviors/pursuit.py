@@ -14,8 +14,7 @@ from irsim_gym.behaviors.pursuit_tables import PursuitTables, forget_ways
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.paths.clearance import Obstacles, mark_standing
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind

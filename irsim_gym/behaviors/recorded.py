@@ -7,11 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.steering import Turning, to_command
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.recordings import sampled
-from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, Struct, kernel, kind, option
 
 STRAIGHT = Turning(1.0, 0.0, 0.0, 0.0)
 """For drives that do not turn."""

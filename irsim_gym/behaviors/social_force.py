@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
 SOCIAL = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")

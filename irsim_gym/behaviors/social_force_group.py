@@ -19,9 +19,7 @@ from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of
 
 
 @kind

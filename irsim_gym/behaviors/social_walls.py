@@ -15,8 +15,7 @@ from irsim_gym.behaviors.map_parts import map_discs, map_walls, most_map_discs, 
 from irsim_gym.behaviors.surroundings import MARGIN, is_seen, wall_bodies
 from irsim_gym.geometry.segments import side
 from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.names import Group, Model, State, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Group, Model, State, kernel, row_of
 
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""

@@ -15,13 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.contract import is_foreign, place_of
 from irsim_gym.engine.promise import place_of_write
 from irsim_gym.jit import Calls, is_recording, kernel, record
 from irsim_gym.jit.workers import Job, compile_together
 from irsim_gym.replay import BLOCK, NotRecordableError, Packer, Program, call_all, is_possible
-from irsim_gym.world.group import Shard
+from irsim_gym.world.names import Ints, Shard
 
 TRIALS = 20
 """Number of calls in which a function of kinds from outside the package is recorded again, and compared."""

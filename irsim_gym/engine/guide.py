@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irsim_gym import families
-from irsim_gym.arraytypes import Ints
-from irsim_gym.world.names import OMNI_WORLD, Group, Model, Shard, State
+from irsim_gym.world.names import OMNI_WORLD, Group, Ints, Model, Shard, State
 
 
 @dataclass(frozen=True)

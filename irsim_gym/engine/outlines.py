@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.world.names import Model, Shard, State, kernel
+from irsim_gym.world.names import Ints, Model, Shard, State, kernel
 from irsim_gym.world.outline import place_outline
 
 

@@ -12,8 +12,7 @@ from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, Model
-from irsim_gym.world.names import Shard, State, Struct, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Shard, State, Struct, kernel, row_of
 
 CELL_PER_REACH = 0.5
 

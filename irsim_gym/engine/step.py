@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import arrival, body_buckets, command_limits, contact, fog, outlines, patience, swept
 from irsim_gym.engine.guide import decide
 from irsim_gym.engine.parts import Parts
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, kernel
 
 
 @dataclass(frozen=True)

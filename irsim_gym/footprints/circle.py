@@ -7,10 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Group, Ints, Model, Shard, State, kernel
 from irsim_gym.world.outline import Outline
 
 LEAST_SIZE = 1e-3

@@ -8,8 +8,7 @@ import numpy as np
 
 from irsim_gym.footprints.random_outline import VertexShape, draw_outlines, outline_problems
 from irsim_gym.geometry.polygons import signed_area
-from irsim_gym.scenario.options import kind
-from irsim_gym.world.names import Group, Model, Shard, State
+from irsim_gym.world.names import Group, Model, Shard, State, kind
 from irsim_gym.world.outline import Outline, chain
 
 

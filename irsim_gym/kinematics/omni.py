@@ -7,12 +7,10 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_from
 from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import OMNI_BODY, OMNI_WORLD, Group, Model, Shard, State, kernel
+from irsim_gym.world.names import OMNI_BODY, OMNI_WORLD, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind

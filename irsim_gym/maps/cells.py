@@ -12,8 +12,7 @@ from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.geometry.world_maps import lay_cells
 from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.rng import integer
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind

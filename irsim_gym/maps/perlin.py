@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_size
 from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State
+from irsim_gym.world.names import Flags, Floats, Group, Ints, Model, Shard, State, kind, option
 from irsim_gym.world.outline import Outline
 
 

@@ -24,8 +24,7 @@ from irsim_gym.placements.free_space import (
 )
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.rng import integer, uniform
-from irsim_gym.scenario.options import kind
-from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel
+from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, kind
 from irsim_gym.world.outline import place_outline
 
 COARSE, FINE = 1.0, 0.5

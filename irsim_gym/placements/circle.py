@@ -11,10 +11,8 @@ from irsim_gym.arraytypes import CellMaps, Floats, Ints, Point
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
 from irsim_gym.rng import uniform
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel
+from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.rows import row_of
 
 MARGIN = 0.5
 """Distance of the default circle from the world's shorter sides [m]."""

@@ -15,11 +15,9 @@ from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
-from irsim_gym.scenario.options import option
 from irsim_gym.world.model import KEEP_GOAL, WANDER, Model
-from irsim_gym.world.names import State, kernel
+from irsim_gym.world.names import State, kernel, option, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
 
 
 class WayGrids(NamedTuple):

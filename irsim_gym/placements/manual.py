@@ -6,9 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.scenario.options import kind
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind
 
 
 @kind

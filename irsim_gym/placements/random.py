@@ -7,14 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.paths.grid import Grid
 from irsim_gym.placements.free_space import confirm_ways, length_option, length_problems, way_grids
 from irsim_gym.placements.manual import world_box
 from irsim_gym.placements.random_draws import DrawTables, draw_members
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.scenario.options import crossed_bounds, kind, option
-from irsim_gym.world.names import Group, Model, Shard, State
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State
 
 MARGIN = 0.5
 """Distance of the default bounds from the edge of the world [m]."""

@@ -16,9 +16,8 @@ from irsim_gym.placements.free_space import (
     leg_start,
 )
 from irsim_gym.rng import uniform
-from irsim_gym.world.names import Model, State, Struct, kernel
+from irsim_gym.world.names import Model, State, Struct, kernel, row_of
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.rows import row_of
 
 START_TRIES = 1000
 """Maximum number of draws for a start."""

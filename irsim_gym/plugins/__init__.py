@@ -23,7 +23,6 @@ from irsim_gym.families import (
 from irsim_gym.plugins.body_kinds import drive, placement, sensor
 from irsim_gym.plugins.task_kinds import AgentView, action, ending, observation, reward
 from irsim_gym.rng import integer, normal, uniform
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.outcome import HitKind, Outcome
@@ -55,7 +54,7 @@ from irsim_gym.world.kinds import (
     SensorKind,
     Steers,
 )
-from irsim_gym.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 from irsim_gym.world.outline import Outline
 from irsim_gym.world.own_scan import OwnScan, find_hits
 

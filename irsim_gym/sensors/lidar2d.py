@@ -7,10 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.sensors import hits, reports, scanning
-from irsim_gym.world.names import Group, Model, Shard, State
+from irsim_gym.world.names import Floats, Group, Model, Shard, State, kind, option
 from irsim_gym.world.outline import Outline
 
 

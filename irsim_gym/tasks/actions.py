@@ -12,11 +12,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Simulation
 from irsim_gym.families import ACTIONS
 from irsim_gym.tasks.outcome import RUNNING
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Term, kernel, kind, option
-from irsim_gym.world.rows import row_of
+from irsim_gym.tasks.terms import EpisodeState, Floats, Ints, Model, Shard, State, Term, kernel, kind, option, row_of
 
 FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 

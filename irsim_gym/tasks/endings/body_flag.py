@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.tasks.terms import EpisodeState, State, kernel
+from irsim_gym.tasks.terms import EpisodeState, Ints, State, kernel
 
 
 @kernel

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, State, Term, kernel, kind
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Shard, State, Term, kernel, kind
 
 
 @kind

@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.families import KINEMATICS
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Term, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Term, kernel, kind
 
 
 @kind

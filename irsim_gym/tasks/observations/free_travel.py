@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -19,9 +19,8 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms import Bound, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Struct, Term, kernel
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.state import State
 
 
 @dataclass

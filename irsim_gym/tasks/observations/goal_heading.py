@@ -7,9 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.tasks.mirrored import Mirrored, signed
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
 @kind

@@ -7,9 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Rays
 from irsim_gym.tasks.observations.position import place_scale, write_place
-from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Shard, State, Term, kind
+from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Rays, Shard, State, Term, kind
 
 
 @kind

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
+from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
 @kind

@@ -9,15 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints, Rays
+from irsim_gym.engine import Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 WIDTH = 5
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints
+from irsim_gym.engine import Simulation
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
 from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
@@ -25,10 +26,8 @@ from irsim_gym.tasks.observations.painting import (
     view_from,
 )
 from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
-from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, Simulation, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.world.model import ROBOT, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 LEAST_GOAL = 1.5
 """Minimum radius of the goal's disc [pixel]."""

@@ -7,11 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, State, Term, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Rays, Shard, State, Term, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
 
 WIDTH = 8
 HALF_RADIUS, HALF_STEP = 0.5, 0.1

@@ -22,8 +22,7 @@ from irsim_gym.paths.wavefront import (
     spread_costs,
 )
 from irsim_gym.tasks.observations.seen_grid import SeenGrid
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Struct, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Struct, kernel, row_of
 
 
 @dataclass

@@ -21,8 +21,7 @@ from irsim_gym.tasks.observations.seen_ways import last_in_sight
 from irsim_gym.tasks.observations.team_ways import TeamWays
 from irsim_gym.tasks.observations.way_columns import write_way
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, State, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, State, kernel, row_of
 
 SOON = 1.5
 """Two agents on their way meet if the first of them comes upon the other's way within this length of its own [m]."""

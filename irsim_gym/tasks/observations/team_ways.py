@@ -16,8 +16,7 @@ from irsim_gym.tasks.observations.seen_ways import SeenWays, way_ahead
 from irsim_gym.tasks.observations.way_columns import write_way
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Simulation, State, Struct, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Simulation, State, Struct, kernel, row_of
 
 MARGIN = 0.1
 """Hits up to this distance outside the disc around a robot are hits of the robot [m]."""

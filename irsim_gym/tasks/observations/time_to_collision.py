@@ -9,13 +9,12 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Simulation
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions
 from irsim_gym.tasks.observations.nearest_bodies import moving, span
-from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, Simulation, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 class MovingPoint(NamedTuple):

@@ -12,9 +12,8 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine.traits import limits_at_ends
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
-from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
 
 
 @kind

@@ -12,8 +12,7 @@ from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel
-from irsim_gym.world.rows import row_of
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, row_of
 
 
 @dataclass

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Role, Shard, State, Term, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Role, Shard, State, Term, kernel, kind, option
 
 
 @kind
