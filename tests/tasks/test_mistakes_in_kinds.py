@@ -155,7 +155,12 @@ WHEN_USED: list[tuple[str, str, str, str]] = [
         f"{OWN_COLUMN}\n        state.pose[shard.worlds] += 1",
         "changes state.pose, which it may only read",
     ),
-    ("observation", COSINE, COSINE.replace("np.cos", "2 + np.cos"), r"writes 3 into element 0 .*: bounds.. says .* in \[-1, 1\]"),
+    (
+        "observation",
+        COSINE,
+        COSINE.replace("np.cos", "2 + np.cos"),
+        r"writes 3 into element 0 .*: bounds.. says .* in \[-1, 1\]",
+    ),
     ("observation", COSINE, COSINE.replace("np.cos(heading)", "np.nan"), "writes nan into element 0 .* finite"),
     ("observation", SINE, "", r"write\(\) leaves episode.observation.* as it was"),
     (
@@ -266,6 +271,7 @@ def test_what_is_right_is_left_alone(family: str, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(term_watch, "CALLS", 5)
     played = episodes(family)
     assert played._watch.is_on
+    assert "Mine" in {type(term.options).__name__ for terms in played.terms.values() for term in terms}
     for _ in range(7):
         played.step(np.zeros((2, 1, 2)))
     assert not played._watch.is_on
