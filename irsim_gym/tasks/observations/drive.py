@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -36,7 +35,7 @@ class Drive:
         width = term.arrays["own"].shape[1]
         return np.zeros(width, np.float32), np.ones(width, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return [
             Columns(f"1 where the robot's drive is {name}, else 0")

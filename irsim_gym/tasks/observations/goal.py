@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -33,7 +32,7 @@ class Goal:
         """Return the bounds of the four elements."""
         return np.array([0.0, -1.0, -1.0, 0.0], np.float32), np.ones(4, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         full = self.scale or diagonal(model.bounds)
         bearing = "0 straight ahead, positive to the left"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -22,7 +21,7 @@ class GoalHeading:
         """Return the bounds of the two elements."""
         return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         turn = "turn = goal's heading - own heading; both elements 0 if any heading is allowed"
         return [

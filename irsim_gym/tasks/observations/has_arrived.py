@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -22,7 +21,7 @@ class HasArrived:
         """Return the bounds of the element."""
         return np.zeros(1, np.float32), np.ones(1, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the column."""
         return [Columns("1 if it has reached its last goal and drives on, else 0")]
 

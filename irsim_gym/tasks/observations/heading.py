@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -21,7 +20,7 @@ class Heading:
         """Return the bounds of the two elements."""
         return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         world = "in the world: 0 along x, positive to y"
         return [Columns("cosine of the heading", world), Columns("sine of the heading", world)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -33,7 +32,7 @@ class OwnBody:
         """Return 0 and 1."""
         return np.zeros(WIDTH, np.float32), np.ones(WIDTH, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         (first, unit), (second, turning) = term.components[agent][:2]
         return [

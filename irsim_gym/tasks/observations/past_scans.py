@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -113,7 +112,7 @@ class PastScans:
             encode(values, RangeCode.of(self, far))
         return low, high
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         far = float(term.arrays.far[agent])
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -92,7 +91,7 @@ class Route:
         """Return the bounds of the three elements."""
         return way_bounds()
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -102,7 +101,7 @@ class Scan:
                 encode(values, RangeCode.of(self, far[a]))
         return low.min(axis=0), high.max(axis=0)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns; sectors extend half a beam beyond their outer beams."""
         table: Sectors = term.arrays
         edges = sector_edges(table.angles, len(table.first)) + table.turns[agent]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -78,7 +77,7 @@ class TimeToCollision:
         count = self.directions * self.speeds
         return np.zeros(count, np.float32), np.ones(count, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns: the directions of each speed, slowest first."""
         table = term.arrays
         turn = 360.0 / self.directions

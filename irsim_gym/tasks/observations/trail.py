@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -63,7 +62,7 @@ class Trail:
         """Clear all marks."""
         forget(term.arrays.count, 0, episode, shard)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         scale = f"{self.near:g} m / (d + {self.near:g} m), d = distance of the mark; 0 without one"
         meaning = f"nearness of the nearest place where it has been; a mark each {self.spacing:g} m of its way"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 from irsim_gym.arraytypes import Ints, Rays
@@ -50,7 +49,7 @@ class YieldingWay:
         """Return the bounds of the three elements."""
         return way_bounds()
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         point = "of the direction of its way, to the goal as if there were no robots or out of the ways of others"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none; 0 to stay"
