@@ -57,7 +57,8 @@ def check_kind(family: str, name: str, kind: Any, contract: Contract) -> None:
     if not isinstance(kind, type):
         raise KindError(f"{family} '{name}': register takes the class, got {kind!r}")
     problems = [*_making(kind), *_members(kind, contract.protocol, required=True)]
-    for protocol in (*contract.optional, HasProblems):
+    optional: tuple[type[Any], ...] = (*contract.optional, HasProblems)
+    for protocol in optional:
         problems += _members(kind, protocol, required=False)
     refuse(family, name, kind, [*problems, *contract.rules(kind)])
 
