@@ -180,11 +180,11 @@ class CallCheck:
         self._paid[worlds] = sums
         slack = SLACK * max(1.0, weight)
         if role in ("running", "penalty"):
-            yield amounts > slack, f"a term of role '{role}' is never positive: write -amount"
+            yield amounts > slack, f"a {role} term is never positive: write -amount"
         if role == "running":
             yield (
                 sums < -weight - slack,
-                f"a term of role 'running' costs at most its weight, {weight:g}, in an episode, and has cost more by "
+                f"a running term costs at most its weight, {weight:g}, in an episode, and has cost more by "
                 "now: spread it, weight / term.max_steps in a step",
             )
         if role == "bonus":
