@@ -28,11 +28,6 @@ class HasProblems(Protocol):
         """Yield key and message for each option that does not fit the others; an empty key means the whole kind."""
 
 
-def no_more_rules(kind: type[Any]) -> Iterator[str]:
-    """Yield nothing."""
-    yield from ()
-
-
 @dataclass(frozen=True)
 class Contract:
     """What the kinds of a family have to have.
@@ -45,7 +40,7 @@ class Contract:
 
     protocol: type[Any]
     optional: tuple[type[Any], ...] = ()
-    rules: Callable[[type[Any]], Iterator[str]] = no_more_rules
+    rules: Callable[[type[Any]], Iterable[str]] = lambda kind: ()
 
 
 def is_foreign(kind: Any) -> bool:
@@ -82,16 +77,17 @@ def place_of(kind: type[Any], method: str = "") -> str:
 
     Of a class that a decorator has made, it is that of the function.
     """
-    given = vars(kind)
-    names = ["function"] if "function" in given else [method] if method else [one for one in given if one[:2] != "__"]
-    codes = [getattr(_function(given.get(name)), "__code__", None) for name in names]
-    known = [code for code in codes if code is not None]
+    members = vars(kind)
+    method = "function" if "function" in members else method
     try:
-        if not method and "function" not in given:
+        if not method:
             return f", {inspect.getsourcefile(kind)}:{inspect.getsourcelines(kind)[1]}"
     except (OSError, TypeError):
         pass  # made by exec, or typed in
-    return f", {known[0].co_filename}:{known[0].co_firstlineno}" if known else ""
+    for name in [method] if method else [name for name in members if name[:2] != "__"]:
+        if code := getattr(_function(members.get(name)), "__code__", None):
+            return f", {code.co_filename}:{code.co_firstlineno}"
+    return ""
 
 
 def has_member(kind: type[Any], name: str) -> bool:
@@ -101,31 +97,23 @@ def has_member(kind: type[Any], name: str) -> bool:
 
 def check_method(kind: type[Any], name: str, protocol: type[Any], *, required: bool) -> Iterator[str]:
     """Yield what is wrong with a method that a protocol declares."""
-    wanted = [one for one in inspect.signature(getattr(protocol, name)).parameters if one != "self"]
-    call = f"{name}({', '.join(wanted)})"
-    given = inspect.getattr_static(kind, name, None)
-    if given is None:
+    arguments = [one for one in inspect.signature(getattr(protocol, name)).parameters if one != "self"]
+    call, member = f"{name}({', '.join(arguments)})", inspect.getattr_static(kind, name, None)
+    function = _function(member)
+    if member is None:
+        near = nearest(name, [one for one, value in vars(kind).items() if _is_method(value)])
         if required:
-            others = [one for one, value in vars(kind).items() if _is_method(value)]
-            near = nearest(name, others)
             yield f"it has no method {call}" + (f"; is '{near}' meant?" if near else "")
-        return
-    function = _function(given)
-    if not callable(function) or isinstance(given, property):
-        yield f"'{name}' must be a method {call}, got {type(given).__name__}"
-        return
-    try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):
-        return
-    bound = 0 if isinstance(given, staticmethod) else 1
-    if not _takes(signature, bound + len(wanted)):
-        cure = "; write @staticmethod above it" if bound and _takes(signature, len(wanted)) else ""
-        yield f"'{name}' is called as {call}, but takes {signature}{cure}"
-        return
-    names = list(signature.parameters)[bound : bound + len(wanted)]
-    if names != wanted and sorted(names) == sorted(wanted):
-        yield f"'{name}' is called as {call}, by position, but takes {signature}: another order"
+    elif not callable(function) or isinstance(member, property):
+        yield f"'{name}' must be a method {call}, got {type(member).__name__}"
+    else:
+        bound, signature = 0 if isinstance(member, staticmethod) else 1, inspect.signature(function)
+        names = list(signature.parameters)[bound : bound + len(arguments)]
+        if not _takes(signature, bound + len(arguments)):
+            cure = "; write @staticmethod above it" if bound and _takes(signature, len(arguments)) else ""
+            yield f"'{name}' is called as {call}, but takes {signature}{cure}"
+        elif names != arguments and sorted(names) == sorted(arguments):
+            yield f"'{name}' is called as {call}, by position, but takes {signature}: another order"
 
 
 def _members(kind: type[Any], protocol: type[Any], *, required: bool) -> Iterator[str]:

@@ -77,15 +77,13 @@ def kernels() -> dict[tuple[str, str], Kernel]:
     texts = {file: file.read_text(encoding="utf-8") for file in sorted(PACKAGE.rglob("*.py"))}
     trees = {file: ast.parse(text) for file, text in texts.items() if "@kernel" in text}
     structs = _struct_classes(texts.values())
+    vocabulary = _imported(ast.parse(texts[PACKAGE / "world/names.py"]))
+    modules = "irsim_gym.world.names", "irsim_gym.tasks.terms"
+    passed_on = {(module, name): origin for module in modules for name, origin in vocabulary.items()}
     found = {}
     for file, tree in trees.items():
         module = ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts)
-        names = {
-            name.asname or name.name: (node.module or "", name.name)
-            for node in tree.body
-            if isinstance(node, ast.ImportFrom)
-            for name in node.names
-        }
+        names = {name: passed_on.get(origin, origin) for name, origin in _imported(tree).items()}
         here = [node for node in tree.body if isinstance(node, ast.FunctionDef) and _is_kernel(node)]
         names |= {node.name: (module, node.name) for node in here}
         for node in here:
@@ -93,6 +91,12 @@ def kernels() -> dict[tuple[str, str], Kernel]:
             found[module, node.name] = Kernel(file, node, names, given)
     _propagate(found)
     return found
+
+
+def _imported(tree: ast.Module) -> dict[str, tuple[str, str]]:
+    """Return module and name of what a file imports, by its name there."""
+    imports = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+    return {name.asname or name.name: (node.module or "", name.name) for node in imports for name in node.names}
 
 
 def _is_kernel(function: ast.FunctionDef) -> bool:

@@ -37,7 +37,7 @@ ALLOWED: dict[str, set[str]] = {
     "rng": {"numba", "jit"},
     "structs": {"numba", "llvmlite"},
     "geometry": {"jit", "structs"},
-    "world": {"jit", "structs", "shapely"},
+    "world": {"jit", "structs", "shapely", "scenario.options"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
     "behaviors": KIND | {"paths", "scenario.recordings", "scenario.wander_goals"},

@@ -9,15 +9,13 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 
 from irsim_gym import families
-from irsim_gym.arraytypes import Floats
 from irsim_gym.behaviors.renewal import RenewsGoals, RenewsMembersGoals, renewal_problems
 from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import kind, kind_of_function, option
-from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Shard, State
 
 # In the order of the option's choices; -1 stands for every role.
 ROLES = (-1, ROBOT, OBSTACLE)

@@ -8,23 +8,17 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import braked_rate, clear_command, goal_offset
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Ints, Shard, State, kernel, kind, option, row_of
 
 
 @kind
 class Dash(RenewsGoals):
     """Drive straight at the goal, turning towards it on the way."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 

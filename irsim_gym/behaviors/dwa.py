@@ -13,10 +13,7 @@ from irsim_gym.behaviors.local_paths import find_paths
 from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import forget_ways
 from irsim_gym.behaviors.renewal import renewal_problems
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kind, option
 
 MOST_SAMPLES = 1000
 """Maximum number of values along an axis."""
@@ -34,7 +31,6 @@ class Dwa(LocalPlanner):
     g is the rest of the path from there [m]. An arc that arrives early counts as if it continued for the time saved.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "acker")
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.local_task import (
     CLOSE,
     LETHAL,
@@ -31,12 +30,8 @@ from irsim_gym.behaviors.rollouts import (
     twist_of,
 )
 from irsim_gym.behaviors.steering import clear_command
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, Model
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, Floats, Ints, Model, State, Struct, kernel, row_of
 from irsim_gym.world.own_scan import OwnScan
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 BOTH = 2
 """Value of ``turned`` for turns to both sides."""

@@ -11,12 +11,8 @@ from irsim_gym.behaviors.pose_tables import PoseTables, forget_poses
 from irsim_gym.behaviors.pursuit_drive import is_under_way, mark_moving
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import clear_command
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -29,7 +25,6 @@ class HybridAstar(RenewsGoals):
     bodies are not part of the plan: the body waits for those close ahead, and does not drive around them.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 

@@ -10,15 +10,11 @@ from irsim_gym.arraytypes import CellMaps, Floats, Ints, Point
 from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import ASTRAY, CELL, LocalWays, advance_on_way
 from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Search
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, row_of
 from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 MAP, SEEN = 1, 2
 """Kinds of paths, in the order of the option ``path``."""

@@ -11,14 +11,9 @@ from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Records
 from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, lay_way, way_length
 from irsim_gym.behaviors.rollouts import POSES, Wheels, find_nearest, gap_at, lay_poses, wheels_of
 from irsim_gym.behaviors.steering import commanded_by_rate
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, Model
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, Group, Model, State, Struct, kernel, row_of
 from irsim_gym.world.outline import own_outline
 from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 LETHAL = 253.0
 """Cost of touching the padded footprint, as in ROS's cost maps."""

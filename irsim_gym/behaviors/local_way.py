@@ -11,12 +11,8 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Point, Vector
 from irsim_gym.behaviors.seen_way import SeenCells
 from irsim_gym.behaviors.steering import goal_offset
 from irsim_gym.geometry.segments import point_segment_distance2
-from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, State, Struct, kernel
 
 MOST_POINTS = 256
 """Maximum number of stored points of a path, CELL apart or more; beyond the last but one, the path is straight."""

@@ -6,9 +6,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMaps, Floats
 from irsim_gym.geometry.cells import cell_range
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Model, kernel, row_of
 
 
 def most_map_walls(model: Model, threshold: float) -> int:

@@ -13,10 +13,7 @@ from irsim_gym.behaviors.local_task import LocalTables
 from irsim_gym.behaviors.local_way import forget_ways
 from irsim_gym.behaviors.mppi_sampling import Samples, decide_mppi, forget_plans
 from irsim_gym.behaviors.renewal import renewal_problems
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kind, option
 
 
 @kind
@@ -30,7 +27,6 @@ class Mppi(LocalPlanner):
     is the plan for the next decision. The noise comes from the world's random stream.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "acker")
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True

@@ -7,18 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.local_task import LocalTables, LocalTask, is_under_way, obstacle_cost, see_hits, task_of
 from irsim_gym.behaviors.local_way import off_way
 from irsim_gym.behaviors.rollouts import LANES, find_nearest, gap_at, twist_of
 from irsim_gym.behaviors.steering import clear_command
-from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import ACKERMANN, OMNI_WORLD, Model
+from irsim_gym.world.names import ACKERMANN, OMNI_WORLD, Floats, Ints, Model, State, Struct, kernel, row_of
 from irsim_gym.world.own_scan import OwnScan
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 @dataclass(repr=False)

@@ -14,17 +14,13 @@ from irsim_gym.behaviors.orca_neighbors import OrcaObstacles
 from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
 from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
 from irsim_gym.geometry.linear_program import HALF_PLANE
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kind, option
 
 
 @kind
 class OrcaGroup(RenewsMembersGoals):
     """All bodies of a group avoid each other, each taking half of the effort, and what never moves."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -15,11 +15,8 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.behaviors.orca_lines import DISC_LANES
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.buckets import square_of
-from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, kernel, row_of
 
 FEW = 32
 """Number of members up to which they are searched one by one."""

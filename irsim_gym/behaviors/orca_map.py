@@ -11,8 +11,7 @@ from irsim_gym.behaviors.orca_neighbors import OrcaObstacles, put_in_order
 from irsim_gym.behaviors.orca_walls import add_edge, see_edge
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.segments import point_segment_distance2
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, kernel
 
 SIGHT = 3.0
 """Range of view for maps [m], which have many walls or discs, of which distant ones matter only later."""

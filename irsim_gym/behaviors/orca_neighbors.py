@@ -7,14 +7,9 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.behaviors.surroundings import find_around
 from irsim_gym.geometry.segments import point_segment_distance2
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Floats, Ints, Model, State, Struct, kernel, row_of
 
 FEW_WALLS = 64
 """Number of static bodies up to which they are searched one by one; more are looked up in the buckets."""

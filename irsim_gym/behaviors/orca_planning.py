@@ -16,11 +16,7 @@ from irsim_gym.behaviors.orca_walls import add_edge, see_edge
 from irsim_gym.behaviors.steering import Turning, goal_offset, to_command
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.linear_program import choose, set_plane
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import DIFFERENTIAL, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import DIFFERENTIAL, Model, State, Struct, kernel, row_of
 
 AT_GOAL = 0.1
 """Distance from its goal below which an omnidirectional body prefers to stand still [m]."""

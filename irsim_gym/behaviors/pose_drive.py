@@ -9,11 +9,9 @@ from irsim_gym.behaviors.pose_follow import OnWay, PoseMotion, command_along, le
 from irsim_gym.behaviors.pose_plan import TIGHT, find_poses, shape_of
 from irsim_gym.behaviors.pose_tables import PoseTables, PoseWay
 from irsim_gym.behaviors.pursuit_motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.outline_room import PoseShape, room_at_pose
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
-from irsim_gym.world.state import State
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, State, kernel
 
 PARTS = 4
 """Number of speeds that are tried, each half of the previous one."""

@@ -13,8 +13,7 @@ from irsim_gym.behaviors.pursuit_commands import STEEPEST, axis_speed, spin
 from irsim_gym.behaviors.pursuit_motion import Command, Moving, executed
 from irsim_gym.behaviors.steering import braked_rate
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, kernel
 
 SETTLE, SETTLE_STEPS = 0.2, 5.0
 """Distance [m], or number of steps at its speed if that is more, within which a body returns to its path."""

@@ -8,9 +8,8 @@ from irsim_gym.arraytypes import Pose, Records
 from irsim_gym.behaviors.pursuit_commands import STEEPEST, axis_speed
 from irsim_gym.behaviors.pursuit_motion import Moving
 from irsim_gym.behaviors.rollouts import Twist, place_at
-from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, kernel
 
 N_HEADINGS = 72
 """Number of headings that the search tells apart."""

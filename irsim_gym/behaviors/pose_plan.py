@@ -23,15 +23,13 @@ from irsim_gym.behaviors.pose_tables import (
     inner_radius_of,
 )
 from irsim_gym.behaviors.pursuit_motion import Moving
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.outline_room import PoseShape, largest_disc, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
+from irsim_gym.world.names import State, kernel, row_of
 from irsim_gym.world.outline import own_outline
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 PADDING = 0.02
 """Minimum distance of paths from obstacles [m], unless the body starts closer."""

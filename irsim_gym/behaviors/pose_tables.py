@@ -14,12 +14,9 @@ from irsim_gym.behaviors.pose_queue import PoseNodes
 from irsim_gym.behaviors.pursuit_motion import Moving
 from irsim_gym.behaviors.pursuit_tables import WayGrid
 from irsim_gym.behaviors.steering import commanded_by_rate
-from irsim_gym.jit import kernel
 from irsim_gym.paths.outline_room import largest_disc
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group
 from irsim_gym.world.model import STATE, Model
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Group, Struct, kernel, row_of
 
 MOST_PIECES = 256
 """Maximum number of stored moves of a path; a longer path is planned again at their end."""

@@ -13,12 +13,8 @@ from irsim_gym.behaviors.pursuit_seen import pursue_seen
 from irsim_gym.behaviors.pursuit_tables import PursuitTables, forget_ways
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.steering import clear_command
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -31,7 +27,6 @@ class Pursuit(RenewsGoals):
     forgets all but its latest scan.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 

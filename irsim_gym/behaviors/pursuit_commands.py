@@ -9,8 +9,7 @@ from irsim_gym.behaviors.pursuit_formulas import arc_curvature, regulated_speed
 from irsim_gym.behaviors.pursuit_motion import Command, Moving, executed
 from irsim_gym.behaviors.steering import braked_rate
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, kernel
 
 STEEPEST = 1.5
 """Steering angles are taken to be smaller than this [rad]; near a quarter turn, the tangent has no bound."""

@@ -9,11 +9,9 @@ from irsim_gym.behaviors.pursuit_motion import moving_of
 from irsim_gym.behaviors.pursuit_tables import MOST_POINTS, PATIENCE, PursuitTables, find_way
 from irsim_gym.behaviors.surroundings import is_seen
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import State, kernel, row_of
 
 
 @kernel

@@ -13,9 +13,8 @@ from irsim_gym.behaviors.pursuit_motion import Command, Moving, can_stop
 from irsim_gym.behaviors.pursuit_tables import TIGHT
 from irsim_gym.behaviors.pursuit_way import WINDOW, place_on_way, point_at_distance, remaining_length
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, kernel
 
 TRIES = 5
 """Number of points ahead that are tried, each half as far away as the previous one."""

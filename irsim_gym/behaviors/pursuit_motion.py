@@ -6,12 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, way_is_free
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Floats, Model, State, kernel, row_of
 
 MOST_STEPS = 100
 """Number of steps up to which a stop is predicted."""

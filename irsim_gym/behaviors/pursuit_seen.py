@@ -6,18 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.pursuit_drive import is_under_way, pursue
 from irsim_gym.behaviors.pursuit_tables import TIGHT, PursuitTables
 from irsim_gym.behaviors.pursuit_way import place_on_way
 from irsim_gym.behaviors.steering import clear_command
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.points import PointMap, add_point, forget_points, points_of
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Floats, Ints, Model, State, kernel, row_of
 from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 @kernel

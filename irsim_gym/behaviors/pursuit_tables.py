@@ -9,14 +9,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Point
 from irsim_gym.behaviors.steering import commanded_by_rate
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.points import PointMap, forget_points
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Struct, kernel
 
 MOST_POINTS = 256
 """Maximum number of stored points of a path; a longer path is planned again at their end."""

@@ -7,15 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.steering import Turning, to_command
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.recordings import sampled
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, Struct, kernel, kind, option
 
 STRAIGHT = Turning(1.0, 0.0, 0.0, 0.0)
 """For drives that do not turn."""
@@ -29,7 +23,6 @@ class Recorded:
     stopped, it falls behind.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("omni",)
     reads_neighbors: ClassVar[bool] = False
     replays: ClassVar[bool] = True

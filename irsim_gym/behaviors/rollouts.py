@@ -11,11 +11,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Floats, Record
 from irsim_gym.geometry.overlap import point_outline_distance
-from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model, State, kernel, row_of
 
 LANES = 16
 """Number of poses that are compared with a point at once."""

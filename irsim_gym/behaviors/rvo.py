@@ -15,12 +15,8 @@ from irsim_gym.behaviors.rvo_penalty import least_penalty
 from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around
 from irsim_gym.behaviors.velocity_obstacles import CONE, PITCH, disc_cones, lay_samples, side_cones, write_samples
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard, records
-from irsim_gym.world.model import DIFFERENTIAL, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import DIFFERENTIAL, Model, State, kernel, kind, option, row_of
 
 TURNING = Turning(0.2, 0.1, 0.02, 1.5)
 """How a differential drive follows the chosen velocity: IR-SIM's constants, whatever its step and its limits are."""
@@ -30,7 +26,6 @@ TURNING = Turning(0.2, 0.1, 0.02, 1.5)
 class Rvo(RenewsGoals):
     """Pick the sampled velocity nearest to the preferred one that leads to no collision."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -5,16 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
 SOCIAL = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")
@@ -44,7 +39,6 @@ NO_FORCE = 0.0, 0.0
 class SocialForce(RenewsGoals):
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

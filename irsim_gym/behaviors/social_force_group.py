@@ -19,13 +19,7 @@ from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of
 
 
 @kind
@@ -35,7 +29,6 @@ class SocialForceGroup(RenewsMembersGoals):
     All members decide from the same moment. ``social_groups`` counts members in the order of the file, from 0.
     """
 
-    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

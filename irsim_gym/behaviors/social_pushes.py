@@ -34,11 +34,8 @@ from irsim_gym.behaviors.surroundings import (
     look_of,
 )
 from irsim_gym.geometry.overlap import point_outline_distance
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 CIRCULAR = 1
 """``interaction: circular``."""

@@ -14,12 +14,8 @@ from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Point, Record
 from irsim_gym.behaviors.map_parts import map_discs, map_walls, most_map_discs, most_map_walls
 from irsim_gym.behaviors.surroundings import MARGIN, is_seen, wall_bodies
 from irsim_gym.geometry.segments import side
-from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.group import Group
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, State, kernel, row_of
 
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""

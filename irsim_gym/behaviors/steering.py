@@ -8,11 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Vector
 from irsim_gym.geometry.angles import wrap_below
-from irsim_gym.jit import kernel
-from irsim_gym.world.group import Group
-from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Group, Model, State, kernel, row_of
 
 ARRIVED = 0.1
 """Nearer to the goal than this [m] no velocity is wanted."""

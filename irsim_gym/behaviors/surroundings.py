@@ -11,12 +11,9 @@ from irsim_gym.arraytypes import Floats, Ints, Point, Record, Records
 from irsim_gym.behaviors.map_parts import map_discs, map_walls
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
-from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 MARGIN = 0.1
 """Added to the radius of every disc [m], as in IR-SIM."""

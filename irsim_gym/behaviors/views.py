@@ -7,15 +7,12 @@ from typing import Any
 import numpy as np
 
 from irsim_gym import rng
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.irsim_names import advice, missing
 from irsim_gym.world.irsim_readings import IrSimReadings
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Ints, Model, State, row_of
 
 
 class BodyView(IrSimReadings):

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap
-from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
 from irsim_gym.world.model import KEEP_GOAL, STATE, WANDER, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Ints, State, kernel, row_of
 
 SAME_PLACE = 1e-6
 """Goals closer to each other than this [m] count as equal."""

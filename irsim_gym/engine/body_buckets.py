@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.geometry.buckets import bucket_of, put
-from irsim_gym.jit import kernel
-from irsim_gym.world.group import Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Ints, Model, Shard, State, kernel
 
 FEWEST_BODIES = 64
 """Minimum number of bodies for buckets. With fewer, testing all of them is as fast."""

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.measures import CORNERS, centre_of_mass, corner_points, least_circle
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import Floats, Ints, Model, kernel, row_of
 
 
 def measure(worlds: Ints, bodies: Ints, model: Model) -> None:

@@ -7,11 +7,8 @@ from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 @kernel

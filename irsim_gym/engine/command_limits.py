@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Ints, Model, State, kernel, row_of
 
 
 @kernel

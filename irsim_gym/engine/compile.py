@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario, check_worlds
@@ -37,8 +36,8 @@ from irsim_gym.world.model import (
     WANDER,
     Model,
 )
+from irsim_gym.world.names import Flags, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 COLLISION_MODES = {
     "stop": STOP,

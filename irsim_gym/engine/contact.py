@@ -11,12 +11,9 @@ from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
 from irsim_gym.engine.pairs import note_contact
 from irsim_gym.engine.swept import SweptMotion, sweep_bodies
 from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
-from irsim_gym.jit import kernel
-from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
+from irsim_gym.world.names import Shard, State, kernel, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 NOBODY = -1
 

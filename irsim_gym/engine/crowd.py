@@ -6,11 +6,8 @@ from irsim_gym.arraytypes import Floats, Ints, Record
 from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.buckets import gather_nearby, square_of
 from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 ROUNDING = 1.0 + 1e-9
 

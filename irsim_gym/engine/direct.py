@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine.fused import Fused
-from irsim_gym.jit import kernel
 from irsim_gym.replay import BLOCK, call_all
+from irsim_gym.world.names import Floats, Ints, kernel
 
 FLOATS = np.dtype(np.float32), np.dtype(np.float64)
 REFUSED = -1

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine.body_measures import measure_into
-from irsim_gym.jit import kernel
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Floats, Ints, Model, State, kernel, row_of
 
 
 def detect(worlds: Ints, body: int, fov: float, depth: float, model: Model, state: State, detected: Flags) -> None:

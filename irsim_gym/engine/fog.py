@@ -7,13 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ROBOT, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import ROBOT, Flags, Floats, Group, Ints, Model, Rays, Shard, State, Struct, kernel
 
 CELL = 0.1
 """Side of a cell [m] if neither the file nor a map gives it."""

@@ -8,28 +8,34 @@ and may repeat one of them for the worlds in which it failed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.engine.promise import CALLS, Promise
+from irsim_gym.contract import is_foreign, place_of
+from irsim_gym.engine.promise import place_of_write
 from irsim_gym.jit import Calls, is_recording, kernel, record
 from irsim_gym.jit.workers import Job, compile_together
 from irsim_gym.replay import BLOCK, NotRecordableError, Packer, Program, call_all, is_possible
-from irsim_gym.world.group import Shard
+from irsim_gym.world.names import Ints, Shard
+
+TRIALS = 20
+"""Number of calls in which a function of kinds from outside the package is recorded again, and compared."""
+CURE = "steps take the plain path; write it as a kernel, or leave only_kernels out"
 
 _lists_jobs: ContextVar[bool] = ContextVar("lists_jobs", default=False)
 
 
 def only_kernels(kinds: Iterable[object]) -> bool:
-    """Return whether all kinds declare that their methods only call kernels, with arrays that are never replaced.
+    """Return whether the methods of all kinds only call kernels, with arrays that are never replaced.
 
-    A kind declares it with ``only_kernels = True`` in its own body: a class derived from it may do other things.
+    Kinds of the package do. Those from outside declare it with ``only_kernels = True`` in their own body: a class
+    derived from another may do other things.
     """
-    return all(vars(kind).get("only_kernels", False) for kind in kinds)
+    return all(vars(kind).get("only_kernels", not is_foreign(kind)) for kind in kinds)
 
 
 class Recordings:
@@ -37,11 +43,36 @@ class Recordings:
 
     Attributes:
         all: The functions.
+        kinds: The kinds from outside the package that promise ``only_kernels``. Those of the package are not checked.
+        is_broken: Whether one of them was found to do more than calling kernels.
+        is_checking: Whether arrays are read-only now, so that nothing may be packed for later.
     """
 
     def __init__(self) -> None:
         self.all: list[Fused] = []
+        self.kinds: list[type[Any]] = []
+        self.is_broken = self.is_checking = False
         self._is_compiled = False
+
+    def add(self, function: Callable[[Shard], None], kinds: Sequence[Any], is_fusable: bool) -> Fused:
+        """Return a function that calls some kinds as one that is recorded where it may be."""
+        foreign = [kind for kind in kinds if is_fusable and is_foreign(kind)]
+        self.kinds += [kind for kind in dict.fromkeys(foreign) if kind not in self.kinds]
+        self.all.append(Fused(function, is_fusable, not foreign, self))
+        return self.all[-1]
+
+    def forget(self) -> None:
+        """Discard everything that was recorded."""
+        for function in self.all:
+            function.forget()
+
+    def break_off(self, why: str) -> None:
+        """Note that the promise is broken, and warn once."""
+        if not self.is_broken:
+            self.is_broken = True
+            kinds = ", ".join(f"{kind.__qualname__}{place_of(kind)}" for kind in self.kinds)
+            warnings.warn(f"only_kernels is promised by {kinds}, but {why}; {CURE}", RuntimeWarning, stacklevel=2)
+        self.forget()
 
     def compile_ahead(self) -> None:
         """Compile what all functions will call, in several processes; only once, because the rest is little."""
@@ -58,7 +89,8 @@ class Fused:
     Args:
         function: The function. While it is recorded, its kernels are not executed.
         is_fusable: Whether it may be recorded.
-        promise: Check of ``only_kernels`` of kinds from outside the package; nothing is replayed while it lasts.
+        is_trusted: Whether all its kinds are of the package. Otherwise ``only_kernels`` is checked, and nothing is
+            replayed while that lasts.
         recordings: The functions of the same simulation: where kernels are missing, those of all are compiled.
 
     Attributes:
@@ -69,17 +101,17 @@ class Fused:
         self,
         function: Callable[[Shard], None],
         is_fusable: bool = True,
-        promise: Promise | None = None,
+        is_trusted: bool = True,
         recordings: Recordings | None = None,
     ) -> None:
         self.function = function
         self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
         self.programs: dict[int, Program | None] = {}
-        self._promise = promise
-        self._compile_ahead = None if recordings is None else recordings.compile_ahead
+        self._is_trusted = is_trusted
+        self._recordings = recordings or Recordings()
         self._on_trial: dict[int, Program] = {}
-        self._trials = 0 if promise is None else CALLS
+        self._trials = 0 if is_trusted else TRIALS
         self._left: dict[int, Ints] = {}
 
     def __call__(self, shard: Shard) -> None:
@@ -104,7 +136,7 @@ class Fused:
         Raises:
             NotRecordableError: Another function that calls this one is being recorded, but this one cannot be.
         """
-        if self._promise is not None and self._promise.is_checking:
+        if self._recordings.is_checking:
             self.function(shard)
             return
         if _lists_jobs.get():
@@ -143,7 +175,7 @@ class Fused:
         """
         if self.is_fusable and slot not in self.programs and slot not in self._on_trial:
             program = self._record(slot)
-            # Kinds of the package are trusted at once; those from outside are on trial for some calls, see ``promise``.
+            # Kinds of the package are trusted at once; those from outside are on trial for some calls.
             kept: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
             kept[slot] = program
 
@@ -157,10 +189,16 @@ class Fused:
 
         The first program holds the arrays made during its recording, so the second one has others.
         """
-        promise = self._promise
-        if promise is not None and self._trials > 0:
-            promise.check(lambda: self._note(slot), getattr(self.function, "__self__", None))
-        if promise is not None and promise.is_broken:
+        recordings = self._recordings
+        if self._trials > 0 and not recordings.is_broken:
+            recordings.is_checking = True
+            try:
+                place = place_of_write(lambda: self._note(slot), getattr(self.function, "__self__", None))
+            finally:
+                recordings.is_checking = False
+            if place:
+                recordings.break_off(place)
+        if recordings.is_broken and not self._is_trusted:
             return None
         try:
             first, second = (self._look(slot) for _ in range(2))
@@ -173,8 +211,8 @@ class Fused:
         return None
 
     def _refuse(self, why: str) -> None:
-        if self._promise is not None:
-            self._promise.break_off(why)
+        if not self._is_trusted:
+            self._recordings.break_off(why)
 
     def _try_again(self, slot: int) -> None:
         """Record the function once more, and compare; after enough equal recordings, its program is replayed."""
@@ -190,11 +228,11 @@ class Fused:
         return record(self.function, Shard(worlds, slot)), worlds
 
     def _look(self, slot: int) -> Program:
-        return Program(*self._note(slot), self._compile_ahead)
+        return Program(*self._note(slot), self._recordings.compile_ahead)
 
     def jobs(self) -> list[Job]:
         """Return what has to be compiled for the function; nothing while kinds from outside the package are checked."""
-        if not self.is_fusable or self._promise is not None:
+        if not self.is_fusable or not self._is_trusted:
             return []
         token = _lists_jobs.set(True)
         try:

@@ -12,10 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irsim_gym import families
-from irsim_gym.arraytypes import Ints
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import OMNI_WORLD, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import OMNI_WORLD, Group, Ints, Model, Shard, State
 
 
 @dataclass(frozen=True)

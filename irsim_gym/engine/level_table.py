@@ -8,14 +8,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints, Words
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.rng import level_stream, stream_base
 from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, Struct, kernel
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 
 @dataclass(repr=False)

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.jit import kernel
-from irsim_gym.world.group import Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Ints, Model, Shard, State, kernel
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.state import State
 
 
 def place(bodies: Ints, model: Model, state: State, shard: Shard) -> None:

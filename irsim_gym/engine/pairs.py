@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.jit import kernel
-from irsim_gym.world.state import State
+from irsim_gym.world.names import State, kernel
 
 
 @kernel(inlined=True)

@@ -7,16 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Shard
 from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Shard, State, Struct, kernel, row_of
 
 CELL_PER_REACH = 0.5
 

@@ -6,13 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine.arrival import begin_round
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.structs import Struct
 from irsim_gym.world.model import WANDER, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Ints, State, Struct, kernel
 
 
 @dataclass(repr=False)

@@ -6,19 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import arrival, body_buckets, contact, outlines, path_checks
 from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.restart import forget_bodies
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
-from irsim_gym.jit import kernel
 from irsim_gym.paths.queries import has_free_path, standing_bodies
 from irsim_gym.rng import uniform
-from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import KEEP_GOAL, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Group, Ints, Shard, State, kernel
 
 TRIES = 10
 """Number of draws from a body's own distribution before any free place is accepted."""

@@ -14,11 +14,9 @@ from irsim_gym.engine.level_table import LevelTable, copy_levels, copy_maps
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import let_appear, sense
 from irsim_gym.errors import PlacementError
-from irsim_gym.jit import kernel
 from irsim_gym.rng import integer
-from irsim_gym.world.group import Shard
 from irsim_gym.world.model import STATE, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Shard, State, kernel
 
 LEVEL_TRIES = 100
 

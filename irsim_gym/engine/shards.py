@@ -10,9 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.fused import Fused
-from irsim_gym.world.group import Shard
+from irsim_gym.world.names import Ints, Shard
 
 Work = Callable[[Shard], None]
 

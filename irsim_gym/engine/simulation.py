@@ -14,14 +14,12 @@ from irsim_gym.engine import body_buckets, contact, field_of_view, outlines, res
 from irsim_gym.engine.fused import Fused, Recordings, only_kernels
 from irsim_gym.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.engine.parts import Parts
-from irsim_gym.engine.promise import Promise
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Group, Shard, WorldContext, find_sensor
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State
 
 
 @dataclass
@@ -48,7 +46,6 @@ class Simulation:
 
     def __post_init__(self) -> None:
         self._recordings = Recordings()
-        self._promise = Promise(self.rewire)
         levels = [group.kind for group in (*self.parts.maps, *self.parts.footprints, *self.parts.placements)]
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
@@ -69,14 +66,11 @@ class Simulation:
         groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
         called = [*kinds, *(group.kind for group in groups)]
         is_fusable = self.fused and only_kernels(called)
-        promise = self._promise.among(called) if is_fusable else None
-        self._recordings.all.append(Fused(function, is_fusable, promise, self._recordings))
-        return self._recordings.all[-1]
+        return self._recordings.add(function, called, is_fusable)
 
     def rewire(self) -> None:
         """Discard recorded steps, because arrays or lists of bodies were replaced."""
-        for function in self._recordings.all:
-            function.forget()
+        self._recordings.forget()
 
     @property
     def n_worlds(self) -> int:
@@ -202,7 +196,7 @@ class Simulation:
         Raises:
             PlacementError: A level could not be drawn.
         """
-        for slot in range(self.shards.n_slots if self._promise.kinds else 0):
+        for slot in range(self.shards.n_slots if self._recordings.kinds else 0):
             # Arrays are read-only while a promise is checked: no thread may draw a level then.
             self._draw.prepare(slot)
             self._start.prepare(slot)

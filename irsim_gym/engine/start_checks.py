@@ -11,9 +11,8 @@ from irsim_gym.engine.level_table import given_bodies, varied_outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, UNOBSTRUCTED, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Shard, State
 
 
 def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> None:

@@ -7,14 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import arrival, body_buckets, command_limits, contact, fog, outlines, patience, swept
 from irsim_gym.engine.guide import decide
 from irsim_gym.engine.parts import Parts
-from irsim_gym.jit import kernel
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, kernel
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,10 @@ from irsim_gym.geometry.angles import wrap, wrap_from
 from irsim_gym.geometry.overlap import capsule_meets_outline, outline_distance
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.geometry.world_maps import capsule_meets_map, outline_map_distance
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
+from irsim_gym.world.names import Shard, State, Struct, kernel, row_of
 from irsim_gym.world.outline import outline_of, place_outline
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 HALVINGS = 53
 """Halvings that find the time of a contact to the last bit."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Records
-from irsim_gym.jit import kernel
 from irsim_gym.rng import mix, uniform
 from irsim_gym.scenario.body_checks import speed_count
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import record_type
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, kernel
 
 TRAITS = record_type("low high unyielding", body=np.int64, n_axes=np.int64, least=np.dtype((np.float64, 2)))
 """Bounds of a body's greatest speed [m/s] (low is NaN where nothing is drawn), the probability that it ignores what

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.world.group import Group
+from irsim_gym.world.names import Group, Ints
 
 
 @dataclass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,11 +13,10 @@ from gymnasium import Space
 from gymnasium.spaces import Box, Dict
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.envs.spaces import action_space, critic_key, observation_key, observation_space
+from irsim_gym.envs.spaces import action_space, observation_space, observed
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
-from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
 
 STATE_NAMES = {"is_success": "success"}
@@ -257,19 +256,14 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     """Return the blocks of an agent's observations, in the order of the flat observation; pictures stand apart."""
     blocks: list[Block] = []
     held: Counter[str] = Counter()
-    bounds = {("observations", name): (low, high) for name, low, high in episodes.observation_terms}
-    bounds |= {("critic_observations", name): (low, high) for name, low, high in episodes.critic_terms}
-    for family, term in _observed(episodes):
-        is_critics = family == "critic_observations"
-        key = critic_key(term.name, term.options) if is_critics else observation_key(episodes, term.name)
-        summary, width = first_sentence(kind_of(term)), len(bounds.get((family, term.name), ((), ()))[0])
-        columns = _columns_of(episodes, term, agent, width)
+    for key, term, is_critics in observed(episodes):
+        summary, (low, high) = first_sentence(type(term.options)), term.bounds
+        columns = _columns_of(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
             parts = _parts(columns, np.ones(sum(one.count for one in columns), np.bool_), (0.0, 255.0), 0)
             blocks.append(Block(term.name, key, summary, term.image.shape[2:], parts, True, view))
             continue
-        low, high = bounds[family, term.name]
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
         kept = used if own and not is_critics else np.ones(low.size, np.bool_)
         if kept.any():
@@ -279,19 +273,13 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     return tuple(blocks)
 
 
-def _observed(episodes: Episodes) -> Iterator[tuple[str, Term]]:
-    """Yield the observations with their families: those of the actor, then those of the critic alone."""
-    for family in ("observations", "critic_observations"):
-        yield from ((family, term) for term in episodes.terms[family])
-
-
-def _columns_of(episodes: Episodes, term: Term, agent: int, width: int) -> Sequence[Columns]:
+def _columns_of(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]:
     """Return what an observation says of its columns; one part for all of them where it says nothing."""
     if isinstance(term.options, TellsColumns):
         return term.options.columns(term, episodes.simulation.model, agent)
     if isinstance(term.options, IsImage):
         return [Columns("not described", count=term.options.image_shape[2])]
-    return [Columns("not described", count=width)]
+    return [Columns("not described", count=term.bounds[0].size)]
 
 
 def _parts(columns: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:
@@ -343,7 +331,7 @@ def _action(episodes: Episodes, term: Term, agent: int, space: str) -> Action:
         commands = 0.5 * (low + high) + asked * (0.5 * (high - low))
         choices = tuple(map(tuple, (commands + 0.0).tolist()))
     components = _components(episodes, term, agent)
-    return Action(term.name, first_sentence(kind_of(term)), space, components, choices)
+    return Action(term.name, first_sentence(type(term.options)), space, components, choices)
 
 
 def _reward(term: Term) -> Reward:
@@ -355,7 +343,7 @@ def _when(term: Term) -> str:
     """Return when a term pays or applies: in its own words, else by its docstring."""
     if isinstance(term.options, TellsWhen):
         return term.options.when(term)
-    return first_sentence(kind_of(term)) or "not described"
+    return first_sentence(type(term.options)) or "not described"
 
 
 def _infos(info: Mapping[str, object]) -> list[Info]:

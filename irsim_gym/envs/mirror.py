@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.contract import is_foreign
-from irsim_gym.envs.spaces import Observation, critic_key, observation_key
+from irsim_gym.envs.spaces import Observation, observed
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored, command_exchanged, signed
 from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.term_contract import checked_mirrored
-from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.world.kinds import KeepsSymmetry
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -90,8 +89,8 @@ def mirror_of(episodes: Episodes) -> Mirror:
         problems.append("'observation_form: goal' gives positions in the frame of the world")
     parts: dict[str, list[Mirrored]] = {}
     images: dict[str, Ints] = {}
-    for key, term, width in _observed(episodes):
-        found = _mirrored(term, width)
+    for key, term, _ in observed(episodes):
+        found = _mirrored(term)
         if isinstance(found, Mirrored) and isinstance(term.options, IsImage):
             images[key] = found.columns
         elif isinstance(found, Mirrored):
@@ -109,26 +108,13 @@ def mirror_of(episodes: Episodes) -> Mirror:
     return Mirror(vectors, images, np.zeros(0, np.int64), command)
 
 
-def _observed(episodes: Episodes) -> Iterator[tuple[str, Term, int]]:
-    """Yield the key of each observation, the observation, and its number of columns, or of columns of pixels."""
-    for family, bounds in (
-        ("observations", episodes.observation_terms),
-        ("critic_observations", episodes.critic_terms),
-    ):
-        widths = {name: len(low) for name, low, _ in bounds}
-        for term in episodes.terms[family]:
-            is_critics = family == "critic_observations"
-            key = critic_key(term.name, term.options) if is_critics else observation_key(episodes, term.name)
-            is_image = isinstance(term.options, IsImage)
-            yield key, term, term.options.image_shape[1] if is_image else widths[term.name]
-
-
-def _mirrored(term: Term, width: int) -> Mirrored | str:
+def _mirrored(term: Term) -> Mirrored | str:
     """Return what becomes of an observation, or why it cannot be mirrored."""
-    kind = kind_of(term)
+    kind = type(term.options)
     if not isinstance(term.options, HasMirrored):
         return f"the observation '{term.name}' does not say what it becomes (it has no method 'mirrored')"
-    found = checked_mirrored(term, kind, width) if is_foreign(kind) else term.options.mirrored(term)
+    width = term.options.image_shape[1] if isinstance(term.options, IsImage) else term.bounds[0].size
+    found = checked_mirrored(term, width) if is_foreign(kind) else term.options.mirrored(term)
     return f"the observation '{term.name}' {found}" if isinstance(found, str) else found
 
 
@@ -151,7 +137,7 @@ def _of_action(episodes: Episodes) -> Iterator[str]:
     """Yield why actions cannot be mirrored."""
     drives, agents = episodes.simulation.model.drive, np.array(episodes.task.agents)
     action = episodes.terms["action"][0]
-    if is_foreign(kind_of(action)):
+    if is_foreign(type(action.options)):
         yield f"the action '{action.name}' is a plugin's, and nothing says what it becomes"
         return
     command = command_exchanged(action)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.goal_form import ACHIEVED, DESIRED, PARTS, REST
-from irsim_gym.tasks.term import IsImage
+from irsim_gym.tasks.term import IsImage, Term
 from irsim_gym.tasks.transition import CRITIC, Percepts, Transition
 
 Observation: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
@@ -186,8 +186,18 @@ def actor_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
     return next(iter(spaces.values())) if len(spaces) == 1 else Dict(spaces)
 
 
-def observation_key(episodes: Episodes, name: str) -> str:
-    """Return under which key of an observation a term is found; empty where the observation is one array."""
+def observed(episodes: Episodes) -> Iterator[tuple[str, Term, bool]]:
+    """Yield the key of each observation, which is empty where there is one array, its term, and whether it is critic's.
+
+    Those of the critic alone are last.
+    """
+    for term in episodes.terms["observations"]:
+        yield _key(episodes, term.name), term, False
+    for term in episodes.terms["critic_observations"]:
+        yield f"{CRITIC}_{term.name}" if isinstance(term.options, IsImage) else CRITIC, term, True
+
+
+def _key(episodes: Episodes, name: str) -> str:
     form = episodes.task.observation_form
     if form == "goal":
         return PARTS.get(name, REST)
@@ -197,11 +207,6 @@ def observation_key(episodes: Episodes, name: str) -> str:
     if len(images) + bool(n_columns) == 1 and not episodes.view.critic:
         return ""
     return name if name in images else VECTOR
-
-
-def critic_key(name: str, options: Any) -> str:
-    """Return under which key of an observation a term of the critic alone is found."""
-    return f"{CRITIC}_{name}" if isinstance(options, IsImage) else CRITIC
 
 
 def _box(bounds: Sequence[tuple[Rays, Rays]]) -> Box:

@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
 
 from irsim_gym.footprints.random_outline import VertexShape, draw_outlines, outline_problems
-from irsim_gym.scenario.options import kind
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State, kind
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import State
 
 
 @kind
 class Linestring(VertexShape):
     """An open chain of segments without area."""
-
-    only_kernels: ClassVar[bool] = True
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Words
-from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel
 from irsim_gym.world.outline import chain
-from irsim_gym.world.state import State
 
 STEP_TRIES = 32
 """Maximum number of draws of the angles between vertices."""

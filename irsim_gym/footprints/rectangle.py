@@ -7,14 +7,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Ints, Model, Shard, State, kernel
 from irsim_gym.world.outline import Outline, chain
-from irsim_gym.world.state import State
 
 LEAST_SIZE = 1e-3
 """Lower bound of random lengths and widths [m]."""
@@ -24,7 +20,6 @@ LEAST_SIZE = 1e-3
 class Rectangle:
     """A rectangle about the body's origin; with a wheelbase the origin is the rear axle."""
 
-    only_kernels: ClassVar[bool] = True
     keeps_symmetry: ClassVar[bool] = True
 
     length: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's x axis.")

@@ -7,15 +7,10 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_below, wrap_from
-from irsim_gym.jit import kernel
 from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ACKERMANN, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import ACKERMANN, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -31,7 +26,6 @@ class Ackermann:
     turn: it keeps heading and steering angle.
     """
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "steer")
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 4

@@ -7,22 +7,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import turned, wrap_below, wrap_from
-from irsim_gym.jit import kernel
 from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import DIFFERENTIAL, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import DIFFERENTIAL, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
 class Differential:
     """Differential drive; command: linear velocity [m/s], angular velocity [rad/s]."""
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "angular")
     command_words: ClassVar[tuple[tuple[str, str], ...]] = (
         ("speed ahead", "m/s"),

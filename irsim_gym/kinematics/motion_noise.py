@@ -7,13 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, Struct, kernel
 
 Variances = tuple[tuple[float, float, float], ...]
 """A row for each component, see ``MotionNoise.variance``."""

@@ -7,22 +7,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_below, wrap_from
-from irsim_gym.jit import kernel
 from irsim_gym.kinematics import motion_noise
 from irsim_gym.kinematics.motion_noise import Variances
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import OMNI_ANGULAR, Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import OMNI_ANGULAR, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
 class OmniAngular:
     """Moves in any direction while turning; command: forward, left [m/s] and angular velocity [rad/s]."""
 
-    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
     command_words: ClassVar[tuple[tuple[str, str], ...]] = (
         ("speed ahead", "m/s"),

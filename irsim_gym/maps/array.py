@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags
 from irsim_gym.errors import OptionError
 from irsim_gym.maps.level import disc_option
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.names import Flags, kind, option
 from irsim_gym.world.outline import Outline
 
 OCCUPIED_ABOVE = 50.0

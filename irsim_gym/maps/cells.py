@@ -10,13 +10,9 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.rng import integer
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -24,7 +20,6 @@ class RandomCells(LevelMap):
     """Randomly occupied cells in each level: first their number is drawn uniformly, then their places."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     fill: tuple[float, float] = option(
         (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."

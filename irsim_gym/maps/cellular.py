@@ -8,13 +8,10 @@ from typing import Any, ClassVar
 
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel
 
 MOST_ROUNDS = 100
 """Maximum number of rounds of smoothing."""
@@ -25,7 +22,6 @@ class CellularMap(LevelMap):
     """Randomly occupied cells, smoothed by a cellular automaton over the eight neighbours of each cell."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     fill: tuple[float, float] = option(
         (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."

@@ -8,11 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.errors import OptionError, UnreadableFileError
 from irsim_gym.maps.level import disc_option
 from irsim_gym.outside_files import reading
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.names import Flags, Floats, kind, option
 from irsim_gym.world.outline import Outline
 
 GRAY = (0.2989, 0.5870, 0.1140)

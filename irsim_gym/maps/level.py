@@ -8,13 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.errors import OptionError
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Flags, Floats, Group, Ints, Model, Struct, kernel
 from irsim_gym.world.outline import Outline
 
 MOST_CELLS = 4_000_000

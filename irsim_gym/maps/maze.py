@@ -11,13 +11,9 @@ import numpy as np
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.errors import OptionError
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.maps.level import LevelMap, MapTables, bordered, span
 from irsim_gym.rng import integer, uniform
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -25,7 +21,6 @@ class MazeMap(LevelMap):
     """Corridors between walls that are one cell thick; every corridor can be reached from every other."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
     loops: float = option(

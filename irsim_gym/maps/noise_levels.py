@@ -9,11 +9,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.rng import integer
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, Struct, kernel
 
 _Q = np.sqrt(0.5)
 GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])

@@ -5,25 +5,19 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_size
 from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Flags, Floats, Group, Ints, Model, Shard, State, kind, option
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 
 @kind
 class PerlinMap:
     """Caves and islands from smooth noise, with a given share of occupied cells."""
-
-    only_kernels: ClassVar[bool] = True
 
     resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
     complexity: float = option(0.142857, gt=0.0, meaning="Bumps per cell: larger is finer.")

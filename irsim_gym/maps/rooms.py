@@ -11,13 +11,10 @@ import numpy as np
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.errors import OptionError
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.maps.level import LEAST_ORDER, LevelMap, MapTables, bordered, clear_inside, span
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel
 
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
 """Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
@@ -32,7 +29,6 @@ class RoomsMap(LevelMap):
     """Rooms between walls that are one cell thick; each wall has a door, so that every room can be reached."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     number: tuple[int, int] = option((4, 9), meaning="Bounds of the number of rooms, as far as they fit.")
     door: tuple[float, float] = option((1.0, 1.0), unit="m", meaning="Bounds of a door's width, in whole cells.")

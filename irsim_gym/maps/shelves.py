@@ -11,13 +11,9 @@ import numpy as np
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.errors import OptionError
 from irsim_gym.geometry.world_maps import lay_cells
-from irsim_gym.jit import kernel
 from irsim_gym.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems, span
 from irsim_gym.rng import uniform
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -25,7 +21,6 @@ class ShelvesMap(LevelMap):
     """Shelves in rows and columns with aisles between them, along x or along y; some shelves are missing."""
 
     is_random: ClassVar[bool] = True
-    only_kernels: ClassVar[bool] = True
 
     shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
     aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")

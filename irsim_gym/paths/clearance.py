@@ -9,12 +9,9 @@ import numpy as np
 from irsim_gym.arraytypes import CellMaps, Flags, Point
 from irsim_gym.geometry.overlap import capsule_meets_outline, point_outline_distance
 from irsim_gym.geometry.world_maps import capsule_meets_map, map_distance
-from irsim_gym.jit import kernel
 from irsim_gym.paths.points import PointMap, capsule_meets_points, points_distance
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, kernel, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 class Obstacles(NamedTuple):

@@ -11,11 +11,9 @@ from irsim_gym.geometry.overlap import outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.geometry.world_maps import outline_map_distance
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, kernel, row_of
 from irsim_gym.world.outline import outline_of, own_outline
-from irsim_gym.world.rows import row_of
 
 
 class PoseShape(NamedTuple):

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.occupancy import mark_touched
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.reachability import is_reachable
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Floats, Model, State
 
 FINE, COARSE = 0.05, 0.1
 """Cell sizes for paths, and for tests whether there is one [m]."""

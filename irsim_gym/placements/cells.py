@@ -10,7 +10,6 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMap, CellMaps, Flags, Floats, Ints, Point
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.placements.free_space import (
     WayGrids,
@@ -25,12 +24,8 @@ from irsim_gym.placements.free_space import (
 )
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.rng import integer, uniform
-from irsim_gym.scenario.options import kind
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, kind
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.state import State
 
 COARSE, FINE = 1.0, 0.5
 """Cell sizes of the searches for paths around standing bodies, relative to a member's reach."""
@@ -63,7 +58,6 @@ class CellTables(Struct):
 class CellPlacement:
     """Starts and goals in the middle of free cells of the map, connected by cells that share sides."""
 
-    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
     roams: ClassVar[bool] = True
     ensures_way: ClassVar[bool] = True

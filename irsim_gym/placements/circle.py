@@ -8,17 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints, Point
-from irsim_gym.jit import kernel
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
 from irsim_gym.rng import uniform
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 MARGIN = 0.5
 """Distance of the default circle from the world's shorter sides [m]."""
@@ -59,7 +53,6 @@ class CircleTables(Struct):
 class CirclePlacement:
     """Starts on a circle, with each goal on the opposite side."""
 
-    only_kernels: ClassVar[bool] = True
     roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = True

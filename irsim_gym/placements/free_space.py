@@ -10,17 +10,14 @@ import numpy as np
 from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Flags, Floats, Ints, Point
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.geometry.world_maps import map_is_closer, outline_near_map
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
-from irsim_gym.scenario.options import option
 from irsim_gym.world.model import KEEP_GOAL, WANDER, Model
+from irsim_gym.world.names import State, kernel, option, row_of
 from irsim_gym.world.outline import outline_of
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 class WayGrids(NamedTuple):

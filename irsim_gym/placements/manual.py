@@ -6,19 +6,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind
 
 
 @kind
 class ManualPlacement:
     """Poses and goals as given in the file."""
 
-    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = False
     roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False

@@ -7,16 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.paths.grid import Grid
 from irsim_gym.placements.free_space import confirm_ways, length_option, length_problems, way_grids
 from irsim_gym.placements.manual import world_box
 from irsim_gym.placements.random_draws import DrawTables, draw_members
 from irsim_gym.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.scenario.options import crossed_bounds, kind, option
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State
 
 MARGIN = 0.5
 """Distance of the default bounds from the edge of the world [m]."""
@@ -34,7 +31,6 @@ COARSE, FINE = 1.0, 0.5
 class RandomPlacement:
     """Uniform draws without overlap. Too many failed draws raise an error that names the body."""
 
-    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
     roams: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True

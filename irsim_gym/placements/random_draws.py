@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.buckets import bucket_of, gather_nearby, put
-from irsim_gym.jit import kernel
 from irsim_gym.placements.free_space import (
     WayGrids,
     has_way_of_length,
@@ -17,11 +16,8 @@ from irsim_gym.placements.free_space import (
     leg_start,
 )
 from irsim_gym.rng import uniform
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Model, State, Struct, kernel, row_of
 from irsim_gym.world.outline import place_outline
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 START_TRIES = 1000
 """Maximum number of draws for a start."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from irsim_gym.scenario.options import option
-from irsim_gym.world.group import Group
 from irsim_gym.world.model import WANDER, Model
+from irsim_gym.world.names import Group, option
 
 MOST_GOALS = 1000
 """Maximum number of goals of a body."""

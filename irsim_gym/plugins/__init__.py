@@ -20,11 +20,9 @@ from irsim_gym.families import (
     REWARDS,
     SENSORS,
 )
-from irsim_gym.jit import kernel
 from irsim_gym.plugins.body_kinds import drive, placement, sensor
-from irsim_gym.plugins.terms import AgentView, action, ending, observation, reward
+from irsim_gym.plugins.task_kinds import AgentView, action, ending, observation, reward
 from irsim_gym.rng import integer, normal, uniform
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.outcome import HitKind, Outcome
@@ -42,7 +40,6 @@ from irsim_gym.tasks.term import (
     Term,
 )
 from irsim_gym.tasks.words import Columns, TellsActions, TellsColumns, TellsWhen
-from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.kinds import (
     Begins,
     BehaviorKind,
@@ -57,10 +54,9 @@ from irsim_gym.world.kinds import (
     SensorKind,
     Steers,
 )
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 from irsim_gym.world.outline import Outline
 from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.state import State
 
 __all__ = [
     "ACTIONS",

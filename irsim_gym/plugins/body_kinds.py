@@ -9,7 +9,6 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from irsim_gym import families
-from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.custom import noting
 from irsim_gym.behaviors.views import BodyView, reserve_memory
 from irsim_gym.engine import outlines
@@ -17,10 +16,8 @@ from irsim_gym.geometry.angles import wrap_from
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.plugins.functions import answer, members, numbers, registering
 from irsim_gym.scenario.options import function_parameters, kind
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -8,15 +8,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from irsim_gym import families
-from irsim_gym.arraytypes import Floats
 from irsim_gym.behaviors.custom import noting
 from irsim_gym.behaviors.views import EgoView, ego_view
 from irsim_gym.errors import KindError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import kind_of_function
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Group, Model, Shard, State
 
 F = TypeVar("F", bound=Callable[..., Any])
 

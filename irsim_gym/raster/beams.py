@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc, add_polygon, is_near, paint_ring
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import AREA, EDGE, Prints, RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
+from irsim_gym.world.names import Floats, Ints, Rays, kernel
 
 MOST_BEAMS = 100
 """Only every n-th beam is drawn if there are more than this."""

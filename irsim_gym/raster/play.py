@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints
-from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_line, add_polygon
 from irsim_gym.raster.beams import load_beams, paint_hits, paint_scan
 from irsim_gym.raster.figures import (
@@ -65,7 +64,7 @@ from irsim_gym.raster.records import (
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
 from irsim_gym.world.model import ROBOT, STATE
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.names import kernel, row_of
 
 LABEL_GAP = 0.08
 """Gap between a body and the label above it [m]."""

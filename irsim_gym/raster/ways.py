@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon, is_near
 from irsim_gym.raster.records import RasterCanvas, RasterOutline
 from irsim_gym.raster.sheets import paint
+from irsim_gym.world.names import Floats, Ints, Rays, kernel
 
 SOLID, DASHED, DASHDOT, DOTTED = 0, 1, 2, 3
 DASHES = np.array([[1.0, 0.0, 1.0, 0.0], [3.7, 1.6, 3.7, 1.6], [6.4, 1.6, 1.0, 1.6], [1.0, 1.65, 1.0, 1.65]])

@@ -154,6 +154,7 @@ def make_kind(
             "__annotations__": {key: hint for key, (hint, _) in options.items()},
             **{key: declared for key, (_, declared) in options.items()},
             "called": f"{family} '{name}'",
+            "only_kernels": False,
             "registered": (family, name),
             **members,
         },

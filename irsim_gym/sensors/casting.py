@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import (
     AWAY,
@@ -23,11 +22,8 @@ from irsim_gym.geometry.ray_chunks import (
     span_segments,
 )
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
-from irsim_gym.jit import kernel
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Ints, Model, Rays, State, kernel, row_of
 
 
 @kernel

@@ -7,10 +7,8 @@ import numpy as np
 from irsim_gym.arraytypes import CellMaps, Ints
 from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount_pose
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, kernel
 
 
 @kernel

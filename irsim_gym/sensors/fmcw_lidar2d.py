@@ -7,13 +7,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
 from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.sensors import hits, reports, scanning
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Floats, Group, Model, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 
 @kind
@@ -45,7 +42,6 @@ class FmcwLidar2D:
     ``motion_compensate``, to the ground.
     """
 
-    only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
 
     number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")

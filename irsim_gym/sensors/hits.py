@@ -6,13 +6,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Records
 from irsim_gym.geometry.ray_chunks import Eye
-from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.casting import cast_discs, cast_segments
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount_pose
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, kernel, row_of
 
 SAME = 1e-4
 """Tolerance [m, and as a share] by which a range must be shorter than that to the nearest body to end at the map."""

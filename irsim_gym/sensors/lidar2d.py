@@ -7,13 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.sensors import hits, reports, scanning
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Floats, Group, Model, Shard, State, kind, option
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 
 @kind
@@ -28,7 +24,6 @@ class LidarPlot:
 class Lidar2D:
     """A scanner with ``number`` beams, evenly spaced over ``angle_range``, including both ends."""
 
-    only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
 
     number: int = option(

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Ints, State, kernel
 
 
 @kernel

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
-from irsim_gym.world.group import Group
+from irsim_gym.world.names import Flags, Floats, Group
 
 FREE_MARGIN = 0.02
 """Points nearer than this to range_max are omitted [m]."""

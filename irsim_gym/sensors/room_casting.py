@@ -10,15 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import CHUNK, clear_depths, lay_beams
-from irsim_gym.jit import kernel
 from irsim_gym.sensors.casting import cast_chunk, write_ranges
 from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Flags, Ints, Model, State, kernel, row_of
 
 
 def is_small(model: Model) -> bool:

@@ -9,8 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Labels, Rays, Records
 from irsim_gym.geometry.angles import turned
 from irsim_gym.geometry.ray_chunks import Eye
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
+from irsim_gym.world.names import Struct, kernel
 
 
 @dataclass(repr=False)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Rays
 from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, DISCS, ROUNDS, SIDES, Eye
@@ -17,10 +16,8 @@ from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.sensors.room_casting import cast_room, is_small
 from irsim_gym.sensors.scan_tables import ScanTables
 from irsim_gym.world.arrays import aligned
-from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Floats, Group, Model, Rays, Shard, State
 from irsim_gym.world.outline import Outline
-from irsim_gym.world.state import State
 
 FULL_TURN = 2.0 * np.pi
 

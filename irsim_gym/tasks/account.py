@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.jit import kernel
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import RUNNING, SUCCESS, TIMEOUT
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
 
 
 @kernel

@@ -7,22 +7,15 @@ frame (``omni``), the command is then rotated by the heading, because learners o
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import Shard, Simulation
+from irsim_gym.engine import Simulation
 from irsim_gym.families import ACTIONS
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import RUNNING
-from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Floats, Ints, Model, Shard, State, Term, kernel, kind, option, row_of
 
 FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 
@@ -30,8 +23,6 @@ FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or 
 @kind
 class VelocityAction:
     """A continuous action: one number in [-1, 1] for each component of the command; other numbers are clipped."""
-
-    only_kernels: ClassVar[bool] = True
 
     frame: Literal["body", "command"] = FRAME
 
@@ -60,8 +51,6 @@ class DiscreteAction:
     number of values and symmetric limits, the middle value is 0. A drive with three components has ``lateral`` values
     of the second one: choice ``(i * lateral + l) * angular + j``.
     """
-
-    only_kernels: ClassVar[bool] = True
 
     linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the maximum.")
     lateral: int = option(

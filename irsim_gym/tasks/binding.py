@@ -74,7 +74,7 @@ def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[P
             continue
         term.column = column
         bounds = checked_bounds if is_foreign(type(term.options)) else term.options.bounds
-        low, high = bounds(term, simulation.model)
+        low, high = term.bounds = bounds(term, simulation.model)
         parts.append((term.name, low, high))
         column += len(low)
         everything = np.ones((len(term.agents), len(low)), np.bool_)

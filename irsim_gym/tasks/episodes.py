@@ -10,18 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.direct import Direct
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.tasks import account, actions, team_state
 from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.endings.arrived import Arrived
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
 from irsim_gym.tasks.term_watch import TermWatch
+from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
 from irsim_gym.tasks.transition import CRITIC, transition_of
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -87,10 +86,7 @@ class Episodes:
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
-        parts = {"observations": self.observation_terms, "critic_observations": self.critic_terms}
-        bounds = {(family, name): (low, high) for family, those in parts.items() for name, low, high in those}
-        recorded = (self._play, self._begin_episodes, self._begin)
-        self._watch = TermWatch(self.terms, simulation, bounds, recorded)
+        self._watch = TermWatch(self.terms, simulation, (self._play, self._begin_episodes, self._begin))
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
 
@@ -308,12 +304,12 @@ class Episodes:
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._record_step(shard)
         for term in self._endings:
-            term.options.ends(term, model, world, state, shard)
+            (term.watched or term.options.ends)(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
-            term.options.pay(term, model, world, state, shard)
+            (term.watched or term.options.pay)(term, model, world, state, shard)
         if self.waits:
             account.settle_arrivals(shard.worlds, self._on_the_way, state)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
@@ -323,7 +319,8 @@ class Episodes:
 
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state
-        self._action.options.act(self._action, model, self.simulation.state, state, shard)
+        term = self._action
+        (term.watched or term.options.act)(term, model, self.simulation.state, state, shard)
         actions.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
             actions.turn_commands(shard.worlds, self._turned, self.simulation.state)
@@ -343,9 +340,11 @@ class Episodes:
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+            (term.watched or term.options.write)(term, self.simulation.model, self.simulation.state, self.state, shard)
         for term in self._critic:
-            term.options.write(term, self.simulation.model, self.simulation.state, self._critic_state, shard)
+            (term.watched or term.options.write)(
+                term, self.simulation.model, self.simulation.state, self._critic_state, shard
+            )
 
     def _with_columns(self, width: int) -> EpisodeState:
         """Return a state that shares all arrays except for an observation of its own."""

@@ -11,12 +11,10 @@ If a file gives the levels, level s is the file's level s modulo their number.
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import UnknownNameError, suggestion
-from irsim_gym.jit import kernel
 from irsim_gym.rng import later_level, level_key
 from irsim_gym.scenario.level_set import SPLITS
-from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.terms import EpisodeState, Ints, kernel
 
 CHAIN = -1
 """Value for no chosen level: the next one in the world's chain."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.jit import kernel
+from irsim_gym.tasks.terms import Floats, kernel
 
 
 @kernel

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Ints, Model, Rays, Simulation, State, kernel, row_of
 
 WIDTH = 10
 """Number of values per agent."""

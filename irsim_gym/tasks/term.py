@@ -16,13 +16,10 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.world.group import Group, records
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Model, State, Struct, kernel
 
 
 @dataclass
@@ -63,6 +60,8 @@ class Term:
         bodies: The agents as a group, for views of them (``behaviors.views``).
         image: Output of an image observation, ``(n_worlds, n_agents, height, width, n_channels)``; empty for other
             terms.
+        bounds: Lower and upper bound of each column of an observation, ``(width,)`` each; empty for other terms.
+        watched: Called in place of the kind's method while a plugin is checked, see ``term_watch``; else None.
     """
 
     name: str
@@ -76,6 +75,8 @@ class Term:
     components: tuple[Words, ...] = ()
     bodies: Group | None = None
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
+    bounds: tuple[Rays, Rays] = field(default_factory=lambda: (np.zeros(0, np.float32), np.zeros(0, np.float32)))
+    watched: Any = None
 
     @cached_property
     def bound(self) -> Bound:

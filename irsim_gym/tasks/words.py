@@ -14,9 +14,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
+from irsim_gym.world.names import Floats, Model
 
 Sectors = tuple[tuple[float, float], ...]
 

@@ -14,7 +14,6 @@ import pytest
 import irsim_gym as ig
 from irsim_gym import families
 from irsim_gym.engine import Shard
-from irsim_gym.engine.fused import only_kernels
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
@@ -215,9 +214,3 @@ def test_compiled_kernels_do_what_plain_python_does(tmp_path: Path) -> None:
 
 if __name__ == "__main__":
     np.savez(sys.argv[1], **rollouts())
-
-
-def test_every_shipped_kind_promises_only_kernels() -> None:
-    kinds = [entry.kind for family in families.every() if family is not families.MAPS for entry in family]
-    loose = {kind.__name__ for kind in kinds if not only_kernels([kind])}
-    assert loose == {"Compound"}, "whose outline is never drawn"

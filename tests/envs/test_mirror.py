@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from copy import deepcopy
 from typing import Any, ClassVar
@@ -249,20 +250,21 @@ def test_a_kind_of_ones_own_says_what_it_becomes(sway: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("answer", "message"),
+    "answer",
     [
-        ([1, 0], r"must return Mirrored\(columns, signs\) or the reason as text, got \[1, 0\]"),
-        (Mirrored(np.array([1, 1]), np.ones(2)), r"each of the 2 columns once, as whole numbers, got \[1, 1\]"),
-        (Mirrored(np.array([1.0, 0.0]), np.ones(2)), "columns once, as whole numbers"),
-        (Mirrored(np.array([[1, 0]]), np.ones(2)), "columns once, as whole numbers"),
-        (Mirrored([[1], [0, 1]], np.ones(2)), "must return arrays of 2 columns and 2 signs"),
-        (Mirrored(np.array([1, 0]), np.array([1.0, -1.0])), "must change nothing when it is applied twice"),
-        (Mirrored(np.array([1, 0]), np.ones(3)), "must return 2 signs that are 1 or -1"),
-        (Mirrored(np.array([1, 0]), np.array([1.0, 0.5])), "must return 2 signs that are 1 or -1"),
+        [1, 0],
+        Mirrored(np.array([1, 1]), np.ones(2)),
+        Mirrored(np.array([1.0, 0.0]), np.ones(2)),
+        Mirrored(np.array([[1, 0]]), np.ones(2)),
+        Mirrored([[1], [0, 1]], np.ones(2)),
+        Mirrored(np.array([1, 0]), np.array([1.0, -1.0])),
+        Mirrored(np.array([1, 0]), np.ones(3)),
+        Mirrored(np.array([1, 0]), np.array([1.0, 0.5])),
     ],
 )
-def test_wrong_mirrors_of_ones_own_kinds(sway: Any, answer: Any, message: str) -> None:
+def test_wrong_mirrors_of_ones_own_kinds(sway: Any, answer: Any) -> None:
     sway.answer = answer
+    message = rf"each of the 2 columns once, with 1 or -1, and .* applied twice; got {re.escape(repr(answer))}"
     with pytest.raises(KindError, match=message) as error:
         make(scene_of(), "sway").unwrapped.mirror()
     assert "test_mirror.py" in str(error.value)

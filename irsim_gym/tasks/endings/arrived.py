@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.engine import Shard
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.endings.body_flag import copy_flag
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, State, Term, kind, option
 
 
 @kind
@@ -24,7 +18,6 @@ class Arrived:
     its time do not grow.
     """
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True
 

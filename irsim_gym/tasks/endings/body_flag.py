@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.jit import kernel
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Ints, State, kernel
 
 
 @kernel

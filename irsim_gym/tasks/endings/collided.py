@@ -7,14 +7,8 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import HitKind, Outcome
-from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, State, Term, kernel, kind, option
 
 Touched = Literal["obstacle", "moving_obstacle", "robot", "map"]
 
@@ -26,7 +20,6 @@ class Collided:
     If it touches several bodies in the same step, the first one in the file counts.
     """
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False
 

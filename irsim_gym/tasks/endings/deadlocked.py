@@ -4,22 +4,13 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Shard, State, Term, kernel, kind
 
 
 @kind
 class Deadlocked:
     """End with failure when the agent has been slower than the task's ``deadlock_speed`` for ``deadlock_time``."""
 
-    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.DEADLOCK
     needs_goal: ClassVar[bool] = True
 

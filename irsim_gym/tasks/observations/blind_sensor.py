@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import Simulation
+from irsim_gym.tasks.terms import Floats, Ints, Simulation
 from irsim_gym.world.group import Group
 
 

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.families import KINEMATICS
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Term, kernel, kind
 
 
 @kind
@@ -28,7 +19,6 @@ class Drive:
     A policy that robots with different drives share needs to know the drive of each robot.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -45,7 +35,7 @@ class Drive:
         width = term.arrays["own"].shape[1]
         return np.zeros(width, np.float32), np.ones(width, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return [
             Columns(f"1 where the robot's drive is {name}, else 0")

@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import segment_cells_distance
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions, shorten, way_columns
 from irsim_gym.tasks.observations.nearest_bodies import span
 from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encode, range_code
 from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 NEAR_ENOUGH = 0.01
 """Gap [m] below which a disc counts as touching a map's occupied cells."""
@@ -64,7 +56,6 @@ class ExactFreeTravel:
     It sees through walls and in all directions, but not bodies that are ``unobstructed``.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -92,7 +83,7 @@ class ExactFreeTravel:
             encode(values, RangeCode.of(self, self.horizon))
         return low, high
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, self.horizon)
 

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -24,10 +18,8 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Struct, Term, kernel
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
 
 
 @dataclass
@@ -67,7 +59,6 @@ class FreeTravel:
     appears closed, even with few directions. The codes are those of ``scan``.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
@@ -112,7 +103,7 @@ class FreeTravel:
             encode(values, RangeCode.of(self, far))
         return low, high
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, float(term.arrays.far[agent]))
 

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard
 from irsim_gym.geometry.angles import turned
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind, option
 
 
 @kind
@@ -28,7 +20,6 @@ class Goal:
     The bearing is given as cosine and sine, because an angle would jump where it wraps.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
@@ -41,7 +32,7 @@ class Goal:
         """Return the bounds of the four elements."""
         return np.array([0.0, -1.0, -1.0, 0.0], np.float32), np.ones(4, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         full = self.scale or diagonal(model.bounds)
         bearing = "0 straight ahead, positive to the left"

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
 from irsim_gym.tasks.term import Bound, Term, forget
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 
 
 @dataclass
@@ -45,7 +37,6 @@ class GoalRecord:
     the goal than ever before, and thus never drive in circles (Lumelsky & Stepanov 1987; Kamon & Rivlin 1997).
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
@@ -70,7 +61,7 @@ class GoalRecord:
         """Clear the record."""
         forget(term.arrays.nearest, np.inf, episode, shard)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return [
             Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
 @kind
 class HasArrived:
     """1 if the agent has reached its last goal and drives on, else 0; always 0 unless ``arrived`` has ``wait``."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
@@ -31,7 +21,7 @@ class HasArrived:
         """Return the bounds of the element."""
         return np.zeros(1, np.float32), np.ones(1, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the column."""
         return [Columns("1 if it has reached its last goal and drives on, else 0")]
 

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
 
 @kind
 class LastAction:
     """The latest action, scaled to [-1, 1] as continuous actions are; at the start, the action for standing still."""
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -36,7 +27,7 @@ class LastAction:
         """Return flags of the components that each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns; components that an agent lacks are 0."""
         words = term.components[agent]
         named = [Columns(f"{name}, as requested", "-1 to 1, like actions") for name, _ in words]

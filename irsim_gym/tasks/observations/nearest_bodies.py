@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
+from irsim_gym.engine import Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 WIDTH = 5
 
@@ -57,7 +49,6 @@ class NearestBodies:
     body reads 0, 0, the code of ``range``, 0, 0.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -88,7 +79,7 @@ class NearestBodies:
         low = np.array([-1.0, -1.0, least, -1.0, -1.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         gap = coded(self, "g", _sight(self.range, model))
         pace = f"v / {self.speed:g} m/s, relative to the robot"

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import diagonal, unit
 from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 WIDTH = 6
 
@@ -51,7 +43,6 @@ class Neighbors:
     and robots with a behaviour are observed alike.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -69,7 +60,7 @@ class Neighbors:
         low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         far = self.range or diagonal(model.bounds)
         over, pace = f"x / {far:.3g} m", f"v / {self.speed:g} m/s, relative to the robot"

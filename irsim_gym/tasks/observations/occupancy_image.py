@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
+from irsim_gym.engine import Simulation
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.painting import (
     Canvas,
@@ -31,11 +25,8 @@ from irsim_gym.tasks.observations.painting import (
     view_from,
 )
 from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
-from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.world.model import ROBOT, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 LEAST_GOAL = 1.5
 """Minimum radius of the goal's disc [pixel]."""
@@ -57,8 +48,6 @@ class OccupancyImage:
     lidar's latest scan: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds a channel for other robots,
     ``goal_channel`` one with a disc at the goal, or at the border if the goal is farther away.
     """
-
-    only_kernels: ClassVar[bool] = True
 
     pixels: int = option(
         64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
@@ -93,7 +82,7 @@ class OccupancyImage:
         paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
         return Tools(paints, beams_of(simulation, agents, "occupancy_image") if self.from_scan else None)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the channels."""
         seen = "the scan: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
         channels = [Columns("obstacles around the robot", seen)]

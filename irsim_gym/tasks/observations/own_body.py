@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Rays, Shard, State, Term, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 WIDTH = 8
 HALF_RADIUS, HALF_STEP = 0.5, 0.1
@@ -34,7 +25,6 @@ class OwnBody:
     for limits; without a limit it reads 1.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -42,7 +32,7 @@ class OwnBody:
         """Return 0 and 1."""
         return np.zeros(WIDTH, np.float32), np.ones(WIDTH, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         (first, unit), (second, turning) = term.components[agent][:2]
         return [

@@ -12,15 +12,10 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Point, Rays
-from irsim_gym.engine import Simulation
 from irsim_gym.geometry.world_maps import map_of
-from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
-from irsim_gym.structs import Struct
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Model, Simulation, State, Struct, kernel, row_of
 
 CORNER = 1.42
 """Upper bound of the ratio of the distances of a square's corner and side from its centre."""

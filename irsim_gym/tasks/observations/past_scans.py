@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import TURN, nearly_arctan2
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -25,9 +19,8 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded, evenly
-from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 LONGEST = 1000
@@ -72,7 +65,6 @@ class PastScans:
     the age of a scan, its first scan is used.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
@@ -120,7 +112,7 @@ class PastScans:
             encode(values, RangeCode.of(self, far))
         return low, high
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         far = float(term.arrays.far[agent])
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import IN_WORLD
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
 
 @kind
@@ -26,7 +17,6 @@ class Position:
     The numbers continue beyond the world's edge, so that different positions stay different.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -34,7 +24,7 @@ class Position:
         """Return infinite bounds."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return [Columns(f"{axis} of the agent's place", place_scale(axis, model)) for axis in ("x", "y")]
 

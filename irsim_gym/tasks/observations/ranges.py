@@ -6,11 +6,8 @@ from typing import Any, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import option
 from irsim_gym.tasks.observations.blind_sensor import blind_sensors
+from irsim_gym.tasks.terms import Ints, Rays, Simulation, kernel, option
 from irsim_gym.world.group import Group
 
 Code = Literal["inverse", "linear"]

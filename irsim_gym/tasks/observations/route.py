@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints, Point, Rays, Spans
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Grid, Search, centre
 from irsim_gym.paths.spread import PARENT
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored
 from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_direction
 from irsim_gym.tasks.scaling import diagonal, unit
 from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.terms import EpisodeState, Mirrored, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
 from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 CELL = 0.1
 """Default cell size [m], if the world is small enough."""
@@ -70,7 +62,6 @@ class Route:
     those of the straight line.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
@@ -100,7 +91,7 @@ class Route:
         """Return the bounds of the three elements."""
         return way_bounds()
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1"

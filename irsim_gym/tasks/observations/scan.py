@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Words
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -25,9 +19,8 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded
-from irsim_gym.world.model import Model
 from irsim_gym.world.state import State
 
 
@@ -64,7 +57,6 @@ class Scan:
     at small depths, and about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
@@ -109,7 +101,7 @@ class Scan:
                 encode(values, RangeCode.of(self, far[a]))
         return low.min(axis=0), high.max(axis=0)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns; sectors extend half a beam beyond their outer beams."""
         table: Sectors = term.arrays
         edges = sector_edges(table.angles, len(table.first)) + table.turns[agent]

@@ -8,14 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
-from irsim_gym.engine import Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.raster.sheets import paint
-from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.painting import LINE, Canvas, Paints, add_side, clear, view_from
 from irsim_gym.tasks.observations.ranges import shared_sensors
-from irsim_gym.tasks.term import Bound
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Bound, Simulation, State, Struct, kernel
 
 UNKNOWN = 127
 """Value of pixels that no beam has seen."""

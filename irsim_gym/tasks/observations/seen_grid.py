@@ -9,18 +9,12 @@ from typing import Any, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints, Labels
-from irsim_gym.engine import Simulation
 from irsim_gym.engine.own_scans import own_scan
-from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.scan_marks import UNKNOWN, count_freed, free_passed, mark_hits, mark_passed
-from irsim_gym.scenario.options import option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import shared_sensors
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, Simulation, State, Struct, Term, kernel, option
 from irsim_gym.world.own_scan import OwnScan
-from irsim_gym.world.state import State
 
 FINEST = 64
 """Default number of cells along the longer side of the world."""

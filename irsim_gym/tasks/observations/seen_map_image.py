@@ -9,12 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Ints, Labels
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.occupancy_image import paint_goal, view_of
 from irsim_gym.tasks.observations.painting import Paints, around
@@ -22,9 +17,7 @@ from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
 from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
 """Value of a pixel by the state of its cell."""
@@ -56,7 +49,6 @@ class SeenMapImage:
     ``goal_channel`` adds a channel with a disc at the goal, or at the border if the goal is farther away.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = True
 
     pixels: int = option(

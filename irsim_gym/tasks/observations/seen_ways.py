@@ -8,7 +8,6 @@ from typing import Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Labels, Point
-from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell, is_clear
 from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.paths.scan_marks import OCCUPIED, quarter
@@ -22,12 +21,8 @@ from irsim_gym.paths.wavefront import (
     new_queues,
     spread_costs,
 )
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_grid import SeenGrid
-from irsim_gym.tasks.term import Bound
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Struct, kernel, row_of
 
 
 @dataclass

@@ -6,7 +6,6 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Point
 from irsim_gym.geometry.angles import turned
-from irsim_gym.jit import kernel
 from irsim_gym.paths.cell_lines import free_cell
 from irsim_gym.paths.grid import BLOCKED, Grid, centre
 from irsim_gym.paths.wavefront import (
@@ -18,15 +17,11 @@ from irsim_gym.paths.wavefront import (
     offer_neighbours,
     spread_costs,
 )
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_ways import last_in_sight
 from irsim_gym.tasks.observations.team_ways import TeamWays
 from irsim_gym.tasks.observations.way_columns import write_way
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, State, kernel, row_of
 
 SOON = 1.5
 """Two agents on their way meet if the first of them comes upon the other's way within this length of its own [m]."""

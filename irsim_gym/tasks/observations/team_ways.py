@@ -8,22 +8,15 @@ from typing import Any, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Labels, Point
-from irsim_gym.engine import Simulation
 from irsim_gym.geometry.angles import turned
-from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid, centre
 from irsim_gym.paths.scan_marks import beam_end, eye_of
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.seen_grid import SeenGrid
 from irsim_gym.tasks.observations.seen_ways import SeenWays, way_ahead
 from irsim_gym.tasks.observations.way_columns import write_way
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Simulation, State, Struct, kernel, row_of
 
 MARGIN = 0.1
 """Hits up to this distance outside the disc around a robot are hits of the robot [m]."""

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.engine import Simulation
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions
 from irsim_gym.tasks.observations.nearest_bodies import moving, span
-from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 class MovingPoint(NamedTuple):
@@ -58,7 +50,6 @@ class TimeToCollision:
     without a collision within the horizon. Bodies that are ``unobstructed``, and an obstacle map, are not seen.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -86,7 +77,7 @@ class TimeToCollision:
         count = self.directions * self.speeds
         return np.zeros(count, np.float32), np.ones(count, np.float32)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns: the directions of each speed, slowest first."""
         table = term.arrays
         turn = 360.0 / self.directions

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.words import Columns, evenly
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
 
 
 @dataclass
@@ -42,7 +35,6 @@ class Trail:
     this observation, a policy without memory can avoid places where it has been.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -70,7 +62,7 @@ class Trail:
         """Clear all marks."""
         forget(term.arrays.count, 0, episode, shard)
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         scale = f"{self.near:g} m / (d + {self.near:g} m), d = distance of the mark; 0 without one"
         meaning = f"nearness of the nearest place where it has been; a mark each {self.spacing:g} m of its way"

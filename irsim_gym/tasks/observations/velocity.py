@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.traits import limits_at_ends
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_WORLD, Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
 
 
 @kind
@@ -29,7 +22,6 @@ class Velocity:
     For an ``omni`` drive, it is the velocity in the body frame, divided by the length of the vector of both limits.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
@@ -53,7 +45,7 @@ class Velocity:
         """Return flags of the components that each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns; components that an agent lacks are 0."""
         ends = np.maximum(np.abs(term.arrays["slowest"][agent]), np.abs(term.arrays["fastest"][agent]))
         words = term.components[agent]

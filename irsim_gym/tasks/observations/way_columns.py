@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Point, Rays
-from irsim_gym.jit import kernel
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.terms import Columns, kernel
 
 
 def way_bounds() -> tuple[Rays, Rays]:

@@ -6,21 +6,14 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen, note_all, shared_map
 from irsim_gym.tasks.observations.seen_ways import SeenWays, clear_levels, narrow_ways, way_ahead
 from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_way
 from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Model, Shard, Simulation, State, kernel, kind, option
 
 
 @kind
@@ -34,7 +27,6 @@ class WayOnSeenMap:
     reach, too.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = True
 

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 from irsim_gym.arraytypes import Ints, Rays
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import Mirrored
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, forget_seen, note_all
 from irsim_gym.tasks.observations.seen_ways import clear_levels, narrow_ways
@@ -17,10 +12,7 @@ from irsim_gym.tasks.observations.standing_aside import write_asides
 from irsim_gym.tasks.observations.team_ways import TeamWays, skip_robots, write_own_ways
 from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Term
-from irsim_gym.tasks.words import Columns
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Model, Shard, Simulation, State, Term, kind, option
 
 
 @kind
@@ -40,7 +32,6 @@ class YieldingWay:
     lengths are counted in cells: along the diagonals of the grid they are up to 1.4 times as long.
     """
 
-    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = True
 
@@ -58,7 +49,7 @@ class YieldingWay:
         """Return the bounds of the three elements."""
         return way_bounds()
 
-    def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
+    def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         point = "of the direction of its way, to the goal as if there were no robots or out of the ways of others"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none; 0 to stay"

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Shard
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import SUCCESS, Outcome
-from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Role, Shard, State, Term, kernel, kind, option
 
 
 @kind
 class Arrival:
     """Bonus ``+weight``, once, when the agent succeeds; see ``arrived`` for agents that drive on."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "bonus"
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True

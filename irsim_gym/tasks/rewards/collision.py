@@ -9,21 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import COLLISION, HitKind, Outcome
 from irsim_gym.tasks.term import Role, Term, forget
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
 
 
 @kind
 class Collision:
     """Penalty ``-weight`` in the step in which the agent begins to touch another body, or its episode ends by it."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.engine import Shard
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import DEADLOCK, Outcome
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome
-from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Role, Shard, State, Term, kind, option
 
 
 @kind
 class Deadlock:
     """Penalty ``-weight``, once, when the episode ends because the agent has stalled for too long."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.DEADLOCK
     needs_goal: ClassVar[bool] = True

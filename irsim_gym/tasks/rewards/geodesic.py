@@ -8,18 +8,11 @@ from typing import Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.rows import row_of
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, row_of
 
 
 @dataclass

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.engine import Shard
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import LEFT_WORLD, Outcome
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome
-from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Role, Shard, State, Term, kind, option
 
 
 @kind
 class LeftWorldPenalty:
     """Penalty ``-weight``, once, when the episode ends outside the world's rectangle."""
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
     needs_goal: ClassVar[bool] = False

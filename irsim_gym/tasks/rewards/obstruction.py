@@ -7,16 +7,11 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Ints, Spans
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid, centre
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.route import Route, RouteWays, entry, find_ways
 from irsim_gym.tasks.outcome import RUNNING, Outcome
 from irsim_gym.tasks.term import Bound, Role, Term, forget
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
 
 
 @kind
@@ -28,7 +23,6 @@ class Obstruction:
     in the observation ``route``.
     """
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "running"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True

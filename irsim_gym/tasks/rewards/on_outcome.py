@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
-from irsim_gym.jit import kernel
-from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.terms import EpisodeState, Ints, kernel
 
 
 @kernel

@@ -8,17 +8,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import Shard, Simulation
-from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.structs import Struct
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
 from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Role, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, Simulation, State, Struct, kernel, kind, option
 
 
 @dataclass
@@ -41,7 +34,6 @@ class Progress:
     Progress is measured to the goal before the step, so that a change of goal costs nothing.
     """
 
-    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "potential"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True

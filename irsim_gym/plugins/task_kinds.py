@@ -9,16 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym import families
-from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.behaviors.views import EgoView
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.plugins.functions import answer, registering
-from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.tasks.term import Role, Term
-from irsim_gym.world.model import Model
-from irsim_gym.world.state import State
+from irsim_gym.world.names import Floats, Ints, Model, Rays, State, kind, option
 
 F = TypeVar("F", bound=Callable[..., Any])
 
