@@ -87,40 +87,11 @@ _OF_IRSIM = (
 
 __version__ = "0.2.0"
 
-__all__ = [
-    "RecordReplay",
-    "__version__",
-    "action",
-    "arena",
-    "behavior",
-    "compile",
-    "drive",
-    "ending",
-    "errors",
-    "evaluate",
-    "group_behavior",
-    "irsim",
-    "load",
-    "load_demonstrations",
-    "load_policy",
-    "load_scenario",
-    "make",
-    "make_batch",
-    "make_vec",
-    "observation",
-    "parallel_env",
-    "placement",
-    "plan",
-    "plugins",
-    "record_demonstrations",
-    "register",
-    "register_scenarios",
-    "reward",
-    "sb3",
-    "sensor",
-    "torch_rows",
-    "train",
-]
+__all__ = ["RecordReplay", "__version__", "action", "arena", "behavior", "compile", "drive", "ending", "errors"]
+__all__ += ["evaluate", "group_behavior", "irsim", "load", "load_demonstrations", "load_policy", "load_scenario"]
+__all__ += ["make", "make_batch", "make_vec", "observation", "parallel_env", "placement", "plan", "plugins"]
+__all__ += ["record_demonstrations", "register", "register_scenarios", "reward", "sb3", "sensor", "torch_rows"]
+__all__ += ["train"]
 
 
 def __getattr__(name: str) -> Any:

@@ -21,16 +21,8 @@ from irsim_gym.envs.rllib_learning import ArrayAPPOLearner, ArrayPPOLearner
 from irsim_gym.envs.rllib_runner import CPU_SECONDS, SUCCESS, ArrayEnvRunner, make_rows
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 
-__all__ = [
-    "CPU_SECONDS",
-    "SUCCESS",
-    "ArrayAPPOLearner",
-    "ArrayEnvRunner",
-    "ArrayPPOLearner",
-    "Fragment",
-    "configure",
-    "register_environments",
-]
+__all__ = ["CPU_SECONDS", "SUCCESS", "ArrayAPPOLearner", "ArrayEnvRunner", "ArrayPPOLearner", "Fragment", "configure"]
+__all__ += ["register_environments"]
 
 Config = TypeVar("Config", PPOConfig, APPOConfig)
 

@@ -23,25 +23,7 @@ from irsim_gym.envs.sb3_mixture import MixtureVecEnv
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 
-__all__ = [
-    "AsymmetricPolicy",
-    "EndingHerReplayBuffer",
-    "GruPPO",
-    "GruPolicy",
-    "LearnabilityCallback",
-    "LogCallback",
-    "MaskedA2C",
-    "MaskedDictReplayBuffer",
-    "MaskedDictRolloutBuffer",
-    "MaskedPPO",
-    "MaskedReplayBuffer",
-    "MaskedRolloutBuffer",
-    "MaskedVecNormalize",
-    "MirrorCallback",
-    "MixtureVecEnv",
-    "TeamVecEnv",
-    "WorldVecEnv",
-    "buffers_for",
-    "make_multi_agent_vec_env",
-    "make_vec_env",
-]
+__all__ = ["AsymmetricPolicy", "EndingHerReplayBuffer", "GruPPO", "GruPolicy", "LearnabilityCallback", "LogCallback"]
+__all__ += ["MaskedA2C", "MaskedDictReplayBuffer", "MaskedDictRolloutBuffer", "MaskedPPO", "MaskedReplayBuffer"]
+__all__ += ["MaskedRolloutBuffer", "MaskedVecNormalize", "MirrorCallback", "MixtureVecEnv", "TeamVecEnv"]
+__all__ += ["WorldVecEnv", "buffers_for", "make_multi_agent_vec_env", "make_vec_env"]

@@ -9,15 +9,5 @@ from irsim_gym.tasks.transition import Transition
 
 SECTIONS.register("task", TaskOptions)
 
-__all__ = [
-    "Episodes",
-    "HitKind",
-    "Outcome",
-    "Task",
-    "Transition",
-    "actions",
-    "endings",
-    "load_task",
-    "observations",
-    "rewards",
-]
+__all__ = ["Episodes", "HitKind", "Outcome", "Task", "Transition", "actions", "endings", "load_task", "observations"]
+__all__ += ["rewards"]

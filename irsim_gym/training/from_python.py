@@ -65,30 +65,22 @@ def train(
     require("train", "irsim_gym.train")
     from irsim_gym.training.commands import run_training
 
-    names = (scenario, task, origin, hyperparameters)
-    request = _request(*names, algorithm, seed, steps, team, parameters, strict, device, curriculum, until=until)
+    known: dict[str, Any] = {"algorithm": algorithm, "seed": seed, "steps": steps, "team": team, "until": until}
+    known |= {"parameters": parameters, "strict": strict, "device": device, "curriculum": curriculum}
+    request = _request(scenario, task, origin, hyperparameters, known)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how).folder
 
 
-def _request(
-    scenario: Any,
-    task: Any,
-    origin: Any,
-    hyperparameters: Any,
-    algorithm: Any,
-    seed: int,
-    steps: Any,
-    *options: Any,
-    **how: Any,
-) -> TrainingRequest:
+def _request(scenario: Any, task: Any, origin: Any, hyperparameters: Any, known: dict[str, Any]) -> TrainingRequest:
     """Return the request that the command would make."""
     from irsim_gym.training.training_request import TrainingRequest
 
     if not isinstance(scenario, str | Path):
         raise IrsimGymError("a run reads its scenario from a file, to be resumed: save the scenario and name the file")
-    changes, file = (hyperparameters, None) if isinstance(hyperparameters, Mapping) else (None, hyperparameters)
-    task, origin = (None if name is None else str(name) for name in (task, origin))
-    named = str(scenario), algorithm, seed, steps, task, None if file is None else Path(file)
-    *first, curriculum = options
-    return TrainingRequest(*named, *first, origin, curriculum, changes=changes, **how)
+    if isinstance(hyperparameters, Mapping):
+        known["changes"] = hyperparameters
+    elif hyperparameters is not None:
+        known["hyperparameters"] = Path(hyperparameters)
+    known |= {key: str(name) for key, name in (("task", task), ("origin", origin)) if name is not None}
+    return TrainingRequest(str(scenario), **known)
