@@ -40,10 +40,7 @@ from irsim_gym.cli_train import train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
 
-app = typer.Typer(
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 app.add_typer(suite, name="suite")

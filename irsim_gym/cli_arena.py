@@ -25,8 +25,7 @@ def arena(
     split: Split = "test",
     task: Task = None,
     out: Annotated[
-        Path | None,
-        typer.Option(help="Folder for the results (default: runs/arena-SCENARIO[-team]-SPLIT, numbered)."),
+        Path | None, typer.Option(help="Folder for the results (default: runs/arena-SCENARIO[-team]-SPLIT, numbered).")
     ] = None,
     resume: Annotated[
         bool,

@@ -19,8 +19,7 @@ levels = typer.Typer(
 Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
 Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[
-    list[str] | None,
-    typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit)."),
+    list[str] | None, typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit).")
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[

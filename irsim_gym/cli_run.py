@@ -17,8 +17,7 @@ from irsim_gym.errors import IrsimGymError, report_together
 def run_by_itself(
     scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.", autocompletion=scenarios)],
     steps: Annotated[
-        int,
-        typer.Option(min=1, help="Maximum number of steps; the run ends when all robots have arrived or collided."),
+        int, typer.Option(min=1, help="Maximum number of steps; the run ends when all robots have arrived or collided.")
     ] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the level.")] = 0,
     out: Annotated[

@@ -11,9 +11,7 @@ from irsim_gym.cli_options import Imports
 from irsim_gym.cli_tools import print_options
 
 
-def new(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write, .yaml.")],
-) -> None:
+def new(file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write, .yaml.")]) -> None:
     """Write a commented scenario to start from."""
     from irsim_gym.scenario.library import write_template
 

@@ -30,10 +30,7 @@ def run_suite(
         str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help="Tiers or benchmarks, separated by commas.")
     ],
     policies: Annotated[
-        list[str],
-        typer.Argument(
-            help="Policies as in evaluate; NAME=POLICY,POLICY,... for the seeds of one training.",
-        ),
+        list[str], typer.Argument(help="Policies as in evaluate; NAME=POLICY,POLICY,... for the seeds of one training.")
     ],
     levels: Levels = 1000,
     split: Split = "test",

@@ -25,10 +25,7 @@ ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
 SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
-DEFAULTS = {
-    **{"strict": True, "autoreset_mode": "NextStep", "num_threads": 1},
-    **{"numpy_infos": False},
-}
+DEFAULTS = {**{"strict": True, "autoreset_mode": "NextStep", "num_threads": 1}, **{"numpy_infos": False}}
 """Arguments of whatever makes environments whose default is not None."""
 
 

@@ -9,12 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from gymnasium import Space
 from numpy.typing import NDArray
-from stable_baselines3.common.buffers import (
-    DictReplayBuffer,
-    DictRolloutBuffer,
-    ReplayBuffer,
-    RolloutBuffer,
-)
+from stable_baselines3.common.buffers import DictReplayBuffer, DictRolloutBuffer, ReplayBuffer, RolloutBuffer
 from stable_baselines3.common.type_aliases import DictRolloutBufferSamples, RolloutBufferSamples
 from stable_baselines3.common.vec_env import VecEnv
 

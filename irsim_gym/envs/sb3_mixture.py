@@ -177,8 +177,7 @@ class MixtureVecEnv(VecEnv):
     ) -> list[Any]:
         """Call a method of the chosen slots."""
         return self._each(
-            indices,
-            lambda batch, slot: batch.env_method(method_name, *method_args, indices=[slot], **method_kwargs)[0],
+            indices, lambda batch, slot: batch.env_method(method_name, *method_args, indices=[slot], **method_kwargs)[0]
         )
 
     def env_is_wrapped(
@@ -225,10 +224,7 @@ def _check_alike(parts: Mapping[str, NativeVecEnv]) -> None:
     for name, other in others:
         if type(other) is not type(one):
             raise IrsimGymError(f"{first} is a {type(one).__name__}, {name} a {type(other).__name__}: mix one kind")
-        for what, ours, theirs in (
-            ("observes", _sizes(one), _sizes(other)),
-            ("acts by", _action(one), _action(other)),
-        ):
+        for what, ours, theirs in (("observes", _sizes(one), _sizes(other)), ("acts by", _action(one), _action(other))):
             if ours != theirs:
                 raise IrsimGymError(
                     f"one policy needs observations and actions of one shape, but {first} {what} "

@@ -62,12 +62,7 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         **parameters: object,
     ) -> None:
         self.worlds = Worlds(
-            scenario,
-            task=task,
-            max_steps=max_steps,
-            render_mode=render_mode,
-            parameters=parameters,
-            strict=strict,
+            scenario, task=task, max_steps=max_steps, render_mode=render_mode, parameters=parameters, strict=strict
         )
         if numpy_infos:
             self.worlds.infos = Infos(self.worlds.episodes, in_numpy=True)

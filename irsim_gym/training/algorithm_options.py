@@ -9,14 +9,7 @@ from typing import Any, Literal
 
 from irsim_gym.scenario.options import kind, option
 
-ACTIVATIONS = {
-    "relu": "ReLU",
-    "tanh": "Tanh",
-    "elu": "ELU",
-    "silu": "SiLU",
-    "gelu": "GELU",
-    "leaky_relu": "LeakyReLU",
-}
+ACTIVATIONS = {"relu": "ReLU", "tanh": "Tanh", "elu": "ELU", "silu": "SiLU", "gelu": "GELU", "leaky_relu": "LeakyReLU"}
 """Names of activation functions, and their classes in ``torch.nn``."""
 SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
 """Keys that also take ``lin_<number>``."""
@@ -43,12 +36,10 @@ class RunKeys:
         None, gt=0.0, le=100.0, unit="%", meaning="Success on dev levels at which a checkpoint ends the run."
     )
     team: Literal["episode", "respawn"] | None = option(
-        None,
-        meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn).",
+        None, meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn)."
     )
     curriculum: Literal["learnability"] | None = option(
-        None,
-        meaning="learnability repeats levels in which the policy sometimes succeeds and sometimes fails.",
+        None, meaning="learnability repeats levels in which the policy sometimes succeeds and sometimes fails."
     )
     mirror: bool = option(False, meaning="ppo exchanges left and right in half of the rows that it learns from.")
     clone: str | None = option(

@@ -206,13 +206,7 @@ def run_evaluation(
 
 
 def run_rollout(
-    asked: ScenarioRequest,
-    policy: str,
-    *,
-    levels: int,
-    split: str,
-    out: Sequence[Path] = (),
-    overwrite: bool = False,
+    asked: ScenarioRequest, policy: str, *, levels: int, split: str, out: Sequence[Path] = (), overwrite: bool = False
 ) -> None:
     """Play a few levels with a policy, and print a line for each; with a team, a line for each robot.
 

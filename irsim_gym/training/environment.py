@@ -85,10 +85,7 @@ def compile_kernels(settings: Settings) -> None:
 def worlds_state(env: VecEnv) -> dict[str, Any]:
     """Return the state of all worlds, which may be within episodes."""
     normalization = unwrap_vec_normalize(env)
-    return {
-        "worlds": pickle.dumps(env.unwrapped),
-        "returns": None if normalization is None else normalization.returns,
-    }
+    return {"worlds": pickle.dumps(env.unwrapped), "returns": None if normalization is None else normalization.returns}
 
 
 def restore_worlds(env: VecEnv, state: dict[str, Any]) -> VecEnv:

@@ -20,14 +20,7 @@ from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, TEAM_SHOWN
-from irsim_gym.evaluation.tables import (
-    legend,
-    percent,
-    table_text,
-    worst_table,
-    write_json,
-    write_text,
-)
+from irsim_gym.evaluation.tables import legend, percent, table_text, worst_table, write_json, write_text
 from irsim_gym.evaluation.team_metrics import summarize_teams
 from irsim_gym.evaluation.team_tables import figure_tables, write_levels, write_rows
 from irsim_gym.evaluation.teams import evaluate_team

@@ -15,14 +15,7 @@ from irsim_gym.evaluation.optimum import stops, straight_distance
 from irsim_gym.evaluation.teams import top_speed
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import point_segment_distance2
-from irsim_gym.paths.queries import (
-    COARSE,
-    FINE,
-    blocking_bodies,
-    fixed_bodies,
-    free_path_length,
-    standing_bodies,
-)
+from irsim_gym.paths.queries import COARSE, FINE, blocking_bodies, fixed_bodies, free_path_length, standing_bodies
 from irsim_gym.scenario.level_checks import levels_differ
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes, Task

@@ -95,11 +95,7 @@ class Players:
 
 
 def load_players(
-    asked: ScenarioRequest,
-    sources: Sequence[str | Path],
-    *,
-    split: str = "test",
-    names: Sequence[str] | None = None,
+    asked: ScenarioRequest, sources: Sequence[str | Path], *, split: str = "test", names: Sequence[str] | None = None
 ) -> Players:
     """Load policies, and make a world for each.
 

@@ -22,11 +22,7 @@ DRAWINGS = (".pdf", ".svg")
 
 
 def record_film(
-    asked: ScenarioRequest,
-    sources: Sequence[str | Path],
-    levels: Sequence[int],
-    path: Path,
-    **chosen: Any,
+    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
 ) -> Path:
     """Film policies on levels, one level after the other with one panel per policy, and return the film's path.
 
@@ -58,11 +54,7 @@ def record_film(
 
 
 def record_html(
-    asked: ScenarioRequest,
-    sources: Sequence[str | Path],
-    levels: Sequence[int],
-    path: Path,
-    **chosen: Any,
+    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
 ) -> Path:
     """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
 

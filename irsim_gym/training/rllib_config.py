@@ -97,9 +97,7 @@ def _configure_processes(config: Config, engine: Engine, learning: Mapping[str, 
     )
     config.env_runners(sample_timeout_s=SLOWEST_S)
     config.fault_tolerance(
-        restart_failed_env_runners=True,
-        max_num_env_runner_restarts=RESTARTS,
-        delay_between_env_runner_restarts_s=0.0,
+        restart_failed_env_runners=True, max_num_env_runner_restarts=RESTARTS, delay_between_env_runner_restarts_s=0.0
     )
 
 
