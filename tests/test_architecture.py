@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import io
 import subprocess
 import sys
+import tokenize
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -19,6 +21,8 @@ from irsim_gym.jit.folder import GENERATORS
 
 PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
+MOST_CODE_LINES = 53_000
+"""Budget of the package, see DESIGN.md."""
 
 # Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
 COMMON = {"errors", "extras", "registry", "families", "arraytypes", "byte_planes", "contract", "outside_files"}
@@ -542,6 +546,26 @@ def test_one_name_is_one_thing() -> None:
     report([f"class {name}: {', '.join(where)}" for name, where in classes.items()])
     report([f"module {name}: {', '.join(where)}" for name, where in files.items() if name not in known])
     report([f"{name} stands once now" for name in known - set(files)])
+
+
+def test_the_package_keeps_to_its_budget() -> None:
+    """Lines of code, without blank lines, comments and docstrings: whoever needs more removes something."""
+    total = sum(code_lines(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py"))
+    print(f"{total:,} of {MOST_CODE_LINES:,} code lines")
+    assert total <= MOST_CODE_LINES
+
+
+def code_lines(source: str) -> int:
+    """Return the number of lines with code; strings that stand alone are docstrings."""
+    layout = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type not in layout:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            lines -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return sum(bool(line.strip()) for number, line in enumerate(source.splitlines(), 1) if number in lines)
 
 
 def test_files_and_functions_are_short() -> None:
