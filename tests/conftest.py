@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import warnings
 from collections.abc import Iterator, Sequence
 
@@ -26,6 +27,11 @@ settings.register_profile("whole", deadline=None, max_examples=100)
 def pytest_configure(config: pytest.Config) -> None:
     """Play all examples of properties only where slow tests run, too."""
     settings.load_profile("fast" if "not slow" in config.getoption("markexpr") else "whole")
+
+
+# Programs in the background of a script ignore Ctrl-C, and so would those that the tests start.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True, scope="session")

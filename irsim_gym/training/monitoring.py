@@ -37,12 +37,13 @@ class StopRequest:
 
     @contextmanager
     def listening(self) -> Iterator[StopRequest]:
-        """Handle these signals, but those that are ignored, as ``nohup`` does. Does nothing outside the main thread."""
+        """Handle these signals, but not SIGHUP where ``nohup`` ignores it. Does nothing outside the main thread."""
         if threading.current_thread() is not threading.main_thread():
             yield self
             return
-        known = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-        kinds = [kind for kind in known if signal.getsignal(kind) != signal.SIG_IGN]
+        kinds = [signal.SIGINT, signal.SIGTERM]
+        if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+            kinds.append(signal.SIGHUP)
         before = {kind: signal.signal(kind, self._handle) for kind in kinds}
         try:
             yield self
