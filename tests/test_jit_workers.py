@@ -7,7 +7,10 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -129,6 +132,34 @@ def test_what_is_listed_beforehand_is_what_is_recorded() -> None:
         for called, arguments in program.calls:
             # The list of worlds is the only argument of one axis and whole numbers that all calls share.
             assert Packer(program.calls[0][1][0]).job(called, arguments) in listed
+
+
+@dataclass(frozen=True)
+class Task:
+    """A job that this process compiles if it is its own; another process holds those of others until it has to wait."""
+
+    size: int
+    is_own: bool
+
+    def is_missing(self) -> bool:
+        return True
+
+    def compile(self, *, waits: bool) -> None:
+        workers.compilation().compiled += self.is_own and not waits
+
+
+def test_what_others_have_compiled_is_counted_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    watch = Watch()
+    monkeypatch.setattr(workers, "compilation", lambda: watch)
+    monkeypatch.setattr(workers, "_n_kernels", len)
+    monkeypatch.setattr(workers, "_working", nullcontext)
+    jobs: list[Any] = [
+        Task(size, is_own) for size, is_own in ((3, True), (5, False), (1, True), (4, False), (2, False))
+    ]
+    workers.compile_together(jobs)
+    assert (watch.compiled, watch.received) == (2, 3)
+    workers.compile_together(jobs[:3])  # too few to be shared
+    assert (watch.compiled, watch.received) == (2, 3)
 
 
 def test_progress_is_a_share_of_all_kernels() -> None:

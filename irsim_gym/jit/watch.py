@@ -20,7 +20,8 @@ class Watch:
     """Follows the compilations of this process; they nest, and Numba lets one thread compile at a time.
 
     Attributes:
-        compiled: How many kernels have been compiled.
+        compiled: How many kernels this process has compiled.
+        received: How many entries of kernels other processes have compiled while this one was about to.
         spent: How long that took [s].
         waited: How long this process has waited for others that compile [s].
         said: Whether a note has been printed, so that nothing more follows.
@@ -29,6 +30,7 @@ class Watch:
 
     def __init__(self) -> None:
         self.compiled = 0
+        self.received = 0
         self.spent = 0.0
         self.waited = 0.0
         self.said = False

@@ -63,10 +63,15 @@ def compile_together(jobs: Iterable[Job]) -> None:
     if len(missing) < FEWEST:
         return
     missing.sort(key=lambda job: job.size, reverse=True)
-    with compilation().expecting(_n_kernels(missing), lambda: len(kept_kernels())), _working(missing):
+    watch, received = compilation(), set(missing)
+    with watch.expecting(_n_kernels(missing), lambda: len(kept_kernels())), _working(missing):
         for waits in (False, True):
             for job in missing:
+                before = watch.compiled
                 job.compile(waits=waits)
+                if watch.compiled > before:
+                    received.discard(job)
+    watch.received += len(received)
 
 
 def kept_kernels() -> list[str]:

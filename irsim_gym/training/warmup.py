@@ -22,11 +22,11 @@ from irsim_gym.evaluation.protocol import drive
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, reference_policy
 from irsim_gym.jit.folder import cache_folder
 from irsim_gym.jit.watch import compilation
-from irsim_gym.jit.workers import kept_kernels
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.inputs import world_checks
 from irsim_gym.training.inspection import begin_level
+from irsim_gym.training.level_survey import survey
 from irsim_gym.training.scenario_request import ScenarioRequest
 
 WARMUP_STEPS = 3
@@ -39,9 +39,8 @@ def warm_up(chosen: Sequence[ScenarioRequest]) -> None:
     Raises:
         IrsimGymError: A name is unknown, or a file has mistakes; the message lists all of them.
     """
-    begun = time.perf_counter()
-    place = cache_folder()
-    before = _n_compiled()
+    begun, watch, place = time.perf_counter(), compilation(), cache_folder()
+    before = watch.compiled + watch.received
     report_together(*(check for one in chosen for check in world_checks(one)))
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for one in progress.track(chosen, description="compiling"):
@@ -49,12 +48,7 @@ def warm_up(chosen: Sequence[ScenarioRequest]) -> None:
     kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
     ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
-    print(f"{ready}: {_n_compiled() - before} kernels compiled in {spent:.0f} s, {kept}")
-
-
-def _n_compiled() -> int:
-    """Return how many kernels are compiled: by files, because other processes compile too, where there are any."""
-    return len(kept_kernels()) if cache_folder() else compilation().compiled
+    print(f"{ready}: {watch.compiled + watch.received - before} kernels compiled in {spent:.0f} s, {kept}")
 
 
 def exercise(scenario: Scenario, task: TaskSource = None) -> None:
@@ -71,6 +65,7 @@ def exercise(scenario: Scenario, task: TaskSource = None) -> None:
             if terminated or truncated:
                 env.reset()
         _drive(env.worlds.episodes)
+        survey(scenario, env.worlds.episodes.task)  # which check and train begin with
     with suppress(ScenarioError):  # or not as a team
         batch = make_batch(scenario, task=task)
         batch.reset(seed=0)
