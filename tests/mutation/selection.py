@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -58,18 +59,20 @@ COMPILED = {
 SLOWEST = 6.0
 """A test that takes longer in plain Python [s] is left out, unless asked for."""
 
-LOADED = 6.0
-"""How many times longer than on an idle machine a test may take before it is ended."""
-
 PLAIN = {"NUMBA_DISABLE_JIT": "1", "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1"}
 MARKS = ("-m", "not slow and not gui and not libraries")
 HERE = Path(__file__).parent
 
 
 class Timing:
-    """Notes how tests went, as a plugin of pytest."""
+    """Notes how tests went, and ends those that take too long, as a plugin of pytest.
 
-    def __init__(self) -> None:
+    Args:
+        slowest: Processor time after which a test fails [s]; 0 for no limit.
+    """
+
+    def __init__(self, slowest: float = 0.0) -> None:
+        self.slowest = slowest
         self.seconds: dict[str, float] = {}
         self.failed: set[str] = set()
 
@@ -77,7 +80,10 @@ class Timing:
     def pytest_runtest_protocol(self, item: Any) -> Generator[None, object, object]:
         """Note the processor time of set-up, call and tear-down: other programs do not change it."""
         begin = time.process_time()
+        signal.signal(signal.SIGVTALRM, _give_up)
+        signal.setitimer(signal.ITIMER_VIRTUAL, self.slowest)
         answer = yield
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         self.seconds[item.nodeid] = time.process_time() - begin
         return answer
 
@@ -87,18 +93,34 @@ class Timing:
             self.failed.add(report.nodeid)
 
 
-def _run(root: Path, folder: Path, *arguments: str) -> dict[str, float]:
+def _give_up(*_: object) -> None:
+    raise TimeoutError("the test takes too long in plain Python")
+
+
+def _run(root: Path, folder: Path, *arguments: str, slowest: float = 0.0) -> dict[str, float]:
     """Run pytest in a process of its own; return the seconds of each test that passed."""
     listed = folder / "timing.json"
     listed.unlink(missing_ok=True)
     code = (
-        "import json, sys, pytest; from selection import Timing; timing = Timing();"
-        "pytest.main(sys.argv[2:], plugins=[timing]);"
+        "import json, sys, pytest; from selection import Timing; timing = Timing(float(sys.argv[2]));"
+        "pytest.main(sys.argv[3:], plugins=[timing]);"
         "passed = {k: v for k, v in timing.seconds.items() if k not in timing.failed};"
         "file = open(sys.argv[1], 'w'); json.dump(passed, file); file.close()"
     )
     paths = os.pathsep.join([str(root), str(HERE)])
-    command = [sys.executable, "-c", code, str(listed), "-q", "--tb=no", "-p", "no:cacheprovider", *MARKS, *arguments]
+    command = [
+        sys.executable,
+        "-c",
+        code,
+        str(listed),
+        str(slowest),
+        "-q",
+        "--tb=no",
+        "-p",
+        "no:cacheprovider",
+        *MARKS,
+        *arguments,
+    ]
     subprocess.run(command, cwd=root, env={**os.environ, **PLAIN, "PYTHONPATH": paths}, check=True)
     found: dict[str, float] = json.loads(listed.read_text(encoding="utf-8"))
     return found
@@ -110,8 +132,7 @@ def measure(root: Path, folder: Path, tests: Sequence[str] = TESTS, slowest: flo
     Two runs, because a test cannot be interrupted safely while coverage is looking.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    patience = f"--timeout={LOADED * slowest}"
-    seconds = {test: taken for test, taken in _run(root, folder, patience, *tests).items() if taken <= slowest}
+    seconds = _run(root, folder, *tests, slowest=slowest)
     chosen, data = folder / "chosen", folder / "coverage"
     chosen.write_text("\n".join(seconds), encoding="utf-8")
     settings = folder / "coveragerc"
