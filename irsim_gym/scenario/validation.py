@@ -184,6 +184,7 @@ def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Ite
 
 def _takes_null(info: FieldInfo) -> bool:
     """Return whether ``null`` is a value of an option, different from omitting it."""
+    # Elsewhere null means "not given". The one such option is ``bbox_inches``, where matplotlib tells both apart.
     return not info.is_required() and info.default is not None and type(None) in get_args(info.annotation)
 
 

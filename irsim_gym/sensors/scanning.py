@@ -78,6 +78,7 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
         beams_x=np.tile(np.cos(directions).astype(np.float32), (n_rows, 1)),
         beams_y=np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
         ranges=ranges,
+        # Empty, not None: tables of one type, for which kernels are compiled once.
         hit=np.full(ranges.shape if finds_hits else (0, 0, 0), -1, np.int64),
         ends=np.zeros((n_slots, 4 * CHUNK)),
         limits=np.zeros((n_slots, CHUNK)),
