@@ -105,7 +105,7 @@ SECTIONS = {
         "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
         names=(
             "irsim_gym.training.evaluate.Evaluation",
-            "irsim_gym.training.evaluate_teams.TeamEvaluation",
+            "irsim_gym.training.evaluate.TeamEvaluation",
             *(f"irsim_gym.evaluation.metrics.{name}" for name in ("Summary", "EpisodeRow", "Rate")),
             *(f"irsim_gym.evaluation.team_metrics.{name}" for name in ("TeamSummary", "TeamRow", "AgentRow")),
             "irsim_gym.arenas.contest.Arena",
