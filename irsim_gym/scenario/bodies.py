@@ -11,7 +11,6 @@ from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
 from irsim_gym.scenario import body_checks
 from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, BodyEntry
 from irsim_gym.scenario.image_files import DEFAULT_CAR
-from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.plot_spec import (
     CAR_COLOR,
     CYCLE,
@@ -19,7 +18,6 @@ from irsim_gym.scenario.plot_spec import (
     MOVING_OBSTACLE_COLOR,
     OBSTACLE_COLOR,
     ROBOT_COLOR,
-    ObjectPlot,
 )
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
@@ -169,30 +167,11 @@ def with_map(
         role="obstacle",
         entry=len(placements),
         line=line,
-        kinematics=None,
         shape=world.obstacle_map,
-        behavior=None,
-        group_behavior=None,
-        sensors=(),
-        state=(0.0, 0.0, 0.0),
-        steering=0.0,
-        goal=(),
-        velocity=(0.0, 0.0),
-        vel_min=(-1.0, -1.0),
-        vel_max=(1.0, 1.0),
-        acce=(math.inf, math.inf),
-        angle_range=(-math.pi, math.pi),
-        goal_threshold=0.1,
-        arrive_mode="position",
         static=True,
-        unobstructed=False,
         group=group,
         group_name=f"{OBSTACLE}_{group}",
         color=MAP_COLOR,
-        description=None,
-        fov=None,
-        fov_radius=None,
-        plot=defaults(ObjectPlot),
     )
     placement = PlacementSpec((number,), PLACEMENTS.entry("manual").kind(), None, "obstacle", line)
     return (*bodies, body), (*placements, placement)
