@@ -8,11 +8,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import shorten
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from irsim_gym.errors import IrsimGymError, suggestion
+
+if TYPE_CHECKING:
+    from irsim_gym.training.scenario_request import ScenarioRequest
 
 LINE = 100
 
@@ -153,6 +156,15 @@ def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )
     return given
+
+
+def scenario_request(
+    scenario: str, task: str | None, team: bool, settings: Sequence[str] | None, lenient: bool
+) -> ScenarioRequest:
+    """Return a scenario with its task, as options of a command ask for it."""
+    from irsim_gym.training.scenario_request import ScenarioRequest
+
+    return ScenarioRequest(scenario, task, team, read_parameters(settings), not lenient)
 
 
 def one_policy(policy: str | None, named: str | None) -> str | None:

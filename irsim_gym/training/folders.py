@@ -11,8 +11,9 @@ from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.jit.lock import sole
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.scenario.messages import show
-from irsim_gym.training.run import Run, Settings, scenario_name
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
 
 RESULTS = ("summary.json", "episodes.csv", "levels.csv", "table.txt")

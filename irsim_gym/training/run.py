@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym import __version__
-from irsim_gym.errors import IrsimGymError, UnreadableFileError
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.perception import Perception, perception_of
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.outside_files import checked, json_object, reading, remove
-from irsim_gym.scenario.ids import IDS
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
@@ -267,18 +267,6 @@ def run_of(policy: str | Path) -> Run:
     path = Path(policy)
     folder = path if path.is_dir() else path.parent
     return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
-
-
-def scenario_name(scenario: str) -> str:
-    """Return the shipped name or the path of a scenario, which may be given by an environment id.
-
-    Raises:
-        IrsimGymError: If the id stands for plain data, from which a run could not be resumed.
-    """
-    found = IDS.scenario(scenario)
-    if not isinstance(found, str | Path):
-        raise IrsimGymError(f"'{scenario}' is plain data: save it to a file and name the file")
-    return str(found)
 
 
 def environment_id(scenario: str) -> str:

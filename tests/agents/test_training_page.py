@@ -12,8 +12,7 @@ from command_line import run
 
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
-from irsim_gym.training.mixture import read_part
-from irsim_gym.training.mixture_file import read_mixture
+from irsim_gym.training.mixture import read_mixture, read_part
 from irsim_gym.training.training_request import TrainingRequest
 
 PAGE = Path(__file__).parents[2] / "docs" / "more_training.md"
@@ -40,7 +39,7 @@ TASKS, MIXTURES = ([block for block in blocks("yaml") if ("mixture:" in block) =
 def test_the_mixture_can_be_trained(block: str, tmp_path: Path) -> None:
     file = tmp_path / "walls_and_people.yaml"
     file.write_text(block)
-    settings = read_mixture(file).request(TrainingRequest(str(file))).settings()
+    settings = TrainingRequest(str(file)).with_mixture(read_mixture(file)).settings()
     assert [one.share for one in settings.mixture] == [1.0, 2.0]
 
 

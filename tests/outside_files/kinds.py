@@ -34,7 +34,7 @@ from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import PROGRESS, load_progress
 from irsim_gym.training.demonstrations import Demonstrations, save_demonstrations
 from irsim_gym.training.hyperparameter_files import read_hyperparameters
-from irsim_gym.training.mixture_file import read_mixture
+from irsim_gym.training.mixture import read_mixture
 from irsim_gym.training.results_files import read_results
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import read_curve
