@@ -12,7 +12,6 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.metrics import Rate, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
@@ -29,7 +28,7 @@ from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, team_conditions
-from irsim_gym.training.fitting import check_policies, observed_by, report_perceptions
+from irsim_gym.training.fitting import check_policies, fitting_references, observed_by, report_perceptions
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.run import machine
@@ -156,7 +155,11 @@ def prepare(
     worlds = Perceived(asked.episodes(max(1, n_worlds)))
     chosen, seeds = _named_policies(sources)
     if references:
-        chosen |= _references(chosen, worlds.episodes, team=asked.team)
+        names = [name for name in (TEAM_SHOWN if asked.team else ALWAYS_SHOWN) if name not in chosen]
+        if asked.team:
+            chosen |= fitting_references(names, worlds.episodes, sys.stderr)
+        else:
+            chosen |= {name: load_policy(name) for name in names}
     check_policies(chosen, worlds)
     report_perceptions(chosen, worlds)
     return chosen, seeds, worlds
@@ -205,20 +208,6 @@ def _named_policies(sources: Sources) -> tuple[dict[str, Policy], dict[str, list
     loaded = load_policies([source for several in methods.values() for source in several])
     chosen = dict(zip((name for several in names.values() for name in several), loaded, strict=True))
     return chosen, {method: several for method, several in names.items() if len(several) > 1}
-
-
-def _references(chosen: Mapping[str, Policy], episodes: Episodes, *, team: bool) -> dict[str, Policy]:
-    """Return the reference policies that are missing; for a team, say which ones cannot drive all robots."""
-    found = {}
-    for name in (name for name in (TEAM_SHOWN if team else ALWAYS_SHOWN) if name not in chosen):
-        policy = load_policy(name)
-        try:
-            if team and isinstance(policy, BehaviorPolicy):
-                policy.check(episodes)
-            found[name] = policy
-        except UnfitBehaviorError as problem:
-            print(f"without {name}: {problem}", file=sys.stderr)
-    return found
 
 
 def play(
