@@ -8,17 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
-from irsim_gym.scenario import body_checks
+from irsim_gym.scenario import body_checks, plot_spec
 from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, BodyEntry
 from irsim_gym.scenario.image_files import DEFAULT_CAR
-from irsim_gym.scenario.plot_spec import (
-    CAR_COLOR,
-    CYCLE,
-    MAP_COLOR,
-    MOVING_OBSTACLE_COLOR,
-    OBSTACLE_COLOR,
-    ROBOT_COLOR,
-)
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report
@@ -47,7 +39,7 @@ def make_bodies(entry: BodyEntry, index: int, first: int, group: int, report: Re
 def _named(pattern: BodySpec, entry: BodyEntry, i: int, number: int) -> BodySpec:
     name, color = name_of(entry, i, number)[1], entry.of("color", i)[1]
     if color == "cycle":
-        color = CYCLE[i % len(CYCLE)]
+        color = plot_spec.CYCLE[i % len(plot_spec.CYCLE)]
     elif color is None or color is BAD:
         image = pattern.description or _default_image(pattern)
         return replace(pattern, name=name, color=_default_color(pattern), description=image)
@@ -62,8 +54,8 @@ def name_of(entry: BodyEntry, i: int, number: int) -> tuple[Place, str]:
 
 def _default_color(body: BodySpec) -> str:
     if body.role == OBSTACLE:
-        return OBSTACLE_COLOR if body.static else MOVING_OBSTACLE_COLOR
-    return CAR_COLOR if _is_car(body) else ROBOT_COLOR
+        return plot_spec.OBSTACLE_COLOR if body.static else plot_spec.MOVING_OBSTACLE_COLOR
+    return plot_spec.CAR_COLOR if _is_car(body) else plot_spec.ROBOT_COLOR
 
 
 def _default_image(body: BodySpec) -> str | None:
@@ -171,7 +163,7 @@ def with_map(
         static=True,
         group=group,
         group_name=f"{OBSTACLE}_{group}",
-        color=MAP_COLOR,
+        color=plot_spec.MAP_COLOR,
     )
     placement = PlacementSpec((number,), PLACEMENTS.entry("manual").kind(), None, "obstacle", line)
     return (*bodies, body), (*placements, placement)
