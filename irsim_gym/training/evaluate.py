@@ -63,8 +63,10 @@ class Evaluation:
 
     @property
     def title(self) -> str:
-        """The scenario and the levels."""
-        return f"{self.scenario}: {self.level_set.count:,} {self.split} levels, {self.level_set}"
+        """The scenario, the number of robots in a team, and the levels."""
+        agents = self.summaries[0].agents if isinstance(self, TeamEvaluation) else 0
+        whose = "" if not agents else " 1 agent," if agents == 1 else f" {agents} agents,"
+        return f"{self.scenario}:{whose} {self.level_set.count:,} {self.split} levels, {self.level_set}"
 
     @property
     def tables(self) -> list[Table]:
@@ -75,7 +77,7 @@ class Evaluation:
     @property
     def solved(self) -> dict[str, list[bool]]:
         """Success in each level, for each policy; of a team, whether all robots arrived."""
-        return {name: [row.outcome == "success" for row in rows] for name, rows in self.rows.items()}
+        return {name: [row.is_success for row in rows] for name, rows in self.rows.items()}
 
     @property
     def worst(self) -> dict[str, dict[str, float]]:
@@ -86,14 +88,10 @@ class Evaluation:
         return worst_of_policies(self.solved, self.seeds)
 
     @property
-    def shares(self) -> list[Rate]:
-        """Success of each policy."""
-        return [summary.success for summary in self.summaries]
-
-    @property
     def legend(self) -> str:
         """What columns of the tables mean, one line each."""
-        return legend(self.tables, self.shares)
+        name = "cooperative_success" if isinstance(self, TeamEvaluation) else "success"
+        return legend(self.tables, [getattr(summary, name) for summary in self.summaries])
 
     def __str__(self) -> str:
         return "\n".join([*map(table_text, self.tables), self.legend + "\n"])
@@ -101,23 +99,6 @@ class Evaluation:
 
 class TeamEvaluation(Evaluation):
     """Results of several policies that each drove all robots."""
-
-    @property
-    def title(self) -> str:
-        """The scenario, the number of robots and the levels."""
-        agents = self.summaries[0].agents
-        whose = "1 agent" if agents == 1 else f"{agents} agents"
-        return f"{self.scenario}: {whose}, {self.level_set.count:,} {self.split} levels, {self.level_set}"
-
-    @property
-    def solved(self) -> dict[str, list[bool]]:
-        """Whether all robots arrived in each level, for each policy."""
-        return {name: [row.is_success for row in rows] for name, rows in self.rows.items()}
-
-    @property
-    def shares(self) -> list[Rate]:
-        """Success of each policy."""
-        return [summary.cooperative_success for summary in self.summaries]
 
 
 def evaluate_policies(

@@ -24,30 +24,31 @@ ALIKE = 0.05
 """Starts, ends and goals count as equal in all levels if they differ by less than this share of the world's size."""
 
 
-class TrajectoryRecorder(TrajectoryLog):
+class TrajectoryRecorder:
     """Records the trajectories of a policy, and the bodies of the levels. It implements `Watcher`.
 
     Args:
-        episodes: The worlds in which the policy plays.
+        ways: Log of the trajectories.
         density: Density map to which the obstacles of the levels are added; None for none.
 
     Attributes:
+        ways: Log of the trajectories.
         fixed: Static bodies and map of each level whose complete trajectories are kept.
         moving: Moving bodies of these levels at the end of their episodes.
     """
 
-    def __init__(self, episodes: Episodes, density: Density | None) -> None:
+    def __init__(self, ways: TrajectoryLog, density: Density | None) -> None:
         from irsim_gym.render import Renderer
 
-        super().__init__(episodes)
-        simulation, self._density = episodes.simulation, density
+        simulation = ways.episodes.simulation
+        self.ways, self._density = ways, density
         self._renderer = Renderer(simulation.scenario, simulation.model, simulation.state)
         self.fixed: dict[int, tuple[tuple[DrawnBody, ...], MapView | None]] = {}
         self.moving: dict[int, tuple[DrawnBody, ...]] = {}
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Record the starts of agents, and the obstacles."""
-        super().began(episodes, worlds, indices)
+        self.ways.began(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS:
                 scene = self._renderer.scene(world)
@@ -55,9 +56,13 @@ class TrajectoryRecorder(TrajectoryLog):
                 if self._density is not None:
                     self._density.add(scene.fixed, scene.map)
 
+    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
+        """Record the positions of agents."""
+        self.ways.stepped(episodes, worlds)
+
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Complete the trajectories of worlds that have ended, and record their moving bodies."""
-        super().ended(episodes, worlds, indices)
+        self.ways.ended(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS:
                 self.moving[index] = self._renderer.scene(world).moving
@@ -66,8 +71,8 @@ class TrajectoryRecorder(TrajectoryLog):
         """Return the levels whose complete trajectories are kept."""
         from irsim_gym.render.ways_levels import DrawnLevel
 
-        simulation, of_level = self.episodes.simulation, defaultdict[int, list[AgentTrajectory]](list)
-        for way in self.ways:
+        simulation, of_level = self.ways.episodes.simulation, defaultdict[int, list[AgentTrajectory]](list)
+        for way in self.ways.ways:
             of_level[way.level].append(way)
         step_time, agents = float(simulation.model.step_time[0]), simulation.agents.tolist()
         return [
@@ -100,7 +105,7 @@ class TrajectoryFigure:
 
     def follow(self, name: str) -> Watcher:
         """Return a watcher that records a policy. The first one also records the obstacles of the levels."""
-        recorder = TrajectoryRecorder(self._episodes, None if self._recorders else self._density)
+        recorder = TrajectoryRecorder(TrajectoryLog(self._episodes), None if self._recorders else self._density)
         self._recorders[name] = recorder
         return recorder
 
@@ -118,8 +123,8 @@ class TrajectoryFigure:
             WaysPanel(
                 name,
                 successes[name],
-                _drawn(sorted(kept.ways, key=lambda way: way.level)),
-                Counter(way.outcome for way in kept.ways),
+                _drawn(sorted(kept.ways.ways, key=lambda way: way.level)),
+                Counter(way.outcome for way in kept.ways.ways),
                 worth_showing(kept.levels(), SHOWN_LEVELS) if self._differs(kept) else (),
             )
             for name, kept in self._recorders.items()
