@@ -94,9 +94,7 @@ def check_fit(
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
         merged.outside.append((scenario.source.title, shown))
-    return {
-        key: _with_substitutes(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")
-    }
+    return _with_substitutes(terms["observations"], bodies, merged.report)
 
 
 def _with_substitutes(
