@@ -15,12 +15,39 @@ from irsim_gym.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Point, 
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
-from irsim_gym.tasks.terms import Model, Simulation, State, Struct, kernel, row_of
+from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
+from irsim_gym.tasks.terms import Model, Simulation, State, Struct, Term, kernel, kind, option, row_of
 
 CORNER = 1.42
 """Upper bound of the ratio of the distances of a square's corner and side from its centre."""
 LINE = 1.5
 """Thickness of shapes without thickness, such as walls [pixel]."""
+
+
+@kind
+class SquareImage:
+    """What square images around an agent have in common."""
+
+    pixels: int = option(
+        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
+    )
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
+    rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
+    goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
+
+    @property
+    def needs_goal(self) -> bool:
+        """Whether it needs a goal: if it shows one."""
+        return self.goal_channel
+
+    @property
+    def view(self) -> str:
+        """Description of the image's area and orientation."""
+        return around(self.metres, self.pixels, self.rotated)
+
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the columns of pixels from right to left; a reason if the axes of the world point up and right."""
+        return sectors_exchanged(self.pixels) if self.rotated else IN_WORLD
 
 
 class View(NamedTuple):
