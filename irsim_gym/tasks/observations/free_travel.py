@@ -144,11 +144,8 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
     column = term.column
     for w in worlds:
         for a in range(ways.members.shape[0]):
-            row, far, radius = (
-                episode.observation[w, a, column : column + ways.ahead_x.shape[0]],
-                ways.far[a],
-                ways.radius[a],
-            )
+            row = episode.observation[w, a, column : column + ways.ahead_x.shape[0]]
+            far, radius = ways.far[a], ways.radius[a]
             row[:] = far
             scan = ways.ranges[w, ways.members[a]]
             # A point that limits a way of at most ``far`` is within ``far`` + radius of the body, and within that plus

@@ -222,12 +222,8 @@ def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Neares
     Reads: nearest (body, distance, way_x, way_y).
     Writes: nearest (body, distance, way_x, way_y).
     """
-    distance, way_x, way_y, bodies = (
-        nearest.distance[slot],
-        nearest.way_x[slot],
-        nearest.way_y[slot],
-        nearest.body[slot],
-    )
+    distance, way_x = nearest.distance[slot], nearest.way_x[slot]
+    way_y, bodies = nearest.way_y[slot], nearest.body[slot]
     k = distance.shape[0] - 1
     if gap >= distance[k]:
         return

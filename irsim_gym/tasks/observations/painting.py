@@ -143,12 +143,8 @@ def add_side(canvas: Canvas, a: Point, b: Point) -> None:
 def add_wall(canvas: Canvas, a: Point, b: Point) -> None:
     """Add a line from a to b [m] to a sheet, with thickness ``LINE`` and slightly extended ends."""
     sheet, box, view = canvas
-    px, py, qx, qy = (
-        image_column(view, a[0], a[1]),
-        image_row(view, a[0], a[1]),
-        image_column(view, b[0], b[1]),
-        image_row(view, b[0], b[1]),
-    )
+    px, py = image_column(view, a[0], a[1]), image_row(view, a[0], a[1])
+    qx, qy = image_column(view, b[0], b[1]), image_row(view, b[0], b[1])
     dx, dy = qx - px, qy - py
     length = np.sqrt(dx * dx + dy * dy)
     if length > 0.0:
@@ -202,18 +198,10 @@ def add_rectangle(canvas: Canvas, lower_left: Point, upper_right: Point) -> None
     half_x, half_y = 0.5 * (right - left), 0.5 * (high - low)
     if not is_near(canvas, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
         return
-    ax, ay, bx, by = (
-        image_column(view, left, low),
-        image_row(view, left, low),
-        image_column(view, right, low),
-        image_row(view, right, low),
-    )
-    cx, cy, dx, dy = (
-        image_column(view, right, high),
-        image_row(view, right, high),
-        image_column(view, left, high),
-        image_row(view, left, high),
-    )
+    ax, ay = image_column(view, left, low), image_row(view, left, low)
+    bx, by = image_column(view, right, low), image_row(view, right, low)
+    cx, cy = image_column(view, right, high), image_row(view, right, high)
+    dx, dy = image_column(view, left, high), image_row(view, left, high)
     # One note for all four sides, in place of one for each as ``add_edge`` makes.
     note(sheet, box, min(ax, bx, cx, dx), min(ay, by, cy, dy), max(ax, bx, cx, dx), max(ay, by, cy, dy))
     scan_edge(sheet, box, bx, by, ax, ay)

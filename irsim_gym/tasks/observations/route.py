@@ -123,10 +123,8 @@ def find_ways(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            obstacles, radius = (
-                Obstacles(model, state, w, blocks, cells, None),
-                model.reach[row_of(model.reach, w), own],
-            )
+            obstacles = Obstacles(model, state, w, blocks, cells, None)
+            radius = model.reach[row_of(model.reach, w), own]
             search_ways(obstacles, radius, (goal_x, goal_y), ways.grid, Search(blocked, field, queue))
             known = field.reshape(-1)
             for k in range(known.shape[0]):
