@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import irsim_gym as ig
+from irsim_gym.envs.moment import BodyMoment
 from irsim_gym.errors import ScenarioError, UnknownNameError
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
@@ -26,7 +27,7 @@ def square(x: float, y: float, **more: Any) -> dict[str, Any]:
 
 def test_a_report_has_ir_sims_keys() -> None:
     sensor = {"number": 3, "angle_range": 1.0, "range_min": 0.5, "range_max": 4.1, "scan_time": 0.2}
-    report = simulation([sensor], [square(5, 5)]).scan_report(0, 0)
+    report = BodyMoment(simulation([sensor], [square(5, 5)]), 0).scan()
     angles = ["angle_min", "angle_max", "angle_increment"]
     band = ["time_increment", "scan_time", "range_min", "range_max"]
     assert list(report) == [*angles, *band, "ranges", "intensities", "velocity", "valid"]
@@ -65,15 +66,15 @@ def test_a_colour_has_a_name() -> None:
 
 
 def test_a_single_beam_has_no_increment() -> None:
-    report = simulation([{"number": 1}], []).scan_report(0, 0)
+    report = BodyMoment(simulation([{"number": 1}], []), 0).scan()
     assert (report["angle_min"], report["angle_max"], report["angle_increment"]) == (0.0, 0.0, 0.0)
 
 
 def test_what_is_too_near_blocks_and_is_not_valid() -> None:
     sim = simulation([{"number": 1, "range_min": 3.3}], [square(5, 5)])
-    report = sim.scan_report(0, 0)
+    report = BodyMoment(sim, 0, 0).scan()
     assert (report["ranges"].tolist(), report["valid"].tolist()) == ([3.3], [False])
-    assert sim.points(0, 0) is None
+    assert BodyMoment(sim, 0, 0).scan_points() is None
 
 
 def test_points_are_in_the_frame_of_the_sensor() -> None:
@@ -85,8 +86,8 @@ def test_points_are_in_the_frame_of_the_sensor() -> None:
 
 def test_points_near_the_end_of_the_range_are_left_out() -> None:
     sim = simulation([{"number": 1, "range_max": 2.51}], [square(5, 5)])
-    assert sim.scan_report(0, 0)["valid"].tolist() == [True]
-    assert sim.points(0, 0) is None
+    assert BodyMoment(sim, 0, 0).scan()["valid"].tolist() == [True]
+    assert BodyMoment(sim, 0, 0).scan_points() is None
 
 
 def test_reports_are_copies() -> None:
@@ -143,7 +144,7 @@ def test_velocities_of_what_is_hit() -> None:
 def test_radial_velocities_of_invalid_beams_are_zero() -> None:
     sim = simulation([{"name": "fmcw_lidar2d", "number": 1, "range_min": 3}], [square(5, 5)])
     sim.step([0.4, 0])
-    report = sim.scan_report(0, 0)
+    report = BodyMoment(sim, 0, 0).scan()
     assert (report["valid"].tolist(), report["radial_velocity"].tolist()) == ([False], [0.0])
 
 
@@ -165,5 +166,5 @@ def test_what_is_hit_below_range_min_is_the_nearest(noise: dict[str, Any], wall:
     group, member = sim.scan(0)
     hit = group.arrays["hit"][0, member, 0]
     assert hit == (1 if name == "obstacle_1" else sim.model.map_frame[0].body)
-    report = sim.scan_report(0, 0)
+    report = BodyMoment(sim, 0, 0).scan()
     assert (report["ranges"].tolist(), report["valid"].tolist()) == ([1.0], [False])
