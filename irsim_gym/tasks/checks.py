@@ -74,8 +74,8 @@ def _first_names(names: Sequence[str], most: int = 10) -> str:
 
 def check_fit(
     scenario: Scenario, agents: Sequence[int], task: str, terms: Terms, merged: Merged
-) -> dict[str, list[tuple[Place, Any]]]:
-    """Report what the learners lack, and return the lists of observations, with substitutes for missing sensors."""
+) -> list[tuple[Place, Any]]:
+    """Report what the learners lack, and return the observations, with substitutes for missing sensors."""
     bodies = [scenario.bodies[b] for b in agents]
     problems = [
         Problem(body.line, body.name, message)
