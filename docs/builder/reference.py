@@ -52,7 +52,7 @@ SECTIONS = {
                 f"irsim_gym.envs.description.{name}"
                 for name in ("Description", "Block", "Part", "Action", "Component", "Reward", "Ending", "Info")
             ),
-            *(f"irsim_gym.envs.moment.{name}" for name in ("WorldMoment", "Bodies", "BodyMoment", "RobotMoments")),
+            *(f"irsim_gym.envs.moment.{name}" for name in ("WorldMoment", "Bodies", "BodyMoment")),
             "irsim_gym.world.body_readings.BodyReadings",
         ),
     ),

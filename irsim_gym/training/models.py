@@ -16,11 +16,10 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.envs.sb3_critic_parts import has_critic_parts
 from irsim_gym.envs.sb3_mirror import checked_mirror
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.outside_files import reading
-from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, MirrorCallback, buffers_for
+from irsim_gym.sb3 import LearnabilityCallback, MirrorCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training import checkpoint_files as stored
 from irsim_gym.training.algorithms import find_algorithm
@@ -84,8 +83,6 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     env = build_environment(settings)
     suffix = find_algorithm(settings.algorithm).policy_suffix
     policy: Any = f"{network_kind(env.observation_space)}{suffix}Policy"
-    if has_critic_parts(env.observation_space) and not suffix:
-        policy = AsymmetricPolicy
     if network_kind(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = dict_policy_arguments(arguments["policy_kwargs"])
     if settings.is_team:

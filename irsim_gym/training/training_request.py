@@ -139,9 +139,6 @@ class TrainingRequest:
         loaded = load_scenario(named, self.parameters, strict=self.strict, warn=False)
         learned = load_task(loaded, self.task)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
-        chosen.check_critic(learned.critic_observations)
-        if self.engine is not None and learned.critic_observations:
-            raise IrsimGymError("--engine rllib has no critic_observations: take a task without them, or leave it out")
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
             "task": self.task_name,

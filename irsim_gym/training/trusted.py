@@ -27,7 +27,6 @@ HARMLESS: dict[str, frozenset[str]] = {
         "gymnasium.spaces.discrete": "Discrete",
         "gymnasium.spaces.multi_binary": "MultiBinary",
         "gymnasium.spaces.multi_discrete": "MultiDiscrete",
-        "irsim_gym.envs.sb3_asymmetric": "AsymmetricPolicy",
         "irsim_gym.envs.sb3_buffers": "MaskedReplayBuffer MaskedDictReplayBuffer MaskedRolloutBuffer "
         "MaskedDictRolloutBuffer",
         "irsim_gym.envs.sb3_gru": "SequenceBuffer DictSequenceBuffer",
