@@ -9,7 +9,6 @@ from typing import Any
 
 from rich.console import Console
 
-from irsim_gym import __version__
 from irsim_gym.arenas.archive import PAGE, TABLE, Archive, holds_arena
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.entrants import Entrant, load_entrants, place_of
@@ -30,9 +29,10 @@ from irsim_gym.training.episode_setup import conditions, make_episodes, team_con
 from irsim_gym.training.evaluate import WORLDS, play_policies
 from irsim_gym.training.fitting import check_policies, report_perceptions
 from irsim_gym.training.folders import has_results
+from irsim_gym.training.machine import machine
 from irsim_gym.training.policies import Source, policy_names
-from irsim_gym.training.run import machine
 from irsim_gym.training.snapshot import snapshot_of
+from irsim_gym.version import __version__
 
 REPLAYS = 200
 
