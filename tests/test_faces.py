@@ -1,4 +1,4 @@
-"""Each public name has one path, in a module with ``__all__``; pages, agents, benchmarks and lessons import no others."""
+"""A public name has one path, in a module with ``__all__``; pages, agents, benchmarks and lessons import no others."""
 
 from __future__ import annotations
 
