@@ -82,11 +82,12 @@ def painters(n_before: int) -> Iterator[dict[str, Painter]]:
 def _renderer(n_before: int) -> tuple[Any, Any, Callable[[], None]]:
     """Return a simulation, its renderer, and how both go to the beginning of a run."""
     import irsim_gym as ig
+    from irsim_gym.render import Renderer
 
     scenario = ig.load_scenario(drawn_world())
     simulation = ig.compile(scenario)
     state = simulation.state
-    renderer = ig.Renderer(scenario, simulation.model, state, simulation.sensors)
+    renderer = Renderer(scenario, simulation.model, state, simulation.sensors)
 
     def begin() -> None:
         simulation.reset(0)

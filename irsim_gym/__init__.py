@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from irsim_gym.live.world import World, load
     from irsim_gym.plugins import action, behavior, drive, ending, group_behavior, observation, placement, reward
     from irsim_gym.plugins import sensor as sensor
-    from irsim_gym.render.renderer import Renderer
     from irsim_gym.scenario import load_scenario
     from irsim_gym.training.comparison import evaluate
     from irsim_gym.training.demonstrations import load_demonstrations
@@ -63,7 +62,6 @@ _HOMES = {
     "irsim_gym.live.plan_ways": "plan",
     "irsim_gym.live.world": "World load",
     "irsim_gym.plugins": "action behavior drive ending group_behavior observation placement reward sensor",
-    "irsim_gym.render.renderer": "Renderer",
     "irsim_gym.scenario": "load_scenario",
     "irsim_gym.training.comparison": "evaluate",
     "irsim_gym.training.demonstrations": "load_demonstrations",
@@ -74,7 +72,7 @@ _HOMES = {
 _LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}
 _FACES = ("evaluation", "irsim", "levels", "live", "plugins", "rllib", "sb3", "suite", "tasks", "training")
 
-__all__ = ["Batch", "BatchStep", "Body", "RecordReplay", "Renderer", "Simulation", "TorchRows", "World", "WorldEnv"]
+__all__ = ["Batch", "BatchStep", "Body", "RecordReplay", "Simulation", "TorchRows", "World", "WorldEnv"]
 __all__ += ["WorldParallelEnv", "WorldVectorEnv", "__version__", "action", "arena", "behavior", "compile", "drive"]
 __all__ += ["ending", "errors", "evaluate", "group_behavior", "irsim", "load", "load_demonstrations", "load_policy"]
 __all__ += ["load_scenario", "make", "make_batch", "make_vec", "observation", "parallel_env", "placement", "plan"]

@@ -105,7 +105,7 @@ HEAVY = {
     "scipy",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "levels", "live", "controls", "training", "arenas", "cli", "__init__"}
+RENDER_FROM = {"envs", "levels", "live", "controls", "training", "arenas", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60

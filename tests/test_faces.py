@@ -27,7 +27,10 @@ FACES = (
 """Modules that users import, and ``rllib``, which needs Ray."""
 COMMANDS = {"irsim_gym.cli": {"main"}}
 """What starts the command line."""
-MEASURED = {"benchmarks/phases.py": "the phases of a step, each timed on its own"}
+MEASURED = {
+    "benchmarks/drawing.py": "frames, drawn without an environment",
+    "benchmarks/phases.py": "the phases of a step, each timed on its own",
+}
 """Benchmarks of inner parts, and what they measure."""
 
 
