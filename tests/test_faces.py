@@ -142,7 +142,7 @@ def test_pickles_of_learners_name_the_face() -> None:
 
 def test_faces_are_loaded_when_they_are_used() -> None:
     script = (
-        "import sys, irsim_gym.evaluation, irsim_gym.envs, irsim_gym.training, irsim_gym.levels, irsim_gym.suite\n"
+        "import sys, irsim_gym.evaluation, irsim_gym.envs, irsim_gym.training\n"
         "assert 'numba' not in sys.modules\n"
         "assert not hasattr(irsim_gym.envs, '__wrapped__')\n"
         "print(irsim_gym.evaluation.EpisodeRow.__name__, 'numba' in sys.modules)"
