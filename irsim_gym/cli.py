@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -309,25 +309,22 @@ def warmup(
     warm_up([ScenarioRequest(name, task, parameters=given, strict=not lenient) for name, given in worlds])
 
 
-def run(command: Callable[..., object]) -> None:
-    """Run one command as a script."""
-    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    single.command()(command)
-    _guarded(single)
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line. Errors of irsim_gym print a message without a traceback.
 
-
-def main() -> None:
-    """Run the command line. Errors of irsim_gym print a message without a traceback."""
+    Args:
+        arguments: The command and its arguments; None for those of the process.
+    """
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
-    _guarded(app)
+    _guarded(arguments)
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from irsim_gym import __version__
+        from irsim_gym.version import __version__
 
         print(f"irsim_gym {__version__}")
         raise typer.Exit
@@ -342,9 +339,9 @@ def _general(
     """Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them."""
 
 
-def _guarded(command: typer.Typer) -> None:
+def _guarded(arguments: Sequence[str] | None) -> None:
     try:
-        command()
+        app(arguments)
     except IrsimGymError as error:
         print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         sys.exit(128 + error.signal if hasattr(error, "signal") else 1)

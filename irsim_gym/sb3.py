@@ -11,7 +11,7 @@ from irsim_gym.envs.sb3_buffers import (
     MaskedReplayBuffer,
     MaskedRolloutBuffer,
 )
-from irsim_gym.envs.sb3_gru import GruPPO
+from irsim_gym.envs.sb3_gru import DictSequenceBuffer, GruPPO, SequenceBuffer
 from irsim_gym.envs.sb3_learnability import LearnabilityCallback
 from irsim_gym.envs.sb3_log import LogCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
@@ -25,3 +25,7 @@ __all__ = ["GruPPO", "GruPolicy", "LearnabilityCallback", "LogCallback"]
 __all__ += ["MaskedA2C", "MaskedDictReplayBuffer", "MaskedDictRolloutBuffer", "MaskedPPO", "MaskedReplayBuffer"]
 __all__ += ["MaskedRolloutBuffer", "MaskedVecNormalize", "MirrorCallback", "MixtureVecEnv", "TeamVecEnv"]
 __all__ += ["WorldVecEnv", "buffers_for", "make_multi_agent_vec_env", "make_vec_env"]
+
+for _pickled in (*map(globals().get, __all__), SequenceBuffer, DictSequenceBuffer):
+    if isinstance(_pickled, type):
+        _pickled.__module__ = __name__  # a policy.zip names this module, wherever the class is

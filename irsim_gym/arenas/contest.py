@@ -9,7 +9,6 @@ from typing import Any
 
 from rich.console import Console
 
-from irsim_gym import __version__
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.page_data import page_data
 from irsim_gym.arenas.page_file import write_page
@@ -26,6 +25,7 @@ from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import Source, policy_digest
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.snapshot import snapshot_of
+from irsim_gym.version import __version__
 
 REPLAYS = 200
 PAGE = "arena.html"

@@ -33,7 +33,7 @@ def evaluate(
     """Play the same levels with each policy, and return success rates, times and path lengths; print it for tables.
 
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, ``"random"``, the name
-    of a shipped policy or of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, which may
+    of a shipped policy or of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.Policy``, which may
     have a memory. A function gets the observations of the environment, stacked for n robots (float32
     ``(n, n_features)``, or a dict of such arrays), and returns actions as ``env.step`` takes them, ``(n, action_dim)``
     or ``(n,)``. A policy of a run and a shipped policy observe and act as in their training. Rewards and the ends of

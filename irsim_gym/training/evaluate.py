@@ -29,9 +29,9 @@ from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, team_conditions
 from irsim_gym.training.fitting import check_policies, fitting_references, observed_by, report_perceptions
+from irsim_gym.training.machine import machine
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
-from irsim_gym.training.run import machine
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.trajectory_figures import TrajectoryFigure
 

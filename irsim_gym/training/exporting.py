@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from irsim_gym import __version__
 from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.metrics import Summary
 from irsim_gym.evaluation.reference_policies import policy_kinds
@@ -30,6 +29,7 @@ from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import CONFIG_KIND, Settings, run_of
 from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
+from irsim_gym.version import __version__
 
 MEASURED = "played by the exported policy"
 """Source of results that the export measures itself."""

@@ -25,6 +25,8 @@ class Linear:
     The last rollout may exceed the end of the run. The remaining share is then negative, so the value is clipped.
     """
 
+    __module__ = "irsim_gym.training"  # as pickles name it, wherever the class is
+
     start: float
 
     def __call__(self, remaining: float) -> float:
