@@ -12,6 +12,9 @@ from typing import Any
 
 from numba.core import compiler
 
+from irsim_gym.jit.lowering import KernelLowering
+from irsim_gym.jit.resolution import Typing
+
 PACKAGE = str(Path(__file__).parents[1])
 NEEDLESS = {
     "WithLifting",
@@ -35,7 +38,10 @@ def pipelines(state: Any) -> list[Any]:
     """Return the passes for a function, in the form that Numba's compilers give; none is made twice."""
     manager: Any = compiler.DefaultPassBuilder.define_nopython_pipeline(state)  # type: ignore[no-untyped-call]
     if not state.flags.nrt and state.func_id.filename.startswith(PACKAGE):
-        passes = {one: why for one, why in manager.passes if one.__name__ not in NEEDLESS}
+        is_bare = not state.flags.debuginfo and not state.flags.boundscheck
+        lowering = {"NativeLowering": KernelLowering} if is_bare else {}
+        passes = {lowering.get(one.__name__, one): why for one, why in manager.passes if one.__name__ not in NEEDLESS}
+        state.typingctx = Typing(state.typingctx)
         manager.passes[:] = passes.items()
         manager.finalize()
     return [manager]
