@@ -8,9 +8,10 @@ after LLVM's passes is the same.
 
 from __future__ import annotations
 
+import operator
 from collections import Counter
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from llvmlite import ir
 from numba.core import analysis, cgutils, lowering, typed_passes, types
@@ -46,12 +47,62 @@ class Parts:
         return whole
 
 
+class Steps(NamedTuple):
+    """A range whose step is 1."""
+
+    kind: Any
+    start: Any
+    stop: Any
+
+    def whole(self, context: Any, build: Any) -> Any:
+        """Return the range in Numba's form."""
+        return _whole(context, build, self.kind, [self.start, self.stop, self.start.type(1)])
+
+
+class Walk(NamedTuple):
+    """What goes through such a range: where the next number is, and how many are left."""
+
+    kind: Any
+    number: Any
+    stop: Any
+    left: Any
+
+    def whole(self, context: Any, build: Any) -> Any:
+        """Return the iterator in Numba's form."""
+        return _whole(context, build, self.kind, [self.number, self.stop, self.stop.type(1), self.left])
+
+
+class Step(NamedTuple):
+    """A number of such a range, and whether it belongs to it."""
+
+    kind: Any
+    number: Any
+    is_valid: Any
+
+    def whole(self, context: Any, build: Any) -> Any:
+        """Return the pair in Numba's form."""
+        return _whole(context, build, self.kind, [self.number, self.is_valid])
+
+
+def _whole(context: Any, build: Any, kind: Any, parts: Sequence[Any]) -> Any:
+    whole = ir.Constant(context.get_value_type(kind), ir.Undefined)
+    for k, part in enumerate(parts):
+        whole = build.insert_value(whole, part, k)
+    return whole
+
+
+APART = Parts, Steps, Walk, Step
+BOOL = "Function(<class 'bool'>)"
+POWERS = operator.pow, operator.ipow
+LOOP = "getiter", "iternext", "pair_first", "pair_second"
+
+
 class KernelLower(Lower):  # type: ignore[misc]
     """Numba's lowering for a kernel without reference counts, bounds checks and debug information."""
 
     def _find_singly_assigned_variable(self) -> None:
         """Find the variables with one assignment that comes before all uses, wherever these are."""
-        self._parts: dict[str, Parts] = {}
+        self._parts: dict[str, Any] = {}
         self._blk_local_varmap: dict[str, Any] = {}
         made = Counter(one.target.name for block in self.blocks.values() for one in block.find_insts(numba_ir.Assign))
         uses = analysis.compute_use_defs(self.blocks)  # type: ignore[no-untyped-call]
@@ -72,10 +123,11 @@ class KernelLower(Lower):  # type: ignore[misc]
     def storevar(self, value: Any, name: str, argidx: Any = None) -> None:
         """Give a variable its value."""
         if name in self._singly_assigned_vars:
-            (self._parts if isinstance(value, Parts) else self._blk_local_varmap)[name] = value
+            (self._parts if isinstance(value, APART) else self._blk_local_varmap)[name] = value
             return
         self._alloca_var(name, self.typeof(name))
-        self.builder.store(value.whole(self.context, self.builder) if isinstance(value, Parts) else value, self.getvar(name))
+        whole = value.whole(self.context, self.builder) if isinstance(value, APART) else value
+        self.builder.store(whole, self.getvar(name))
 
     def delvar(self, name: str) -> None:
         """Do nothing: nothing is counted."""
@@ -94,9 +146,57 @@ class KernelLower(Lower):  # type: ignore[misc]
             if hasattr(kind, "part") and kind.fields[expr.attr] == resty:
                 block = self.loadvar(expr.value.name)
                 return Parts(resty, lambda *place: kind.part(self.context, self.builder, block, expr.attr, *place))
+        if expr.op == "getattr" and expr.attr == "shape" and isinstance(self.typeof(expr.value.name), types.Array):
+            array = self._array(expr.value)
+            return _whole(self.context, self.builder, resty, [array.part(SHAPE, k) for k in range(array.kind.ndim)])
         if expr.op == "static_getitem" and isinstance(self.typeof(expr.value.name), types.Array) and expr.index_var:
             return self.lower_getitem(resty, expr, expr.value, expr.index_var, self.fndesc.calltypes[expr])
+        apart = self._parts.get(expr.value.name) if expr.op in LOOP else None
+        if isinstance(apart, Steps):
+            return self._walk(resty, apart)
+        if isinstance(apart, Walk):
+            return self._step(resty, apart)
+        if isinstance(apart, Step):
+            return apart.number if expr.op == "pair_first" else apart.is_valid
         return super().lower_expr(resty, expr)
+
+    def _lower_call_normal(self, fnty: Any, expr: Any, signature: Any) -> Any:
+        """Return what a call does; a range is kept apart."""
+        if fnty.name == BOOL and signature.args == (types.boolean,):
+            return self.loadvar(expr.args[0].name)
+        if not isinstance(signature.return_type, types.RangeType) or len(signature.args) > 2:
+            return super()._lower_call_normal(fnty, expr, signature)
+        *start, stop = self.fold_call_args(fnty, signature, expr.args, expr.vararg, expr.kws)
+        return Steps(signature.return_type, start[0] if start else stop.type(0), stop)
+
+    def _walk(self, kind: Any, steps: Steps) -> Walk:
+        """Begin to go through a range."""
+        build, zero = self.builder, steps.stop.type(0)
+        number, left = (pointers.alloca_once(build, steps.stop.type) for _ in range(2))
+        length = build.sub(steps.stop, steps.start)
+        build.store(steps.start, number)
+        build.store(build.select(build.icmp_signed(">", length, zero), length, zero), left)
+        return Walk(kind, number, steps.stop, left)
+
+    def _step(self, kind: Any, walk: Walk) -> Step:
+        """Take the next number."""
+        build, left, number = self.builder, self.builder.load(walk.left), self.builder.load(walk.number)
+        build.store(build.sub(left, left.type(1), flags=["nsw"]), walk.left)
+        build.store(build.add(number, left.type(1)), walk.number)
+        return Step(kind, number, build.icmp_signed(">", left, left.type(0)))
+
+    def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
+        """Return the value of an operation; that of two numbers, other than a power, is what it was resolved to."""
+        signature, build = self.fndesc.calltypes[expr], self.builder
+        if op in POWERS or not all(isinstance(one, types.Number | types.Boolean) for one in signature.args):
+            return super().lower_binop(resty, expr, op)
+        function = self.context.typing_context.resolve_value_type(op)
+        values = [
+            self.context.cast(build, self.loadvar(one.name), self.typeof(one.name), wanted)
+            for one, wanted in zip((expr.lhs, expr.rhs), signature.args, strict=True)
+        ]
+        result = self.context.get_function(function, signature)(build, values)
+        return self.context.cast(build, result, signature.return_type, resty)
 
     def lower_getitem(self, resty: Any, expr: Any, value: Any, index: Any, signature: Any) -> Any:
         """Return an element of an array, or a row."""
@@ -129,6 +229,13 @@ class KernelLower(Lower):  # type: ignore[misc]
         value = self.context.cast(self.builder, value, signature.args[2], array.kind.dtype)
         return items.store_item(self.context, self.builder, array.kind, value, address)
 
+    def _array(self, array: Any) -> Parts:
+        """Return the parts of an array."""
+        if array.name in self._parts:
+            return self._parts[array.name]  # type: ignore[no-any-return]
+        whole = self.loadvar(array.name)
+        return Parts(self.typeof(array.name), lambda *place: self.builder.extract_value(whole, place))
+
     def _place(self, array: Any, index: Any) -> tuple[Parts, Any, int] | None:
         """Return an array, the address of its element or row, and for how many axes it is given; None for slices."""
         kind, given, build = self.typeof(array.name), self.typeof(index.name), self.builder
@@ -137,8 +244,7 @@ class KernelLower(Lower):  # type: ignore[misc]
             return None
         if not kinds or not all(isinstance(one, types.Integer) for one in kinds):
             return None
-        whole = None if array.name in self._parts else self.loadvar(array.name)
-        parts = self._parts.get(array.name) or Parts(kind, lambda *place: build.extract_value(whole, place))
+        parts = self._array(array)
         numbers = self.loadvar(index.name)
         numbers = [build.extract_value(numbers, k) for k in range(len(kinds))] if kinds[0] is not given else [numbers]
         shape = [parts.part(SHAPE, axis) for axis in range(kind.ndim)]

@@ -42,6 +42,10 @@ def pipelines(state: Any) -> list[Any]:
         lowering = {"NativeLowering": KernelLowering} if is_bare else {}
         passes = {lowering.get(one.__name__, one): why for one, why in manager.passes if one.__name__ not in NEEDLESS}
         state.typingctx = Typing(state.typingctx)
+        if is_bare:
+            # It writes where variables end, for counting references; what each pass leaves is in order as it is.
+            passes = {one: why for one, why in passes.items() if one.__name__ != "IRLegalization"}
+            manager._ENFORCING = False
         manager.passes[:] = passes.items()
         manager.finalize()
     return [manager]
