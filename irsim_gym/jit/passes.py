@@ -38,7 +38,7 @@ def pipelines(state: Any) -> list[Any]:
     """Return the passes for a function, in the form that Numba's compilers give; none is made twice."""
     manager: Any = compiler.DefaultPassBuilder.define_nopython_pipeline(state)  # type: ignore[no-untyped-call]
     if not state.flags.nrt and state.func_id.filename.startswith(PACKAGE):
-        is_bare = not state.flags.debuginfo and not state.flags.boundscheck
+        is_bare = not state.flags.debuginfo and not state.targetctx.enable_boundscheck
         lowering = {"NativeLowering": KernelLowering} if is_bare else {}
         passes = {lowering.get(one.__name__, one): why for one, why in manager.passes if one.__name__ not in NEEDLESS}
         state.typingctx = Typing(state.typingctx)
