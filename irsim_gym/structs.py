@@ -82,7 +82,7 @@ class StructType(types.Type):
         super().__init__(name=f"{name}_{digest}")
 
     def word(self, build: Any, block: Any, name: str, k: int, wanted: Any) -> Any:
-        """Load a word of a field. Nobody writes into a block while a kernel runs, so LLVM may move loads out of loops."""
+        """Load a word of a field. Nobody writes into a block while a kernel runs: loads may move out of loops."""
         if k < 2 and isinstance(self.fields[name], types.Array):
             return ir.Constant(wanted, None)  # owner and parent: there are none
         is_narrow = isinstance(wanted, ir.IntType)

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from irsim_gym.arraytypes import Array, Floats, Ints
-from irsim_gym.jit import kernel
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.jit import cache, kernel, passes
 from irsim_gym.structs import Struct, record_type
 
 ROWS = record_type("x", lanes=3, count=np.int32)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _as_in_the_package() -> Iterator[None]:
+    """Compile the kernels of this file as those of the package, and keep nothing of that on disk."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(passes, "PACKAGE", str(Path(__file__).parent))
+        patch.setattr(cache, "files_of", lambda *_: None)
+        yield
 
 
 class Pair(NamedTuple):
@@ -28,11 +39,11 @@ class Store(Struct):
 
     cube: Floats
     flat: Floats
-    bytes: Array
+    bytes: Any
 
 
 @kernel
-def elements(store: Store, pair: Pair, rows: Array, across: Floats, k: int, out: Floats) -> None:
+def elements(store: Store, pair: Pair, rows: Any, across: Floats, k: int, out: Floats) -> None:
     """Read and write elements and rows: indices from the end, transposed and narrow arrays, rows of records."""
     cube = store.cube
     row = cube[k, -1]

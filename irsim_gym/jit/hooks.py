@@ -21,6 +21,10 @@ KNOWN = "0.62 to 0.68"
 """The releases of Numba that are tested; ``pyproject.toml`` allows these alone."""
 SWITCH = "IRSIM_GYM_PLAIN_NUMBA"
 """The environment variable that turns all hooks off."""
+LOWERED = (
+    "_alloca_var _find_singly_assigned_variable _lower_call_normal delvar fold_call_args getvar loadvar lower_assign "
+    "lower_binop lower_expr lower_getitem lower_setitem storevar"
+)
 NAMES = {
     "llvmlite.binding": ("parse_assembly", "parse_bitcode", "object_file.ObjectFileRef.from_data"),
     "numba.core.analysis": ("compute_cfg_from_blocks", "compute_use_defs"),
@@ -45,21 +49,7 @@ NAMES = {
     ),
     "numba.core.compiler_lock": ("global_compiler_lock",),
     "numba.core.compiler_machinery": ("PassManager._ENFORCING", "register_pass"),
-    "numba.core.lowering": (
-        "Lower._alloca_var",
-        "Lower._find_singly_assigned_variable",
-        "Lower._lower_call_normal",
-        "Lower.delvar",
-        "Lower.fold_call_args",
-        "Lower.getvar",
-        "Lower.loadvar",
-        "Lower.lower_assign",
-        "Lower.lower_binop",
-        "Lower.lower_expr",
-        "Lower.lower_getitem",
-        "Lower.lower_setitem",
-        "Lower.storevar",
-    ),
+    "numba.core.lowering": tuple(f"Lower.{name}" for name in LOWERED.split()),
     "numba.core.options": ("DefaultOptions._nrt", "DefaultOptions.forceinline"),
     "numba.core.registry": ("cpu_target",),
     "numba.core.runtime.nrt": ("rtsys.initialize",),

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import operator
 from collections import Counter
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any
 
 from llvmlite import ir
 from numba.core import analysis, cgutils, lowering, typed_passes, types
@@ -28,7 +28,7 @@ NITEMS, DATA, SHAPE, STRIDES = 2, 4, 5, 6
 
 
 class Parts:
-    """An array whose parts are made where they are needed.
+    """A value of several parts, which are made where they are needed: an array, or what goes through a range.
 
     Args:
         kind: Numba's type of it.
@@ -40,58 +40,15 @@ class Parts:
         self.part = part
 
     def whole(self, context: Any, build: Any) -> Any:
-        """Return the array in Numba's form."""
-        whole, axes = ir.Constant(context.get_value_type(self.kind), ir.Undefined), range(self.kind.ndim)
-        for place in [*((k,) for k in range(SHAPE)), *((k, axis) for k in (SHAPE, STRIDES) for axis in axes)]:
-            whole = build.insert_value(whole, self.part(*place), place)
+        """Return the value in Numba's form."""
+        form = context.get_value_type(self.kind)
+        whole = ir.Constant(form, ir.Undefined)
+        for k, one in enumerate(form.elements):
+            for place in [(k, axis) for axis in range(one.count)] if isinstance(one, ir.ArrayType) else [(k,)]:
+                whole = build.insert_value(whole, self.part(*place), place)
         return whole
 
 
-class Steps(NamedTuple):
-    """A range whose step is 1."""
-
-    kind: Any
-    start: Any
-    stop: Any
-
-    def whole(self, context: Any, build: Any) -> Any:
-        """Return the range in Numba's form."""
-        return _whole(context, build, self.kind, [self.start, self.stop, self.start.type(1)])
-
-
-class Walk(NamedTuple):
-    """What goes through such a range: where the next number is, and how many are left."""
-
-    kind: Any
-    number: Any
-    stop: Any
-    left: Any
-
-    def whole(self, context: Any, build: Any) -> Any:
-        """Return the iterator in Numba's form."""
-        return _whole(context, build, self.kind, [self.number, self.stop, self.stop.type(1), self.left])
-
-
-class Step(NamedTuple):
-    """A number of such a range, and whether it belongs to it."""
-
-    kind: Any
-    number: Any
-    is_valid: Any
-
-    def whole(self, context: Any, build: Any) -> Any:
-        """Return the pair in Numba's form."""
-        return _whole(context, build, self.kind, [self.number, self.is_valid])
-
-
-def _whole(context: Any, build: Any, kind: Any, parts: Sequence[Any]) -> Any:
-    whole = ir.Constant(context.get_value_type(kind), ir.Undefined)
-    for k, part in enumerate(parts):
-        whole = build.insert_value(whole, part, k)
-    return whole
-
-
-APART = Parts, Steps, Walk, Step
 BOOL = "Function(<class 'bool'>)"
 POWERS = operator.pow, operator.ipow
 LOOP = "getiter", "iternext", "pair_first", "pair_second"
@@ -123,10 +80,10 @@ class KernelLower(Lower):  # type: ignore[misc]
     def storevar(self, value: Any, name: str, argidx: Any = None) -> None:
         """Give a variable its value."""
         if name in self._singly_assigned_vars:
-            (self._parts if isinstance(value, APART) else self._blk_local_varmap)[name] = value
+            (self._parts if isinstance(value, Parts) else self._blk_local_varmap)[name] = value
             return
         self._alloca_var(name, self.typeof(name))
-        whole = value.whole(self.context, self.builder) if isinstance(value, APART) else value
+        whole = value.whole(self.context, self.builder) if isinstance(value, Parts) else value
         self.builder.store(whole, self.getvar(name))
 
     def delvar(self, name: str) -> None:
@@ -148,42 +105,43 @@ class KernelLower(Lower):  # type: ignore[misc]
                 return Parts(resty, lambda *place: kind.part(self.context, self.builder, block, expr.attr, *place))
         if expr.op == "getattr" and expr.attr == "shape" and isinstance(self.typeof(expr.value.name), types.Array):
             array = self._array(expr.value)
-            return _whole(self.context, self.builder, resty, [array.part(SHAPE, k) for k in range(array.kind.ndim)])
+            return Parts(resty, lambda axis: array.part(SHAPE, axis)).whole(self.context, self.builder)
         if expr.op == "static_getitem" and isinstance(self.typeof(expr.value.name), types.Array) and expr.index_var:
             return self.lower_getitem(resty, expr, expr.value, expr.index_var, self.fndesc.calltypes[expr])
-        apart = self._parts.get(expr.value.name) if expr.op in LOOP else None
-        if isinstance(apart, Steps):
-            return self._walk(resty, apart)
-        if isinstance(apart, Walk):
-            return self._step(resty, apart)
-        if isinstance(apart, Step):
-            return apart.number if expr.op == "pair_first" else apart.is_valid
-        return super().lower_expr(resty, expr)
+        steps = self._parts.get(expr.value.name) if expr.op in LOOP else None
+        if steps is None or isinstance(steps.kind, types.Array):
+            return super().lower_expr(resty, expr)
+        if expr.op in ("getiter", "iternext"):
+            return self._first(resty, steps) if expr.op == "getiter" else self._next(resty, steps)
+        return steps.part(0 if expr.op == "pair_first" else 1)
 
     def _lower_call_normal(self, fnty: Any, expr: Any, signature: Any) -> Any:
-        """Return what a call does; a range is kept apart."""
+        """Return what a call does: the truth of a flag is the flag; a range with steps of 1 is its start and stop."""
         if fnty.name == BOOL and signature.args == (types.boolean,):
             return self.loadvar(expr.args[0].name)
         if not isinstance(signature.return_type, types.RangeType) or len(signature.args) > 2:
             return super()._lower_call_normal(fnty, expr, signature)
         *start, stop = self.fold_call_args(fnty, signature, expr.args, expr.vararg, expr.kws)
-        return Steps(signature.return_type, start[0] if start else stop.type(0), stop)
+        parts = *(start or [stop.type(0)]), stop, stop.type(1)
+        return Parts(signature.return_type, lambda k: parts[k])
 
-    def _walk(self, kind: Any, steps: Steps) -> Walk:
-        """Begin to go through a range."""
-        build, zero = self.builder, steps.stop.type(0)
-        number, left = (pointers.alloca_once(build, steps.stop.type) for _ in range(2))
-        length = build.sub(steps.stop, steps.start)
-        build.store(steps.start, number)
+    def _first(self, kind: Any, steps: Parts) -> Parts:
+        """Begin to go through a range: where the next number is, stop, step, and where the count of those left is."""
+        build, start, stop = self.builder, steps.part(0), steps.part(1)
+        number, left = (pointers.alloca_once(build, stop.type) for _ in range(2))
+        length, zero = build.sub(stop, start), stop.type(0)
+        build.store(start, number)
         build.store(build.select(build.icmp_signed(">", length, zero), length, zero), left)
-        return Walk(kind, number, steps.stop, left)
+        parts = number, stop, stop.type(1), left
+        return Parts(kind, lambda k: parts[k])
 
-    def _step(self, kind: Any, walk: Walk) -> Step:
-        """Take the next number."""
-        build, left, number = self.builder, self.builder.load(walk.left), self.builder.load(walk.number)
-        build.store(build.sub(left, left.type(1), flags=["nsw"]), walk.left)
-        build.store(build.add(number, left.type(1)), walk.number)
-        return Step(kind, number, build.icmp_signed(">", left, left.type(0)))
+    def _next(self, kind: Any, steps: Parts) -> Parts:
+        """Take the next number, and whether there is one."""
+        build, left, number = self.builder, self.builder.load(steps.part(3)), self.builder.load(steps.part(0))
+        build.store(build.sub(left, left.type(1), flags=["nsw"]), steps.part(3))
+        build.store(build.add(number, left.type(1)), steps.part(0))
+        parts = number, build.icmp_signed(">", left, left.type(0))
+        return Parts(kind, lambda k: parts[k])
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         """Return the value of an operation; that of two numbers, other than a power, is what it was resolved to."""
