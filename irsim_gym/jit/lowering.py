@@ -148,13 +148,15 @@ class KernelLower(Lower):  # type: ignore[misc]
         signature, build = self.fndesc.calltypes[expr], self.builder
         if op in POWERS or not all(isinstance(one, types.Number | types.Boolean) for one in signature.args):
             return super().lower_binop(resty, expr, op)
-        function = self.context.typing_context.resolve_value_type(op)
+        try:
+            compute = self.context.get_function(self.context.typing_context.resolve_value_type(op), signature)
+        except KeyError:  # Numba has learnt more meanings of the operator since
+            return super().lower_binop(resty, expr, op)
         values = [
             self.context.cast(build, self.loadvar(one.name), self.typeof(one.name), wanted)
             for one, wanted in zip((expr.lhs, expr.rhs), signature.args, strict=True)
         ]
-        result = self.context.get_function(function, signature)(build, values)
-        return self.context.cast(build, result, signature.return_type, resty)
+        return self.context.cast(build, compute(build, values), signature.return_type, resty)
 
     def lower_getitem(self, resty: Any, expr: Any, value: Any, index: Any, signature: Any) -> Any:
         """Return an element of an array, or a row."""
@@ -197,7 +199,7 @@ class KernelLower(Lower):  # type: ignore[misc]
     def _place(self, array: Any, index: Any) -> tuple[Parts, Any, int] | None:
         """Return an array, the address of its element or row, and for how many axes it is given; None for slices."""
         kind, given, build = self.typeof(array.name), self.typeof(index.name), self.builder
-        kinds = given.types if isinstance(given, types.BaseTuple) else (given,)
+        kinds: Any = getattr(given, "types", (given,))
         if not isinstance(kind, types.Array) or isinstance(kind.dtype, types.NestedArray) or kind.layout not in "CA":
             return None
         if not kinds or not all(isinstance(one, types.Integer) for one in kinds):
