@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import signal
 import sys
@@ -320,6 +321,7 @@ def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.set_threshold(100_000)  # objects of imports stay, so there is little to find among them
     if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
     _guarded(app)
