@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import signal
 import sys
@@ -317,6 +318,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.set_threshold(100_000)  # objects of imports stay, so there is little to find among them
     if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
     _guarded(arguments)

@@ -90,7 +90,7 @@ def find_seen_way(
     clear_field(search)
     # The search begins at the goal: parents then lead from the body to the goal, in order.
     offer(search.field.reshape(-1), search.queue, there, 0.0, -1, grid.cell)
-    spread(grid.cell, here, search)
+    spread(grid.cell, here, np.inf, search)
     if not search.field[here // grid.columns, here % grid.columns] < np.inf:
         return 0
     path[0, 0], path[0, 1], count = start[0], start[1], 1

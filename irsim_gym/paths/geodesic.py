@@ -12,6 +12,12 @@ from irsim_gym.paths.pulling import pull
 from irsim_gym.paths.reachability import gate
 from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
 
+DETOUR = 1.1
+"""Ways that are longer than straight ones by this factor are sought among all cells, shorter ones in an ellipse."""
+NEAR = 8.0
+"""A way to the target through another gate of the start is longer than the direct one by less than this [cells], if
+that gate is the best: it is at most 2 sqrt(2) farther from the goal, and at most 3 sqrt(2) from the target.
+"""
 RINGS = 2
 """Number of rings of blocked cells into which ``distance_field`` continues."""
 
@@ -48,11 +54,18 @@ def shortest_path(
     clear_field(search)
     # From the goal, so that the cells' parents lead from start to goal.
     offer_gates(obstacles, radius, goal, grid, search)
+    dx, dy = goal[0] - start[0], goal[1] - start[1]
+    longest = DETOUR * np.sqrt(dx * dx + dy * dy) + 2.0 * NEAR * grid.cell
     # Any gate at the start will do to end the search; the best one is known when the field about it is settled.
     target = best_gate(obstacles, radius, start, grid, search, False)
     if target < 0:
         return 0
-    spread(grid.cell, target, search)
+    spread(grid.cell, target, longest, search)
+    if search.field.reshape(-1)[target] + NEAR * grid.cell > longest:
+        # The way is a long detour, or there is none: from the beginning again, everywhere.
+        clear_field(search)
+        offer_gates(obstacles, radius, goal, grid, search)
+        spread(grid.cell, target, np.inf, search)
     target = best_gate(obstacles, radius, start, grid, search, True)
     if target < 0:
         return 0
@@ -122,7 +135,7 @@ def search_ways(obstacles: Obstacles, radius: float, goal: Point, grid: Grid, se
     mark_blocked(obstacles, radius, grid, search.blocked)
     clear_field(search)
     offer_gates(obstacles, radius, goal, grid, search)
-    spread(grid.cell, -1, search)
+    spread(grid.cell, -1, np.inf, search)
 
 
 @kernel

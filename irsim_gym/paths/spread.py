@@ -86,12 +86,14 @@ def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, 
 
 
 @kernel
-def spread(cell: float, target: int, search: Search) -> None:
+def spread(cell: float, target: int, longest: float, search: Search) -> None:
     """Spread from the cells in the queue until it is empty, or until the surroundings of the target are settled.
 
     Args:
         cell: Side of a cell [m].
         target: Stop once the cell of this number and all as near as four cells beyond it are settled; -1 for no target.
+        longest: Leave out cells through which each way to the target is longer than this [m]. Which ways are found to
+            the others does not change by that; inf without a target.
         search: Changed: the distances, and the queue.
     """
     blocked, field, queue = search.blocked, search.field, search.queue
@@ -110,6 +112,10 @@ def spread(cell: float, target: int, search: Search) -> None:
         idle = 0
         after = queue[NEXT, here]
         queue[NEXT, head], queue[PREVIOUS, after] = after, head
+        if longest < np.inf:
+            up, aside = here // columns - target // columns, here % columns - target % columns
+            if known[here] + cell * np.sqrt(float(up * up + aside * aside)) > longest:
+                continue
         relax(walls, rows, columns, cell, here, known, queue)
 
 

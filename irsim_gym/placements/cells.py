@@ -140,8 +140,8 @@ def draw_in_cells(
     Starts are drawn uniformly from the free cells, goals from the cells that the start reaches.
 
     Reads: tables (everyone, found, free, limits, members, needs_way, seen), model (disc_count, disc_start, drawn_goals,
-        goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
-        stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+        goal_renewal, has_goal, kept_clearance, local_discs, local_segments, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: tables (found, free, seen), grids, model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     free = tables.free[slot]
@@ -171,8 +171,8 @@ def draw_goals(
     """Draw the goals of body b, each from the cells that its predecessor reaches; return whether all were found.
 
     Reads: tables (found, limits, needs_way, seen), model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal,
-        present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed,
-        pose, random, segments).
+        kept_clearance, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state
+        (discs, placed, pose, random, segments).
     Writes: tables (found, seen), grids, model (waypoints), state (random).
     """
     here, found, seen = map_of(cells, w), tables.found[slot], tables.seen[slot]

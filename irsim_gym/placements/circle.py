@@ -111,6 +111,7 @@ class CirclePlacement:
         x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
         # Even places are not tested for clearance, only for contact.
         clearance = options.clearance if options.scatter or jitter > 0.0 else 0.0
+        model.kept_clearance[group.members] = clearance
         group.tables = CircleTables(
             x, y, float(radius), jitter, options.turn, options.scatter, options.mirror, clearance, angles, everyone
         )
@@ -140,9 +141,9 @@ def draw_shifted(
     """Rotate the circle, then draw shifts of the start and the goal of one member after another until both are free.
 
     Reads: circle (angles, clearance, everyone, jitter, mirror, radius, scatter, turn, x, y), model (abreast,
-        disc_count, disc_start, drawn_goals, goal_renewal, has_goal, leader, local_discs, local_segments, present,
-        reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose,
-        random, segments).
+        disc_count, disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, leader, local_discs,
+        local_segments, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state
+        (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     placed = state.placed
@@ -169,8 +170,9 @@ def shift_start(
     Return the angle of the place, NaN if no free pose was found.
 
     Reads: circle (clearance, everyone, jitter, mirror, radius, scatter, x, y), model (abreast, disc_count, disc_start,
-        drawn_goals, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count,
-        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+        drawn_goals, goal_renewal, has_goal, kept_clearance, leader, local_discs, local_segments, present, reach,
+        segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random,
+        segments).
     Writes: state (discs, pose, random, segments).
     """
     pose = state.pose[w, b]
@@ -225,8 +227,8 @@ def shift_goal(
     """Draw a goal opposite body b's place, heading away from the centre; return whether a free one was found.
 
     Reads: circle (clearance, jitter, mirror, radius, x, y), model (abreast, disc_count, disc_start, drawn_goals,
-        goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints),
-        state (discs, placed, pose, random, segments).
+        goal_renewal, has_goal, kept_clearance, present, reach, segment_count, segment_start, solid, stands,
+        waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (random).
     """
     clearance, goal = circle.clearance, model.waypoints[w, b, 0]

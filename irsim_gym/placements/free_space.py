@@ -120,8 +120,8 @@ def is_start_free(
 
     A body that never moves must be clear of all placed bodies' goals, too.
 
-    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
-        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
+    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, present, reach,
+        segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     if outline_near_map(cells, w, outline, clearance):
@@ -132,11 +132,12 @@ def is_start_free(
         if q == b or not state.placed[w, q] or not model.present[w, q]:
             continue
         dx, dy = state.pose[w, q, 0] - state.pose[w, b, 0], state.pose[w, q, 1] - state.pose[w, b, 1]
-        near = reaches[b] + reaches[q] + clearance
+        room = max(clearance, model.kept_clearance[q])
+        near = reaches[b] + reaches[q] + room
         # Reaches that do not meet cannot touch; the margin is for rounding.
         if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
             continue
-        if is_closer(clearance, outline, outline_of(model, state, w, q)):
+        if is_closer(room, outline, outline_of(model, state, w, q)):
             return False
     return True
 
@@ -145,8 +146,8 @@ def is_start_free(
 def is_clear_of_goals(w: int, b: int, clearance: float, model: Model, state: State) -> bool:
     """Return whether body b, at its present outline, is clear of the goals of all placed bodies.
 
-    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
-        segment_start, solid, waypoint_count, waypoints), state (discs, placed, segments).
+    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, present, reach,
+        segment_count, segment_start, solid, waypoint_count, waypoints), state (discs, placed, segments).
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     for q in range(reaches.shape[0]):
@@ -157,7 +158,7 @@ def is_clear_of_goals(w: int, b: int, clearance: float, model: Model, state: Sta
             continue
         for k in range(kept_goals(w, q, model)):
             x, y = model.waypoints[w, q, k, 0], model.waypoints[w, q, k, 1]
-            if point_outline_distance((x, y), outline) < reaches[q] + clearance:
+            if point_outline_distance((x, y), outline) < reaches[q] + max(clearance, model.kept_clearance[q]):
                 return False
     return True
 
@@ -185,12 +186,12 @@ def is_closer(clearance: float, one: BodyOutline, other: BodyOutline) -> bool:
 def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: State, cells: CellMaps | None) -> bool:
     """Return whether a disc around body b at its goal k is clear of the map, placed static bodies and others' goals.
 
-    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count,
-        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
+    Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, present, reach,
+        segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
     """
     reaches, waypoints = model.reach[row_of(model.reach, w)], model.waypoints[w]
-    x, y, room = waypoints[b, k, 0], waypoints[b, k, 1], reaches[b] + clearance
-    if map_is_closer(cells, w, (x, y), room):
+    x, y = waypoints[b, k, 0], waypoints[b, k, 1]
+    if map_is_closer(cells, w, (x, y), reaches[b] + clearance):
         return False
     for q in range(reaches.shape[0]):
         if q == b or not state.placed[w, q] or not model.present[w, q]:
@@ -205,10 +206,11 @@ def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: 
         if not model.stands[q]:
             continue
         dx, dy = state.pose[w, q, 0] - x, state.pose[w, q, 1] - y
-        near = reaches[b] + reaches[q] + clearance
+        room = max(clearance, model.kept_clearance[q])
+        near = reaches[b] + reaches[q] + room
         if dx * dx + dy * dy > near * near:
             continue
-        if point_outline_distance((x, y), outline_of(model, state, w, q)) < room:
+        if point_outline_distance((x, y), outline_of(model, state, w, q)) < reaches[b] + room:
             return False
     return True
 

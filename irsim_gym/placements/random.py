@@ -59,7 +59,7 @@ class RandomPlacement:
         0.0,
         ge=0.0,
         unit="m",
-        meaning="Surface distance kept from everything else.",
+        meaning="Surface distance kept from everything else, also by bodies that are placed later.",
         consequence="Large in a full world: levels take long to draw, or cannot be.",
     )
     min_goal_distance: float = option(
@@ -120,6 +120,7 @@ class RandomPlacement:
             min_distance = WISHED_DISTANCE if has_room else 0.0
         everyone = np.arange(len(model.role))
         spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
+        model.kept_clearance[group.members] = clearance
         # Where no way is searched for, grids of a few cells save memory.
         reach = float(np.max(model.bounds[2:] - model.bounds[:2]))
         if options.ensures_way:

@@ -68,9 +68,9 @@ def draw_members(
 
     Reads: tables (clearance, goal_high, goal_low, high, is_member, limits, low, members, min_distance,
         min_goal_distance, needs_way), model (bucket_frame, bucketed, disc_count, disc_start, drawn_goals, goal_renewal,
-        has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands,
-        waypoint_count, waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random,
-        segments).
+        has_goal, kept_clearance, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
+        stands, waypoint_count, waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose,
+        random, segments).
     Writes: grids, model (waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random,
         segments), failed.
     """
@@ -127,21 +127,23 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
     """Draw a pose for body b that is clear of everything placed so far; return whether one was found.
 
     Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
-        drawn_goals, goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start,
-        solid, stands, waypoint_count, waypoints), state (bucket_first, bucket_next, discs, nearby, placed, pose,
-        random, segments).
+        drawn_goals, goal_renewal, has_goal, kept_clearance, local_discs, local_segments, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (bucket_first, bucket_next, discs, nearby,
+        placed, pose, random, segments).
     Writes: state (discs, nearby, pose, random, segments).
     """
     frame, pose, placed = model.bucket_frame[0], state.pose[w], state.placed[w]
     peers, others = tables.members, tables.everyone
     first, following, found = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
-    own = model.reach[row_of(model.reach, w), b]
+    own, clearance = model.reach[row_of(model.reach, w), b], tables.clearance
+    for q in range(model.kept_clearance.shape[0]):
+        clearance = max(clearance, model.kept_clearance[q])
     for _ in range(START_TRIES):
         for axis in range(3):
             pose[b, axis] = uniform(state.random, w, tables.low[axis], tables.high[axis])
         if frame.columns > 0:
             # What can be too near by origins, or by outlines, which reach out `frame.reach` at most.
-            within = max(tables.min_distance, own + tables.clearance + frame.reach)
+            within = max(tables.min_distance, own + clearance + frame.reach)
             count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
             peers, others = found[:count], found[:count]
         if not is_spaced(pose, b, peers, tables.is_member, tables.min_distance, model.present[w], placed):
@@ -159,8 +161,8 @@ def draw_next_goal(
     """Draw goal k of body b, with a path from the goal before it if required; return whether one was found.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance, needs_way), model
-        (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count, segment_start,
-        solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+        (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: grids, model (waypoints), state (random).
     """
     for _ in range(PATH_TRIES):
@@ -176,8 +178,8 @@ def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: S
     """Draw goal k of body b, with room for its footprint; return whether one was found.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance), model (disc_count,
-        disc_start, drawn_goals, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands,
-        waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+        disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, present, reach, segment_count, segment_start,
+        solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (random).
     """
     goal, least, most = model.waypoints[w, b, k], tables.min_goal_distance, tables.limits[1]

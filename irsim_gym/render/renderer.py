@@ -12,7 +12,7 @@ from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.render.frame_layout import Layout, Limits, lay_out
 from irsim_gym.render.frame_painter import FramePainter, Share
 from irsim_gym.render.reader import SceneReader
-from irsim_gym.render.scene import Scene
+from irsim_gym.render.scene import DrawnBody, Scene
 from irsim_gym.render.styles import TOP
 from irsim_gym.world.group import Group
 from irsim_gym.world.marks import Overlay
@@ -98,6 +98,10 @@ class Renderer:
     def scene(self, world: int = 0, status: str = "") -> Scene:
         """Return the content of a frame of the world, as data."""
         return self._reader.read(world, status)
+
+    def moving(self, world: int) -> tuple[DrawnBody, ...]:
+        """Return the bodies of ``scene`` that can move."""
+        return self._reader.moving(world)
 
     def clear(self, world: int | None = None) -> None:
         """Clear the trails of one world, or of all worlds, at the start of an episode."""

@@ -35,7 +35,7 @@ from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
-WORLDS = 128
+WORLDS = 256
 """Default number of worlds that are stepped together."""
 
 

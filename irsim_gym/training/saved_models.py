@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from pathlib import Path
+from typing import Any
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
@@ -13,17 +14,30 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.outside_files import reading
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import NORMALIZATION, OFF_POLICY
-from irsim_gym.training.trusted import harmless_objects, load_pickle, read_data
+from irsim_gym.training.trusted import SERIALIZED, harmless_objects, load_pickle, read_data
+
+
+class NoOptimizer:
+    """Stands in for the optimizer of a policy that only acts: making one takes PyTorch more than a second."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        pass
+
+    def load_state_dict(self, *args: Any, **options: Any) -> None:
+        """Ignore the state of the training."""
 
 
 def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:
-    """Load the model of a file, and the normalisation from the same folder, if any.
+    """Load the model of a file, without its optimizer, and the normalisation from the same folder, if any.
 
     Raises:
         UnreadableFileError: If a file is damaged, or the first is not a policy of Stable-Baselines3.
     """
     with reading(path, "policy of Stable-Baselines3"):
         objects = harmless_objects(path)
+        options = objects.get("policy_kwargs", read_data(path).get("policy_kwargs", {}))
+        if SERIALIZED not in options:  # else they are not harmless, and Stable-Baselines3 reads them
+            objects["policy_kwargs"] = {**options, "optimizer_class": NoOptimizer}
         model = _algorithm(path, objects.get("policy_class")).load(path, device="cpu", custom_objects=objects)
     statistics = path.parent / NORMALIZATION
     with reading(statistics, "file of statistics of VecNormalize"):

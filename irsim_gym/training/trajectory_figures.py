@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from irsim_gym.render.ways_levels import DrawnLevel
     from irsim_gym.render.ways_marks import DrawnWay
 
+    FixedParts = tuple[tuple[DrawnBody, ...], MapView | None]
+
 FILES = ("ways.png", "ways.pdf")
 ALIKE = 0.05
 """Starts, ends and goals count as equal in all levels if they differ by less than this share of the world's size."""
@@ -29,32 +31,30 @@ class TrajectoryRecorder:
 
     Args:
         ways: Log of the trajectories.
-        density: Density map to which the obstacles of the levels are added; None for none.
+        density: Density map to which the obstacles of new levels are added.
+        fixed: Static bodies and map of each level whose complete trajectories are kept; new levels are added.
 
     Attributes:
         ways: Log of the trajectories.
-        fixed: Static bodies and map of each level whose complete trajectories are kept.
         moving: Moving bodies of these levels at the end of their episodes.
     """
 
-    def __init__(self, ways: TrajectoryLog, density: Density | None) -> None:
+    def __init__(self, ways: TrajectoryLog, density: Density, fixed: dict[int, FixedParts]) -> None:
         from irsim_gym.render import Renderer
 
         simulation = ways.episodes.simulation
-        self.ways, self._density = ways, density
+        self.ways, self._density, self._fixed = ways, density, fixed
         self._renderer = Renderer(simulation.scenario, simulation.model, simulation.state)
-        self.fixed: dict[int, tuple[tuple[DrawnBody, ...], MapView | None]] = {}
         self.moving: dict[int, tuple[DrawnBody, ...]] = {}
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Record the starts of agents, and the obstacles."""
         self.ways.began(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
-            if index < KEPT_LEVELS:
+            if index < KEPT_LEVELS and index not in self._fixed:
                 scene = self._renderer.scene(world)
-                self.fixed[index] = scene.fixed, scene.map
-                if self._density is not None:
-                    self._density.add(scene.fixed, scene.map)
+                self._fixed[index] = scene.fixed, scene.map
+                self._density.add(scene.fixed, scene.map)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Record the positions of agents."""
@@ -65,7 +65,7 @@ class TrajectoryRecorder:
         self.ways.ended(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS:
-                self.moving[index] = self._renderer.scene(world).moving
+                self.moving[index] = self._renderer.moving(world)
 
     def levels(self) -> list[DrawnLevel]:
         """Return the levels whose complete trajectories are kept."""
@@ -85,7 +85,7 @@ class TrajectoryRecorder:
                 agents=agents,
                 map=occupied,
             )
-            for level, (fixed, occupied) in self.fixed.items()
+            for level, (fixed, occupied) in self._fixed.items()
         ]
 
 
@@ -102,10 +102,11 @@ class TrajectoryFigure:
         self._episodes = episodes
         self._recorders: dict[str, TrajectoryRecorder] = {}
         self._density = Density(episodes.simulation.model.bounds)
+        self._fixed: dict[int, FixedParts] = {}
 
     def follow(self, name: str) -> Watcher:
         """Return a watcher that records a policy. The first one also records the obstacles of the levels."""
-        recorder = TrajectoryRecorder(TrajectoryLog(self._episodes), None if self._recorders else self._density)
+        recorder = TrajectoryRecorder(TrajectoryLog(self._episodes), self._density, self._fixed)
         self._recorders[name] = recorder
         return recorder
 

@@ -73,6 +73,7 @@ class Model(Arrays):
     solid: Flags = column("body", np.bool_, "", "the segments are closed boundaries of an area")
     arrive_mode: Ints = column("body", np.int64, "", "POSITION or STATE")
     has_goal: Flags = column("body", np.bool_, "", "the body has a goal")
+    kept_clearance: Floats = column("body", np.float64, "m", "distance that bodies which are placed later keep from it")
     goal_renewal: Ints = column("body", np.int64, "", "KEEP_GOAL, WANDER or LOOP after arrival")
     wander_low: Floats = column("body 3", np.float64, "m, m, rad", "lower bounds of a wandering body's goals")
     wander_high: Floats = column("body 3", np.float64, "m, m, rad", "upper bounds of a wandering body's goals")

@@ -47,6 +47,24 @@ def test_number_ranges_are_kept_and_used(rooms: Any) -> None:
     assert len(set(counts)) == high - low + 1
 
 
+def test_bodies_that_are_placed_later_keep_the_clearance_of_earlier_ones() -> None:
+    posts = [
+        {"number": 4, "shape": {"name": "circle", "radius": 0.3}, "distribution": {"name": "random", "clearance": 0.6}},
+        {
+            "number": 9,
+            "shape": {"name": "circle", "radius": 0.3},
+            "distribution": {"name": "random", "min_distance": 0},
+        },
+    ]
+    sim = ig.compile(ig.load_scenario({"world": {"width": 9, "height": 9}, "obstacle": posts}), N_WORLDS)
+    sim.reset(seed=1)
+    places = sim.state.pose[:, :, :2]
+    gaps = np.linalg.norm(places[:, :, None] - places[:, None], axis=-1) - 0.6
+    later = gaps[:, 4:, 4:][:, *np.triu_indices(9, 1)]
+    assert gaps[:, :4, 4:].min() >= 0.6
+    assert 0.0 <= later.min() < 0.1
+
+
 def test_goals_are_far_free_and_reachable(rooms: Any) -> None:
     for w in range(N_WORLDS):
         start, goal = rooms.state.pose[w, 0, :2], rooms.state.goal[w, 0, :2]
