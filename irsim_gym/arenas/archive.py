@@ -83,7 +83,6 @@ class Archive:
         """Write the rows of a finished policy."""
         path = self.folder / PARTS / f"{len(self._parts()):04d}.csv"
         write_rows(path, {name: rows})
-        # Rows are read back, because they are rounded on disk: a resumed arena writes the same files as any other.
         self.rows |= self._read(path)
 
     def finish(self, names: Sequence[str], summary: Mapping[str, object]) -> None:

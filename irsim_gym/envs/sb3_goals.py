@@ -25,8 +25,6 @@ class EndingHerReplayBuffer(HerReplayBuffer):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **{**options, "copy_info_dict": True})
 
-    # Both methods are private in Stable-Baselines3 (2.9.2), whose buffer keeps the ``done`` of the step that
-    # happened. If they are renamed, this class is a plain ``HerReplayBuffer``, and a test reports it.
     def _sample_goals(self, batch_indices: Ints, env_indices: Ints) -> Rays:
         self._goals: Rays = super()._sample_goals(batch_indices, env_indices)
         return self._goals

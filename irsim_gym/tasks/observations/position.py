@@ -35,7 +35,6 @@ class Position:
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
-        # In the frame of the world: relative to the robot, what it has achieved would always be 0 (hindsight replay).
         write_place(shard.worlds, term.agents, term.column, model, episode, state.pose)
 
 
