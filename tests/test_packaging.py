@@ -148,7 +148,7 @@ def test_an_index_accepts_both(built: Path) -> None:
 
 
 def test_the_wheel_stays_small(built: Path) -> None:
-    """Half is certificates of levels, policies and pictures, which are compressed already (decision 238)."""
+    """Half is certificates of levels, policies and pictures, which are compressed already."""
     (wheel,) = built.glob("*.whl")
     assert wheel.stat().st_size <= 3.0e6
 

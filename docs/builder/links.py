@@ -26,7 +26,7 @@ def rewrite(text: str, source: str, place: str, pages: Mapping[str, str], root: 
         text: The Markdown.
         source: Where it stands in the repository.
         place: Where it stands on the site, relative to the folder that Sphinx reads.
-        pages: Pages of the site, perhaps with ``#anchor``, by the files of the repository that they are made from.
+        pages: Pages of the site by the files of the repository that they are made from.
         root: The repository.
 
     Raises:
@@ -60,9 +60,7 @@ def _target(given: str, source: str, place: str, pages: Mapping[str, str], root:
     name, _, anchor = given.partition("#")
     file = os.path.normpath((PurePosixPath(source).parent / name).as_posix())
     if (page := pages.get(file)) is not None:
-        found, _, own = page.partition("#")
-        anchor = anchor or own
-        return _relative(found, place) + (f"#{anchor}" if anchor else "")
+        return _relative(page, place) + (f"#{anchor}" if anchor else "")
     if (root / file).is_dir() or ((root / file).is_file() and file.endswith(".md")):
         return None
     if not (root / file).is_file():

@@ -27,26 +27,21 @@ DRAWN = ("scenarios", "extra")
 NOT_SEARCHED = "---\nnosearch: true\n---\n\n"
 """Head of a page that the search leaves out."""
 UNSEARCHED = ("project/changelog.md", "training_trials.md", "design.md")
-"""Pages about how the package came to be, as the decisions: who searches for how to use it does not get them."""
-SKIPPED = ("builder", "decisions", "__pycache__")
+"""Pages about how the package came to be: who searches for how to use it does not get them."""
+UNSEARCHED_FOLDER = "design/"
+"""The pages of the rooms; likewise."""
+SKIPPED = ("builder", "__pycache__")
 """Folders of docs/ that are not copied as they are."""
 
 
 def pages_of(root: Path) -> dict[str, str]:
-    """Return the page of the site, perhaps with an anchor, that each file of the repository becomes."""
+    """Return the page of the site that each file of the repository becomes."""
     pages = {file.name: f"project/{file.name.lower()}" for file in sorted(root.glob("*.md"))}
     pages |= ELSEWHERE
     for file in _files_of(root / "docs"):
         if file.suffix in (".md", ".ipynb"):
             pages[f"docs/{file.relative_to(root / 'docs').as_posix()}"] = file.relative_to(root / "docs").as_posix()
-    for file in decisions(root):
-        pages[f"docs/decisions/{file.name}"] = f"decisions.md#decision-{file.name[:3]}"
     return pages
-
-
-def decisions(root: Path) -> list[Path]:
-    """Return the files of the decisions, in order."""
-    return sorted((root / "docs" / "decisions").glob("*.md"))
 
 
 def stage(root: Path, out: Path, generated: Mapping[str, str]) -> None:
@@ -64,12 +59,10 @@ def stage(root: Path, out: Path, generated: Mapping[str, str]) -> None:
     for place, text in generated.items():
         _write(out / place, text)
     for source, place in pages.items():
-        if source not in ONLY_LINKED and "#" not in place:
-            head = NOT_SEARCHED if place in UNSEARCHED else ""
+        if source not in ONLY_LINKED:
+            head = NOT_SEARCHED if place in UNSEARCHED or place.startswith(UNSEARCHED_FOLDER) else ""
             _write(out / place, head + expanded(_page(root, source, place, pages), pages.values()))
             written.add(out / place)
-    _write(out / "decisions.md", _decisions(root, pages))
-    written.add(out / "decisions.md")
     for file in _files_of(root / "docs"):
         if file.suffix not in (".md", ".ipynb", ".py"):
             written.add(_copy(file, out / file.relative_to(root / "docs")))
@@ -102,20 +95,6 @@ def _page(root: Path, source: str, place: str, pages: Mapping[str, str]) -> str:
         if cell["cell_type"] == "markdown":
             cell["source"] = rewrite("".join(cell["source"]), source, place, pages, root)
     return json.dumps(book, indent=1)
-
-
-def _decisions(root: Path, pages: Mapping[str, str]) -> str:
-    """Return one page with all decisions."""
-    told = "What was decided, why, and at what cost. [The design](design.md) lists them by subject."
-    parts = [f"{NOT_SEARCHED}# Decisions\n\n{told}\n"]
-    for file in decisions(root):
-        text = rewrite(
-            file.read_text(encoding="utf-8"), f"docs/decisions/{file.name}", "decisions.md", dict(pages), root
-        )
-        text = re.sub(r"^## (.*)$", r"**\1**", text, flags=re.MULTILINE)
-        text = re.sub(r"^# (.*)$", rf"(decision-{file.name[:3]})=\n## {file.name[:3]}. \1", text, flags=re.MULTILINE)
-        parts.append(text)
-    return "\n".join(parts)
 
 
 def _linked_files(root: Path, out: Path, page: Path) -> Iterator[Path]:

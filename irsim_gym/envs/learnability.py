@@ -113,6 +113,8 @@ class LearnableLevels:
         """Return levels of the memory, each with a probability in proportion to its learnability; -1 for drawn ones."""
         chosen = np.full(count, CHAIN)
         if len(self.levels):
+            # In proportion, not the best ones evenly: then the size of the memory hardly matters, and a level that
+            # is nearly always solved is hardly played.
             again = np.flatnonzero(self._random.random(count) < self.share)
             ends = np.cumsum(self.learnability)
             rows = np.searchsorted(ends[:-1], self._random.random(len(again)) * ends[-1], side="right")

@@ -151,6 +151,8 @@ def outer_limit(env: gymnasium.Env[Any, Any]) -> int | None:
     is searched for among the callers. A wrapper with another one in between that may take several steps at a time
     (not in ``STEP_FOR_STEP``) counts different steps and is ignored.
     """
+    # No plainer way leads there: Gymnasium gives the limit to the wrapper alone, refuses additional wrappers for
+    # native batches, and without the limit a cut episode would be RUNNING, with its costs spread over another length.
     least: int | None = None
     frame = sys._getframe(1)
     while frame is not None:

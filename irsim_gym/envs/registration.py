@@ -80,6 +80,7 @@ def _register(one: str, kwargs: dict[str, Any]) -> None:
     if known is None:
         gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
         gymnasium.registry[one] = scenario_spec(gymnasium.registry[one])
+        # `import irsim_gym` must not load PettingZoo, which few need and which sets variables of SDL for the process.
         register_post_import_hook(partial(_register_parallel, one, kwargs), "pettingzoo")
     elif known.kwargs != kwargs:
         taken, wanted = (source.get("scenario", "any file") for source in (known.kwargs, kwargs))

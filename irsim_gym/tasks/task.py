@@ -217,6 +217,7 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) 
 
 def _own_limit(scenario: Scenario) -> list[Layer]:
     """Return the time limit of a scenario's own section, which also applies to other tasks unless they set one."""
+    # The limit belongs to the level, what is observed and paid to the task.
     own = {key: value for key, value in scenario.task.items() if key == "max_steps"}
     if not own:
         return []

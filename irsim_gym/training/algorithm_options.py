@@ -51,6 +51,7 @@ class RunKeys:
     checkpoint_every: int = option(100_000, ge=1, unit="steps", meaning="Steps between checkpoints.")
     reward_scale: float = option(1.0, gt=0.0, meaning="Factor on the rewards that the algorithm gets.")
     normalize: Any = option(None, meaning="Arguments of VecNormalize; true for its defaults, false for none.")
+    # Stable-Baselines3 takes a GPU wherever there is one, even for two small layers; runs there are not repeatable.
     device: str = option("cpu", min_length=1, meaning="Device of the networks: auto, cpu, cuda, cuda:1 or mps.")
 
 

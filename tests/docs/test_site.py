@@ -24,7 +24,7 @@ from irsim_gym.scenario.library import every_scenario
 from irsim_gym.scenario.option_tables import option_tables
 
 ROOT = Path(__file__).parents[2]
-PAGES = {"docs/a.md": "a.md", "agents/README.md": "agents.md", "docs/decisions/007-b.md": "decisions.md#decision-007"}
+PAGES = {"docs/a.md": "a.md", "agents/README.md": "agents.md", "docs/design/b.md": "design/b.md"}
 RLLIB = "irsim_gym.rllib"
 MODULES = {section.module for section in reference.SECTIONS.values() if section.module}
 NOT_READ = {"Fused", "Overlay", "ScenarioSpec", "Struct", "Track", "WorldContext"}
@@ -38,13 +38,13 @@ MOST_BYTES = 150_000
     [
         ("[here](a.md#part)", "[here](../a.md#part)"),
         ("[all\nof it](../agents/README.md)", "[all\nof it](../agents.md)"),
-        ("[why](decisions/007-b.md)", "[why](../decisions.md#decision-007)"),
+        ("[why](design/b.md)", "[why](../design/b.md)"),
         ("[code](../irsim_gym/cli.py)", "[code](../files/irsim_gym/cli.py)"),
         ("see [the folder](../configs/tasks).", "see the folder."),
         ("![A robot](cluttered_room.png)", "![A robot](../cluttered_room.png)"),
         ("[web](https://a.b/c), [below](#part)", "[web](https://a.b/c), [below](#part)"),
         ("```\n[here](nowhere.md)\n```", "```\n[here](nowhere.md)\n```"),
-        ("[7]: decisions/007-b.md", "[7]: ../decisions.md#decision-007"),
+        ("[7]: design/b.md", "[7]: ../design/b.md"),
     ],
 )
 def test_links_lead_to_pages_of_the_site(written: str, on_the_site: str) -> None:
@@ -66,14 +66,12 @@ def test_every_page_of_the_repository_is_staged_and_every_link_leads_somewhere(t
     (tmp_path / "old.md").write_text("of last year", encoding="utf-8")
     stage.stage(ROOT, tmp_path, {"options/made.md": "# Made\n"})
     placed = {file.relative_to(tmp_path).as_posix() for file in tmp_path.rglob("*") if file.is_file()}
-    assert {"index.md", "start.md", "design.md", "agents.md", "project/changelog.md", "decisions.md"} <= placed
+    assert {"index.md", "start.md", "design.md", "agents.md", "project/changelog.md", "design/tasks.md"} <= placed
     assert {"options/made.md", "lessons/teams.ipynb", "cluttered_room.png", "files/benchmarks/twin/s1.c"} <= placed
     assert not {"old.md", "README.md", "builder/stage.py"} & placed
-    text = (tmp_path / "decisions.md").read_text(encoding="utf-8")
-    assert text.startswith("---\nnosearch: true\n---\n")
-    assert (tmp_path / "project" / "changelog.md").read_text(encoding="utf-8").startswith("---\nnosearch: true\n---\n")
+    for page in ("design.md", "design/tasks.md", "project/changelog.md"):
+        assert (tmp_path / page).read_text(encoding="utf-8").startswith("---\nnosearch: true\n---\n")
     assert (tmp_path / "start.md").read_text(encoding="utf-8").startswith("# Start")
-    assert text.count("\n(decision-") == len(stage.decisions(ROOT)) > 150
 
 
 def test_captions_of_scenarios_are_their_first_sentence(tmp_path: Path) -> None:
@@ -152,7 +150,7 @@ def test_modules_with_stand_ins_leave_nothing_behind() -> None:
 def pages_with_code() -> list[Path]:
     """Return the pages that show readers code."""
     pages = [*(ROOT / "docs").rglob("*.md"), *(ROOT / "docs" / "lessons").glob("*.ipynb"), *ROOT.glob("*/README.md")]
-    return [ROOT / "README.md", *(file for file in pages if "decisions" not in file.parts)]
+    return [ROOT / "README.md", *pages]
 
 
 def names_used(file: Path) -> Iterator[tuple[str, str]]:

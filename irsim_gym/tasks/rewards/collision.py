@@ -23,6 +23,8 @@ class Collision:
     needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 
+    # Less than an arrival pays (5): where a collision costs much more, policies learn to wait in front of narrow
+    # gaps. It is still more than all running costs of an episode, as the audit of rewards requires.
     weight: float = option(4.0, ge=0.0, meaning="Penalty for a collision.")
     robot: float | None = option(None, ge=0.0, meaning="Penalty for a collision with a robot; default: weight.")
     obstacle: float | None = option(None, ge=0.0, meaning="Penalty for a collision with an obstacle; default: weight.")
