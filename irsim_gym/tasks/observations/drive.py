@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.families import KINEMATICS
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Term, kernel, kind
 
 
@@ -20,7 +21,7 @@ class Drive:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ()
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return each agent's numbers, ``(n_agents, n_drives)``."""

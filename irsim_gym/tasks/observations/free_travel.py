@@ -18,6 +18,7 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Struct, Term, kernel
 from irsim_gym.tasks.words import Columns, coded
 
@@ -60,7 +61,7 @@ class FreeTravel:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")

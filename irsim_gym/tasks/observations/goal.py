@@ -10,6 +10,7 @@ from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.geometry.angles import turned
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import diagonal
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind, option
 
 
@@ -21,7 +22,7 @@ class Goal:
     """
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     scale: float | None = option(
         None, gt=0.0, unit="m", meaning="Distance that reads 1; default: the world's diagonal."

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.tasks.observations.position import place_scale, write_place
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Rays, Shard, State, Term, kind
 
 
@@ -15,7 +16,7 @@ class GoalPosition:
     """x and y of the next goal, scaled like ``position``."""
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("map_frame",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return infinite bounds."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.term import Bound, Needs, Term, forget
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 
 
@@ -38,7 +38,7 @@ class GoalRecord:
     """
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance beyond the record that reads 0.5.")
     soon: float = option(2.0, gt=0.0, unit="s", meaning="Time since the record that reads 0.5.")

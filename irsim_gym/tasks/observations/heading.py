@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
@@ -14,7 +15,7 @@ class Heading:
     """Cosine and sine of the heading in the world."""
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("map_frame",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""

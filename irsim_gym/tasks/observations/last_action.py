@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
 
@@ -16,7 +17,7 @@ class LastAction:
     """The latest action, scaled to [-1, 1] as continuous actions are; at the start, the action for standing still."""
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ()
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, one element for each component of the command."""

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Rays, Shard, State, Term, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 
@@ -26,7 +27,7 @@ class OwnBody:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ()
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return 0 and 1."""

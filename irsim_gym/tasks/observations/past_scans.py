@@ -19,6 +19,7 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded, evenly
 from irsim_gym.world.state import State
@@ -66,7 +67,7 @@ class PastScans:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry")
 
     ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="Ages of the scans.")
     sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first begins straight behind.")

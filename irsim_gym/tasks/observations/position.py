@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
 
@@ -18,7 +19,7 @@ class Position:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("map_frame",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return infinite bounds."""

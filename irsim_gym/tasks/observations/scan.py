@@ -19,6 +19,7 @@ from irsim_gym.tasks.observations.ranges import (
     range_code,
     shared_sensors,
 )
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.state import State
@@ -58,7 +59,7 @@ class Scan:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan",)
 
     sectors: int = option(36, ge=1, meaning="Number of sectors; at most the number of beams.")
     code: Code = option("inverse", meaning="How to encode a depth.")

@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.term import Bound, Needs, Term, forget
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.words import Columns, evenly
 
@@ -36,7 +36,7 @@ class Trail:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     sectors: int = option(12, ge=1, le=360, meaning="Number of sectors; the first begins straight behind.")
     spacing: float = option(0.5, gt=0.0, unit="m", meaning="Distance driven between two marks.")

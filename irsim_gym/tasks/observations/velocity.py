@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine.traits import limits_at_ends
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
-from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
+from irsim_gym.tasks.term import AHEAD_AND_LEFT, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_WORLD, Model
 
@@ -23,7 +23,7 @@ class Velocity:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return each agent's limits with the least and the greatest speed of any level, ``(n_agents, 2, 3)``."""

@@ -12,7 +12,7 @@ from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen,
 from irsim_gym.tasks.observations.seen_ways import SeenWays, clear_levels, narrow_ways, way_ahead
 from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_way
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.term import Bound, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Model, Shard, Simulation, State, kernel, kind, option
 
 
@@ -28,7 +28,7 @@ class WayOnSeenMap:
     """
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry", "grid")
 
     cell: float | None = option(
         None,

@@ -12,6 +12,7 @@ from irsim_gym.tasks.observations.standing_aside import write_asides
 from irsim_gym.tasks.observations.team_ways import TeamWays, skip_robots, write_own_ways
 from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored
 from irsim_gym.tasks.scaling import diagonal
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Model, Shard, Simulation, State, Term, kind, option
 
 
@@ -33,7 +34,7 @@ class YieldingWay:
     """
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry", "grid", "messages")
 
     cell: float | None = CELL
     every: int = EVERY
