@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -15,6 +16,7 @@ from irsim_gym.tasks.observations.ranges import (
     RangeCode,
     code_problems,
     encode,
+    encoded_graph,
     range_code,
     shared_sensors,
 )
@@ -111,6 +113,21 @@ class FreeTravel:
     def mirrored(self, term: Term) -> Mirrored:
         """Return the directions from right to left."""
         return directions_exchanged(self.directions)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        ways: Ways = term.arrays
+        ahead_x, ahead_y, far, radius = ways.ahead_x, ways.ahead_y, ways.far[agent], ways.radius[agent]
+        x, y = (
+            (robot.ranges * beams[agent] + ways.mount[agent, axis]).spread(2)
+            for axis, beams in enumerate((ways.beams_x, ways.beams_y))
+        )
+        along, aside = x * ahead_x + y * ahead_y, y * ahead_x - x * ahead_y
+        room = radius * radius - aside * aside
+        way = (along - room.most(0.0).op("Sqrt")).most(0.0)
+        is_hit = (robot.ranges < ways.sight[agent]).spread(2)
+        lengths = (is_hit & (room > 0.0) & (along > 0.0)).where(way, far).smallest(1).least(far)
+        return encoded_graph(self, far, lengths)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

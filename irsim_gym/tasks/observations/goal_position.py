@@ -6,7 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.tasks.observations.position import place_scale, write_place
+from irsim_gym.tasks.graph import RobotValues, Value
+from irsim_gym.tasks.observations.position import place_graph, place_scale, write_place
 from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Rays, Shard, State, Term, kind
 
@@ -29,6 +30,10 @@ class GoalPosition:
     def mirrored(self, term: Term) -> str:
         """Return why it has no mirror: it is in the frame of the world."""
         return IN_WORLD
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        return place_graph(model, robot.goal)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
 from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
@@ -37,6 +38,10 @@ class LastAction:
     def mirrored(self, term: Term) -> Mirrored | str:
         """Return the columns as the drive says; what is positive to the left changes its sign."""
         return command_exchanged(term)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        return robot.action
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

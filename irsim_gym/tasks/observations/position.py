@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
@@ -33,6 +34,10 @@ class Position:
         """Return why it has no mirror: it is in the frame of the world."""
         return IN_WORLD
 
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        return place_graph(model, robot.pose)
+
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
@@ -44,6 +49,12 @@ def place_scale(axis: str, model: Model) -> str:
     x_min, y_min, x_max, y_max = model.bounds.tolist()
     middle = 0.5 * (x_min + x_max) if axis == "x" else 0.5 * (y_min + y_max)
     return f"({axis} - {middle:g} m) / {0.5 * max(x_max - x_min, y_max - y_min):g} m"
+
+
+def place_graph(model: Model, place: Value) -> Value:
+    """Return what ``write_place`` writes, of places ``(batch, 3)``."""
+    low, high = model.bounds[:2], model.bounds[2:]
+    return ((place.columns(0, 2) - 0.5 * (low + high)) / (0.5 * float(np.max(high - low)))).cast(np.float32)
 
 
 @kernel

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Words
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -16,6 +17,7 @@ from irsim_gym.tasks.observations.ranges import (
     code_problems,
     encode,
     encoded,
+    encoded_graph,
     range_code,
     shared_sensors,
 )
@@ -117,6 +119,15 @@ class Scan:
         if not np.array_equal(first, len(term.arrays.angles) - last[::-1]):
             return "has beams on the borders of its sectors: choose 'sectors' that divide the number of beams"
         return sectors_exchanged(len(first))
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        sectors: Sectors = term.arrays
+        first, last = sectors.first.astype(np.int64), sectors.last.astype(np.int64)
+        # Sectors with fewer beams than others name their last one again.
+        beams = np.minimum(first[:, None] + np.arange((last - first).max()), last[:, None] - 1)
+        depths = (robot.ranges - sectors.extent[agent]).least(sectors.far[agent]).most(0.0)
+        return encoded_graph(self, sectors.far[agent], depths.take(beams).smallest(2))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
