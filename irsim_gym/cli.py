@@ -32,6 +32,7 @@ from irsim_gym.cli_options import (
     Watched,
 )
 from irsim_gym.cli_policies import policies as shelf
+from irsim_gym.cli_robot import export
 from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new, options, schema
 from irsim_gym.cli_suite import suite
@@ -116,6 +117,7 @@ app.command()(options)
 app.command()(schema)
 app.command()(train)
 app.command()(tune)
+app.command()(export)
 
 
 @app.command()

@@ -12,12 +12,13 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from irsim_gym.arraytypes import Floats
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.terms import Model
 
 OPSET, IR_VERSION = 17, 8
 BATCH = "batch"
-Number = float | NDArray[Any]
+Number = float | np.floating[Any] | NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +50,10 @@ class Value:
     def __neg__(self) -> Value:
         return self.op("Neg")
 
-    def __lt__(self, other: Value | Number) -> Value:
+    def __lt__(self, other: Value | Number) -> Value:  # type: ignore[misc]
         return self._with("Less", other, np.bool_)
 
-    def __gt__(self, other: Value | Number) -> Value:
+    def __gt__(self, other: Value | Number) -> Value:  # type: ignore[misc]  # both sides are values here
         return self._with("Greater", other, np.bool_)
 
     def __ge__(self, other: Value | Number) -> Value:
@@ -267,9 +268,19 @@ def sector_flags(x: Value, y: Value, count: int) -> Value:
     """
     if count == 1:
         return ~(x.is_nan().spread(2))
+    return between_edges(x, y, 2.0 * np.pi * np.arange(count + 1) / count - np.pi)
+
+
+def between_edges(x: Value, y: Value, edges: Floats) -> Value:
+    """Return between which edges each place lies, ``(batch, n, n_edges - 1)``.
+
+    Args:
+        x: How far ahead each place is [m], ``(batch, n)``.
+        y: How far to the left it is [m].
+        edges: Ascending angles [rad]; neighbours are at most half a turn apart.
+    """
     # A place on an edge belongs to the sector that begins there, whatever is rounded.
-    edges = 2.0 * np.pi * np.arange(count + 1) / count - np.pi - 1e-12
-    cosines, sines = np.cos(edges), np.sin(edges)
+    cosines, sines = (function(edges - 1e-12).astype(x.dtype) for function in (np.cos, np.sin))
     begun, over = (
         y.spread(2) * cosines[side] - x.spread(2) * sines[side] for side in (slice(None, -1), slice(1, None))
     )

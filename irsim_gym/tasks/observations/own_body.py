@@ -59,7 +59,8 @@ class OwnBody:
         sideways = float(model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR))
         speeds = [share_of(v, 1.0) for v in (max(high[0], 0.0), abs(min(low[0], 0.0)), max(high[1], -low[1]))]
         changes = [share_of(limit[0], 1.0), share_of(limit[1], 1.0), share_of(model.step_time[0], HALF_STEP)]
-        return robot.constant([share_of(model.reach[0, b], HALF_RADIUS), *speeds, sideways, *changes])
+        shares = [share_of(model.reach[0, b], HALF_RADIUS), *speeds, np.float32(sideways), *changes]
+        return robot.constant(np.array(shares))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
