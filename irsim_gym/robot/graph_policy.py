@@ -14,7 +14,7 @@ from irsim_gym.evaluation.perception import Perception
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.robot.robot_inputs import Measured, measured
-from irsim_gym.tasks import Episodes
+from irsim_gym.tasks import Episodes, Outcome
 
 
 class GraphRunner:
@@ -158,10 +158,12 @@ class ComparedPolicy:
         values = {name: rows[worlds] for name, rows in measured(episodes).items()}
         inputs = self._runner.inputs(values, worlds)
         commands, actions = self._runner.run(values, worlds), np.asarray(self.policy.act(episodes, worlds))
-        expected = commands_of(episodes, actions, values)
-        self.most = max(self.most, float(np.abs(commands - expected).max()))
-        self.n_commands += len(commands)
-        self._keep({**inputs, "command": commands})
+        # A robot whose episode has ended waits for its team: it is not driven any more.
+        drives = episodes.view.infos["outcome"][worlds, 0] == Outcome.RUNNING
+        apart = np.abs(commands - commands_of(episodes, actions, values))[drives]
+        self.most = float(np.max(apart, initial=self.most))
+        self.n_commands += len(apart)
+        self._keep({name: rows[drives] for name, rows in {**inputs, "command": commands}.items()})
         return actions
 
     def _keep(self, rows: Mapping[str, NDArray[Any]]) -> None:
