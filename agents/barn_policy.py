@@ -18,13 +18,8 @@ from typing import Any
 import numpy as np
 from barn_row import PUBLISHED, score
 
-from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.perception import Perceived
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.levels.barn import import_barn
-from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.policies import load_policy
-from irsim_gym.training.run import machine
+from irsim_gym.evaluation import EpisodeRow, Perceived, as_policy, conditions, machine, make_episodes, play_levels
+from irsim_gym.levels import import_barn
 
 OUT = Path(__file__).parent / "results" / "barn_policy.json"
 WORLDS = range(0, 300, 6)
@@ -67,8 +62,8 @@ def main(copy: Path, policies: Sequence[str]) -> None:
         worlds = Perceived(make_episodes(str(levels), n_worlds=len(WORLDS)))
         found = {}
         for name in policies:
-            policy = load_policy(name)
-            found[Path(name).name] = figures(evaluate(policy, worlds.of(policy), list(WORLDS)), lengths)
+            policy = as_policy(name)
+            found[Path(name).name] = figures(play_levels(policy, worlds.of(policy), list(WORLDS)), lengths)
         named = conditions(worlds.episodes, "test", len(WORLDS))
     record = {
         "benchmark": "BARN-2D: worlds 0, 6, ..., 294 of a user's copy of BARN (bf5a226), each once",

@@ -23,8 +23,8 @@ import numpy as np
 import yaml
 
 import irsim_gym
-from irsim_gym.levels.barn import import_barn
-from irsim_gym.training.run import machine
+from irsim_gym.evaluation import machine
+from irsim_gym.levels import import_barn
 
 HERE = Path(__file__).parent
 RESULT = HERE / "results" / "barn_dwa.json"

@@ -12,7 +12,6 @@ import torch
 from torch import nn
 
 import irsim_gym
-from irsim_gym.cli_tools import read_parameters
 from irsim_gym.errors import IrsimGymError
 
 GAMMA, LAMBDA, CLIP, EPOCHS, PARTS = 0.99, 0.95, 0.2, 4, 4
@@ -86,6 +85,11 @@ if __name__ == "__main__":
     given = parser.parse_args()
     settings = given.set or (["n_robots=3"] if given.scenario == "random_swap" else [])
     try:
-        train(given.scenario, updates=given.updates, seed=given.seed, **read_parameters(settings))
+        train(
+            given.scenario,
+            updates=given.updates,
+            seed=given.seed,
+            **dict(setting.split("=", 1) for setting in settings),
+        )
     except IrsimGymError as error:
         parser.exit(1, f"{error}\n")

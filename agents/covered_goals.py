@@ -19,19 +19,16 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from rich.progress import track
 from shapely.geometry.base import BaseGeometry
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.engine import Simulation
-from irsim_gym.evaluation.perception import Perceived
-from irsim_gym.evaluation.policy import by_agent
-from irsim_gym.evaluation.teams import top_speed
+from irsim_gym import Simulation
+from irsim_gym.evaluation import Perceived, as_policy, by_agent, conditions, machine, make_episodes, top_speed
+from irsim_gym.plugins import row_of
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.policies import load_policy
-from irsim_gym.training.run import machine
-from irsim_gym.world.rows import row_of
+
+Flags, Floats, Ints = NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]
 
 CELL = 0.025
 SLACK = CELL / 2.0**0.5
@@ -65,7 +62,7 @@ def play(
     scenario: str, source: str, levels: Ints, split: str, begun_or_stepped: Callable[[Episodes], None] = lambda _: None
 ) -> Episodes:
     """Drive each level once, all at a time, and return the episodes, all of which have ended."""
-    policy = load_policy(source)
+    policy = as_policy(source)
     episodes = Perceived(make_episodes(scenario, n_worlds=len(levels))).of(policy)
     worlds = np.arange(len(levels))
     episodes.begin(worlds, levels, split)

@@ -22,15 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import irsim_gym
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.evaluation.drive_actions import to_actions
-from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.evaluation.tables import plain
+from irsim_gym.evaluation import Policy, conditions, machine, make_episodes, plain, reference_policy, to_actions
+from irsim_gym.plugins import Shard
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.run import machine
-from irsim_gym.world.group import Shard
+
+Floats, Ints = NDArray[np.float64], NDArray[np.int64]
 
 RESULTS = Path(__file__).parent / "results" / "crowd_benchmarks.json"
 SIGHT = 5.0 + 0.3 + 0.3

@@ -1,6 +1,8 @@
 """The command ``irsim-gym evaluate`` as a script: ``python agents/evaluate.py --help``."""
 
-from irsim_gym import cli
+import sys
+
+from irsim_gym.cli import main
 
 if __name__ == "__main__":
-    cli.run(cli.evaluate)
+    main(["evaluate", *sys.argv[1:]])

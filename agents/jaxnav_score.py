@@ -21,16 +21,23 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.evaluation.perception import Perceived
-from irsim_gym.evaluation.policy import Policy, by_agent
-from irsim_gym.evaluation.tables import write_json
-from irsim_gym.evaluation.worst_levels import worst_shares
+from irsim_gym.evaluation import (
+    Perceived,
+    Policy,
+    SavedPolicy,
+    as_policy,
+    by_agent,
+    conditions,
+    machine,
+    make_episodes,
+    worst_shares,
+    write_json,
+)
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.policies import SavedPolicy, load_policy
-from irsim_gym.training.run import machine
+
+Floats, Ints = NDArray[np.float64], NDArray[np.int64]
 
 OUT = Path(__file__).parent / "results" / "jaxnav_score.json"
 PUBLISHED = {1: {"success": 0.980, "worst 5 %": 0.605}, 4: {"success": 0.922, "worst 5 %": 0.459}}
@@ -49,7 +56,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT, help="default: results/jaxnav_score.json beside this file")
     options = parser.parse_args()
     played = make_episodes(options.levels_of, task=options.task, n_worlds=options.levels, team=True)
-    policy: Policy = load_policy(options.policy)
+    policy: Policy = as_policy(options.policy)
     policy = policy if options.mean else drawing(policy)
     episodes = Perceived(played).of(policy)
     torch.manual_seed(0)

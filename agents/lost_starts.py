@@ -16,9 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
+from irsim_gym.evaluation import conditions, machine, make_episodes
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.run import machine
 
 STEPS, FEW, MANY, ROUNDS = 8, 16, 2048, 8
 PARENTS = 64

@@ -28,8 +28,8 @@ import torch
 from torch import Tensor, nn
 
 import irsim_gym
-from irsim_gym.envs.mirror import Mirror
-from irsim_gym.evaluation.tables import write_text
+from irsim_gym.envs import Mirror
+from irsim_gym.evaluation import write_text
 
 MOST = 10.0
 """Largest logarithm of a ratio of densities."""

@@ -1,6 +1,8 @@
 """The command ``irsim-gym record`` as a script: ``python agents/record.py --help``."""
 
-from irsim_gym import cli
+import sys
+
+from irsim_gym.cli import main
 
 if __name__ == "__main__":
-    cli.run(cli.record)
+    main(["record", *sys.argv[1:]])

@@ -9,11 +9,13 @@ import argparse
 from collections import Counter, deque
 
 import numpy as np
+from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs import Worlds
+from irsim_gym.evaluation import as_policy
 from irsim_gym.tasks import Outcome
-from irsim_gym.training.policies import load_policy
+
+Flags, Floats = NDArray[np.bool_], NDArray[np.float64]
 
 LAST = 100
 """Steps at the end in which a robot that drives less than ``FAR`` [m] counts as standing."""
@@ -36,7 +38,7 @@ def main() -> None:
 
 def drive(worlds: Worlds, source: str) -> Floats:
     """Drive all levels once; return how far each robot drove in the last steps [m], ``(n_worlds, n_agents)``."""
-    episodes, policy = worlds.episodes, load_policy(source)
+    episodes, policy = worlds.episodes, as_policy(source)
     levels = np.arange(worlds.n_worlds)
     episodes.begin(levels, levels, "dev")
     policy.begin(episodes, levels, levels)

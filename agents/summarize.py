@@ -15,8 +15,8 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from irsim_gym.evaluation.tables import write_json
-from irsim_gym.training.seed_summary import (
+from irsim_gym.evaluation import write_json
+from irsim_gym.training import (
     Figures,
     markdown_table,
     named_as_runs,

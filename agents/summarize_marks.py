@@ -18,9 +18,9 @@ from typing import Any
 
 from summarize import HERE
 
-from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
-from irsim_gym.suite.listing import reference_figures
-from irsim_gym.training.seed_summary import WORST, markdown_table, percent
+from irsim_gym.evaluation import ALWAYS_SHOWN
+from irsim_gym.suite import reference_figures
+from irsim_gym.training import WORST, markdown_table, percent
 
 RESULTS, PAGE = HERE / "results", HERE / "README.md"
 

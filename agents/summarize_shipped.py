@@ -19,7 +19,7 @@ from typing import Any
 
 from summarize import HERE
 
-from irsim_gym.training.seed_summary import percent
+from irsim_gym.training import percent
 
 RESULTS, PAGE = HERE / "results" / "shipped.json", HERE / "README.md"
 BEGIN, END = "<!-- shipped: begin -->", "<!-- shipped: end -->"

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from summarize import HERE, write
 
-from irsim_gym.training.seed_summary import markdown_table, seed_cells
+from irsim_gym.training import markdown_table, seed_cells
 
 
 def main() -> None:

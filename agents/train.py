@@ -1,6 +1,8 @@
 """The command ``irsim-gym train`` as a script: ``python agents/train.py --help``."""
 
-from irsim_gym import cli
+import sys
+
+from irsim_gym.cli import main
 
 if __name__ == "__main__":
-    cli.run(cli.train)
+    main(["train", *sys.argv[1:]])

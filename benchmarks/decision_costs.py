@@ -19,8 +19,8 @@ def measure(name: str, policy: str, effort: Effort) -> Figures:
         policy: The behaviour, with options if wished.
         effort: How much is done.
     """
-    from irsim_gym.envs.worlds import Worlds
-    from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+    from irsim_gym.envs import Worlds
+    from irsim_gym.evaluation import BehaviorPolicy
 
     episodes, driver = Worlds(name, N_WORLDS).episodes, BehaviorPolicy(policy)
     worlds = np.arange(N_WORLDS)

@@ -9,7 +9,7 @@ from typing import Any
 
 from c_twin import compiler
 
-from irsim_gym.training.run import machine
+from irsim_gym.evaluation import machine
 
 
 def describe() -> dict[str, Any]:

@@ -115,7 +115,7 @@ def is_team(scenario: Mapping[str, Any]) -> bool:
 
 def drawn(scenario: Mapping[str, Any], count: int) -> Any:
     """Return our worlds at the first levels."""
-    from irsim_gym.envs.worlds import Worlds
+    from irsim_gym.envs import Worlds
 
     found = Worlds(scenario, count, team=is_team(scenario))
     found.begin(range(count), range(count), [{}] * count, lambda w: w)

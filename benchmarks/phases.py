@@ -20,7 +20,7 @@ from timing import seconds, summed_up
 
 from irsim_gym.engine import arrival, body_buckets, command_limits, contact, outlines, step
 from irsim_gym.engine.fused import Fused
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs import Worlds
 from irsim_gym.tasks import account, actions
 
 

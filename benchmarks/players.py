@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from standard_worlds import RUN_STEPS, TEAM_STEPS
 
 import irsim_gym as ig
-from irsim_gym.envs.single import WorldEnv
-from irsim_gym.envs.vector import WorldVectorEnv
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym import WorldEnv, WorldVectorEnv
+from irsim_gym.envs import Worlds
 
 N_ACTIONS = 64
 """Steps after which the random actions repeat."""

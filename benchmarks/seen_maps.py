@@ -10,8 +10,8 @@ from effort import Effort, Figures
 from numpy.typing import NDArray
 from players import Player
 
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.envs import Worlds
+from irsim_gym.evaluation import BehaviorPolicy
 
 SCENARIO, N_WORLDS, STEPS = "dense_room", 256, 100
 ADDED = {

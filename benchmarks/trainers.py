@@ -99,7 +99,7 @@ def _sb3(trainer: str, seed: int, steps: int | None, keep: Any) -> None:
     from stable_baselines3.common.callbacks import BaseCallback
 
     from irsim_gym import sb3
-    from irsim_gym.training.hyperparameters import load_hyperparameters
+    from irsim_gym.training import load_hyperparameters
 
     class Keep(BaseCallback):
         def _on_rollout_start(self) -> None:

@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 import irsim_gym as ig
-from irsim_gym.training.hyperparameters import load_hyperparameters
+from irsim_gym.training import load_hyperparameters
 
 
 class TimedWorlds(VecEnvWrapper):

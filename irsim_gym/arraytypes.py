@@ -26,6 +26,7 @@ Vector = tuple[float, float]
 Pose = tuple[float, float, float]
 """x, y [m] and heading [rad]."""
 
+# Arrays of one record, not named tuples: fields of the model are copied, compared and stored as arrays.
 MAP_FRAME = np.dtype((np.record, "f8, f8, f8, f8, i8"))
 MAP_FRAME.names = "x", "y", "width", "height", "body"
 """Where an occupancy map lies: its lower left corner, width and height of a cell [m]; its body, -1 without a map."""

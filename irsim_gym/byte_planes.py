@@ -33,6 +33,7 @@ def to_planes(arrays: Mapping[str, NDArray[Any]]) -> Bytes:
     content = bytearray()
     for array in map(_little, arrays.values()):
         for plane in array.reshape(-1).view(np.uint8).reshape(array.size, array.itemsize).T:
+            # LZMA would save another 3 %, but Python may be built without it.
             press = zlib.compressobj(9, zlib.DEFLATED, DEFLATE, 9)
             content += press.compress(plane.tobytes()) + press.flush()
     return np.frombuffer(bytes(content), np.uint8)

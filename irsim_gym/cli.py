@@ -5,38 +5,22 @@ from __future__ import annotations
 import io
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from irsim_gym import cli_completion
+from irsim_gym import cli_options as opt
 from irsim_gym.cli_arena import arena
 from irsim_gym.cli_levels import levels
-from irsim_gym.cli_options import (
-    LAST_LEVEL,
-    Given,
-    Imports,
-    Lenient,
-    Levels,
-    PolicyOption,
-    Reference,
-    ReplaceFile,
-    Scenario,
-    Seed,
-    Split,
-    Steps,
-    Task,
-    Team,
-    Watched,
-)
 from irsim_gym.cli_policies import policies as shelf
 from irsim_gym.cli_robot import export
 from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new, options, schema
 from irsim_gym.cli_suite import suite
-from irsim_gym.cli_tools import one_policy, print_shipped, read_parameters
+from irsim_gym.cli_tools import one_policy, print_shipped, read_parameters, scenario_request
 from irsim_gym.cli_train import train, tune
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
@@ -66,10 +50,10 @@ def check(
     team: Annotated[
         bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
     ] = False,
-    task: Task = None,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    task: opt.Task = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Check scenario files and their tasks, and run each for some steps. Print every problem with its line.
 
@@ -87,8 +71,8 @@ def check(
 
 @app.command()
 def describe(
-    scenario: Scenario,
-    task: Task = None,
+    scenario: opt.Scenario,
+    task: opt.Task = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     out: Annotated[
         Path | None,
@@ -101,15 +85,14 @@ def describe(
     team: Annotated[
         bool, typer.Option("--team", help="Describe the team: all robots learn (or those that the task names).")
     ] = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Describe each number: observations by column, actions, rewards, endings, infos."""
     from irsim_gym.training.describe import describe_scenario
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    asked = scenario_request(scenario, task, team, given, lenient)
     describe_scenario(asked, as_json=as_json, picture=out)
 
 
@@ -122,7 +105,7 @@ app.command()(export)
 
 @app.command()
 def evaluate(
-    scenario: Scenario,
+    scenario: opt.Scenario,
     policies: Annotated[
         list[str] | None,
         typer.Argument(
@@ -131,9 +114,9 @@ def evaluate(
             autocompletion=cli_completion.policies,
         ),
     ] = None,
-    levels: Levels = 1000,
-    split: Split = "test",
-    task: Task = None,
+    levels: opt.Levels = 1000,
+    split: opt.Split = "test",
+    task: opt.Task = None,
     out: Annotated[
         Path | None,
         typer.Option(help="Folder for the results (default: runs/evaluation-SCENARIO[-team]-SPLIT, numbered)."),
@@ -142,16 +125,15 @@ def evaluate(
     references: Annotated[
         bool, typer.Option(help="Add the references random and dash; for teams, also rvo and orca.")
     ] = True,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.training.commands import run_evaluation
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    asked = scenario_request(scenario, task, team, given, lenient)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
     run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
@@ -161,7 +143,7 @@ app.command()(arena)
 
 @app.command()
 def record(
-    scenario: Scenario,
+    scenario: opt.Scenario,
     policies: Annotated[
         list[str],
         typer.Argument(
@@ -170,37 +152,37 @@ def record(
         ),
     ],
     level: Annotated[
-        list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="Number of a level; may be repeated (default: 0).")
+        list[int] | None,
+        typer.Option(min=0, max=opt.LAST_LEVEL, help="Number of a level; may be repeated (default: 0)."),
     ] = None,
-    split: Split = "test",
-    task: Task = None,
+    split: opt.Split = "test",
+    task: opt.Task = None,
     out: Annotated[
         Path | None,
         typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on, numbered)."),
     ] = None,
-    overwrite: ReplaceFile = False,
+    overwrite: opt.ReplaceFile = False,
     html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
     sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
     strobe: Annotated[
         bool,
         typer.Option("--strobe", help="Write one picture with the trajectories of each episode, coloured by time."),
     ] = False,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Film policies on the same levels, side by side.
 
     With --html, write a replay page with scans and rewards for browsers; with --sheet or --strobe, write one picture.
     """
     from irsim_gym.training.commands import run_record
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
     kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
     if len(kinds) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
-    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    asked = scenario_request(scenario, task, team, given, lenient)
     run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 
@@ -208,9 +190,9 @@ def record(
 def demo(
     out: Annotated[Path, typer.Option(help="Folder of the demonstration.")] = Path("runs/demo"),
     scenario: Annotated[str, typer.Option(help="Scenario to learn.")] = "cluttered_room",
-    steps: Steps = None,
-    levels: Levels = 1000,
-    seed: Seed = 0,
+    steps: opt.Steps = None,
+    levels: opt.Levels = 1000,
+    seed: opt.Seed = 0,
 ) -> None:
     """Train PPO on cluttered_room, evaluate and film it. After Ctrl-C, the same command resumes."""
     require("train", "irsim-gym demo")
@@ -221,11 +203,11 @@ def demo(
 
 @app.command()
 def rollout(
-    scenario: Scenario,
-    policy: Reference = None,
-    levels: Levels = 4,
-    split: Split = "dev",
-    task: Task = None,
+    scenario: opt.Scenario,
+    policy: opt.Reference = None,
+    levels: opt.Levels = 4,
+    split: opt.Split = "dev",
+    task: opt.Task = None,
     out: Annotated[
         list[Path] | None,
         typer.Option(
@@ -235,18 +217,17 @@ def rollout(
             help="File to write: a film (.mp4, .gif) or demonstrations (.npz); may be repeated.",
         ),
     ] = None,
-    overwrite: ReplaceFile = False,
-    named: PolicyOption = None,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    overwrite: opt.ReplaceFile = False,
+    named: opt.PolicyOption = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Run a policy on a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    asked = scenario_request(scenario, task, team, given, lenient)
     chosen = one_policy(policy, named) or "dash"
     run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
 
@@ -258,21 +239,21 @@ app.command()(doctor)
 
 @app.command()
 def play(
-    scenario: Scenario,
-    policy: Watched = None,
+    scenario: opt.Scenario,
+    policy: opt.Watched = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", "--record", help="Write demonstrations to this .npz file; append if it exists."),
     ] = None,
-    task: Task = None,
-    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=LAST_LEVEL, help="First level.")] = 0,
-    split: Split = "train",
+    task: opt.Task = None,
+    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help="First level.")] = 0,
+    split: opt.Split = "train",
     robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
-    named: PolicyOption = None,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    named: opt.PolicyOption = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Drive a robot by hand in a window, level after level, or watch a policy. The window lists the keys; esc quits."""
     from irsim_gym.training.manual_play import PlaySettings
@@ -289,16 +270,16 @@ def play(
 
 @app.command()
 def draw(
-    scenario: Scenario,
-    level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Number of the level.")] = 0,
-    split: Split = "dev",
-    task: Task = None,
+    scenario: opt.Scenario,
+    level: Annotated[int, typer.Option(min=0, max=opt.LAST_LEVEL, help="Number of the level.")] = 0,
+    split: opt.Split = "dev",
+    task: opt.Task = None,
     out: Annotated[
         Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
     ] = None,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Draw the start of a level."""
     from irsim_gym.training.inspection import draw_level
@@ -312,9 +293,9 @@ def warmup(
         list[str] | None,
         typer.Argument(help="Scenarios, benchmarks or tiers of the suite (default: all in configs/scenarios)."),
     ] = None,
-    task: Task = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    task: opt.Task = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Compile the kernels of scenarios in advance, so that later commands start at once."""
     from irsim_gym.scenario.library import scenario_names
@@ -330,25 +311,22 @@ def warmup(
     warm_up([ScenarioRequest(name, task, parameters=given, strict=not lenient) for name, given in worlds])
 
 
-def run(command: Callable[..., object]) -> None:
-    """Run one command as a script."""
-    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    single.command()(command)
-    _guarded(single)
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line. Errors of irsim_gym print a message without a traceback.
 
-
-def main() -> None:
-    """Run the command line. Errors of irsim_gym print a message without a traceback."""
+    Args:
+        arguments: The command and its arguments; None for those of the process.
+    """
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
         sys.stdout.reconfigure(errors="replace")
-    _guarded(app)
+    _guarded(arguments)
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from irsim_gym import __version__
+        from irsim_gym.version import __version__
 
         print(f"irsim_gym {__version__}")
         raise typer.Exit
@@ -363,9 +341,9 @@ def _general(
     """Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them."""
 
 
-def _guarded(command: typer.Typer) -> None:
+def _guarded(arguments: Sequence[str] | None) -> None:
     try:
-        command()
+        app(arguments)
     except IrsimGymError as error:
         print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         sys.exit(128 + error.signal if hasattr(error, "signal") else 1)

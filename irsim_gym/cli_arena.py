@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym import cli_options as opt
 from irsim_gym.cli_completion import policies as policies_that_begin
-from irsim_gym.cli_options import Given, Imports, Lenient, Levels, Scenario, Split, Task, Team
-from irsim_gym.cli_tools import read_parameters
+from irsim_gym.cli_tools import scenario_request
+from irsim_gym.errors import IrsimGymError
 
 
 def arena(
-    scenario: Scenario,
+    scenario: opt.Scenario,
     policies: Annotated[
         list[str] | None,
         typer.Argument(
@@ -21,30 +22,29 @@ def arena(
             autocompletion=policies_that_begin,
         ),
     ] = None,
-    levels: Levels = 1000,
-    split: Split = "test",
-    task: Task = None,
+    levels: opt.Levels = 1000,
+    split: opt.Split = "test",
+    task: opt.Task = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results (default: runs/arena-SCENARIO[-team]-SPLIT, numbered).")
     ] = None,
-    resume: Annotated[
-        bool,
-        typer.Option(
-            "--resume",
-            help="Continue the arena in the folder: finished policies do not play again, further ones may join.",
-        ),
-    ] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the arena in the folder.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
     replays: Annotated[int, typer.Option(min=0, help="Maximum number of episodes that the page can play.")] = 200,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Play the same levels with several policies, and write a page of the results, with replays of failures."""
-    from irsim_gym.arenas.command import run_arena
-    from irsim_gym.training.scenario_request import ScenarioRequest
+    from irsim_gym.arenas.contest import arena as play
+    from irsim_gym.training.commands import print_evaluation, requested_evaluation
+    from irsim_gym.training.policy_places import cure_of
 
-    asked = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
-    chosen: dict[str, Any] = {"levels": levels, "split": split, "replays": replays}
-    run_arena(asked, policies or [], out, resume=resume, overwrite=overwrite, **chosen)
+    asked = scenario_request(scenario, task, team, given, lenient)
+    if not policies:
+        raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
+    asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "arena")
+    chosen: dict[str, Any] = {"levels": levels, "split": split, "replays": replays, "overwrite": overwrite}
+    found = play(policies=methods, folder=folder, **vars(asked), **chosen)
+    print_evaluation(found.evaluation)
+    print(f"rows, figures and table: {folder}\npage: {found.page}")

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from irsim_gym.cli_options import MOST_LEVELS, Given, Imports, Lenient, Scenario, Split, Task, Team
-from irsim_gym.cli_tools import read_parameters
+from irsim_gym import cli_options as opt
+from irsim_gym.cli_tools import scenario_request
 
 levels = typer.Typer(
     help="Levels as files: draw them, import those of other projects, certify and show them.",
@@ -17,7 +17,7 @@ levels = typer.Typer(
 )
 
 Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
-Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels of each split.")]
+Count = Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[
     list[str] | None, typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit).")
 ]
@@ -30,21 +30,20 @@ Out = Annotated[Path, typer.Option(help="File to write, .npz.")]
 
 @levels.command()
 def draw(
-    scenario: Scenario,
+    scenario: opt.Scenario,
     out: Out,
     split: Splits = "test",
     count: Count = 1000,
-    task: Task = None,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    task: opt.Task = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Write levels to a file. Scenarios read it with `levels: FILE.npz`; NumPy can open it, too."""
     from irsim_gym.training.level_commands import run_draw
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    run_draw(ScenarioRequest(scenario, task, team, read_parameters(given), not lenient), split.split(","), count, out)
+    run_draw(scenario_request(scenario, task, team, given, lenient), split.split(","), count, out)
 
 
 @levels.command()
@@ -52,22 +51,21 @@ def certify(
     scenario: Certified,
     policies: Policies = None,
     out: OutOrBeside = None,
-    split: Split = "test",
+    split: opt.Split = "test",
     count: Count = 1000,
-    task: Task = None,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    task: opt.Task = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Measure levels, play them with reference policies, and write a certificate (docs/levels.md).
 
     `evaluate` finds the certificate beside the scenario, or beside its file of levels, and reports by difficulty.
     """
     from irsim_gym.training.level_commands import run_certify
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    wanted = scenario_request(scenario, task, team, given, lenient)
     run_certify(wanted, split, count, policies or None, out)
 
 
@@ -115,18 +113,17 @@ def certify_suite(
 def show(
     scenario: Certified,
     out: Annotated[Path | None, typer.Option(help="Picture to write, .png (default: SCENARIO-levels.png).")] = None,
-    split: Split = "test",
+    split: opt.Split = "test",
     number: Annotated[int, typer.Option(min=4, max=100, help="Number of levels in the picture.")] = 16,
     count: Count = 1000,
-    task: Task = None,
-    team: Team = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    task: opt.Task = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
 ) -> None:
     """Draw levels into one picture, from the easiest to the hardest if they have a certificate."""
     from irsim_gym.training.level_sheet import show_levels
-    from irsim_gym.training.scenario_request import ScenarioRequest
 
-    wanted = ScenarioRequest(scenario, task, team, read_parameters(given), not lenient)
+    wanted = scenario_request(scenario, task, team, given, lenient)
     print(show_levels(wanted, split, count, number, out))

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from irsim_gym import cli_completion
-from irsim_gym.cli_tools import import_modules, read_count
+from irsim_gym.cli_tools import read_count
+from irsim_gym.imports import import_modules
 
 LAST_SEED = 2**32 - 1  # largest seed of NumPy's legacy generator, which Stable-Baselines3 seeds
 LAST_LEVEL = 2**53 - 1  # largest level of an environment

@@ -33,7 +33,7 @@ def run_by_itself(
 ) -> None:
     """Run a file with its own behaviours, without learning, and print the status of its robots at the end."""
     from irsim_gym.evaluation.progress_bars import counting
-    from irsim_gym.live import load
+    from irsim_gym.live.world import load
     from irsim_gym.scenario.load import load_scenario
 
     parameters = read_parameters(given)

@@ -7,36 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from irsim_gym.cli_options import (
-    Address,
-    Algorithm,
-    BeginAnew,
-    Changes,
-    Curriculum,
-    Device,
-    DevLevels,
-    EngineName,
-    Given,
-    Hyperparameters,
-    Imports,
-    LearnerGpus,
-    Lenient,
-    Mixture,
-    MoreSteps,
-    Origin,
-    Resume,
-    RunFolder,
-    Scenarios,
-    Seed,
-    Seeds,
-    Steps,
-    Task,
-    TeamMode,
-    TestLevels,
-    Until,
-    Workers,
-    WorldsPerWorker,
-)
+from irsim_gym import cli_options as opt
 from irsim_gym.cli_tools import read_changes, read_parameters
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.extras import require
@@ -53,39 +24,39 @@ def check_resumable(out: Path | None) -> None:
 
 
 def train(
-    scenario: Scenarios,
-    algorithm: Algorithm = None,
-    seed: Seed = 0,
-    steps: Steps = None,
-    task: Task = None,
-    out: RunFolder = None,
-    hyperparameters: Hyperparameters = None,
-    changes: Changes = None,
-    resume: Resume = False,
-    more_steps: MoreSteps = None,
-    until: Until = None,
-    overwrite: BeginAnew = False,
-    origin: Origin = None,
-    device: Device = None,
-    dev_levels: DevLevels = 1000,
-    team: TeamMode = None,
-    curriculum: Curriculum = None,
-    seeds: Seeds = None,
-    test_levels: TestLevels = 1000,
-    mixture: Mixture = False,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
-    engine: EngineName = None,
-    workers: Workers = None,
-    worlds_per_worker: WorldsPerWorker = None,
-    learner_gpus: LearnerGpus = None,
-    address: Address = None,
+    scenario: opt.Scenarios,
+    algorithm: opt.Algorithm = None,
+    seed: opt.Seed = 0,
+    steps: opt.Steps = None,
+    task: opt.Task = None,
+    out: opt.RunFolder = None,
+    hyperparameters: opt.Hyperparameters = None,
+    changes: opt.Changes = None,
+    resume: opt.Resume = False,
+    more_steps: opt.MoreSteps = None,
+    until: opt.Until = None,
+    overwrite: opt.BeginAnew = False,
+    origin: opt.Origin = None,
+    device: opt.Device = None,
+    dev_levels: opt.DevLevels = 1000,
+    team: opt.TeamMode = None,
+    curriculum: opt.Curriculum = None,
+    seeds: opt.Seeds = None,
+    test_levels: opt.TestLevels = 1000,
+    mixture: opt.Mixture = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+    engine: opt.EngineName = None,
+    workers: opt.Workers = None,
+    worlds_per_worker: opt.WorldsPerWorker = None,
+    learner_gpus: opt.LearnerGpus = None,
+    address: opt.Address = None,
 ) -> None:
     """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
     from irsim_gym.training.engines import engine_of
-    from irsim_gym.training.mixture_file import requested_mixture
+    from irsim_gym.training.mixture import requested_mixture
     from irsim_gym.training.seed_runs import run_seeds
     from irsim_gym.training.training_request import TrainingRequest
 
@@ -100,7 +71,7 @@ def train(
         changes=read_changes(changes),
         until=until,
     )
-    request = request if mixed is None else mixed.request(request)
+    request = request if mixed is None else request.with_mixture(mixed)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
     if seeds is None:
         run_training(request, out, more_steps=more_steps, **how)
@@ -119,23 +90,23 @@ def tune(
         Path | None, typer.Option(help="YAML file of the search space (default: the shipped one of the algorithm).")
     ] = None,
     grid: Annotated[bool, typer.Option("--grid", help="Train all combinations of the lists in the space.")] = False,
-    algorithm: Algorithm = None,
-    seed: Seed = 0,
-    steps: Steps = None,
-    task: Task = None,
+    algorithm: opt.Algorithm = None,
+    seed: opt.Seed = 0,
+    steps: opt.Steps = None,
+    task: opt.Task = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder of the study (default: runs/tune-RUN, RUN as the folder of train).")
     ] = None,
-    hyperparameters: Hyperparameters = None,
-    changes: Changes = None,
+    hyperparameters: opt.Hyperparameters = None,
+    changes: opt.Changes = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the study in the folder.")] = False,
-    device: Device = None,
+    device: opt.Device = None,
     dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
-    team: TeamMode = None,
-    curriculum: Curriculum = None,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
+    team: opt.TeamMode = None,
+    curriculum: opt.Curriculum = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
     workers: Annotated[
         int | None, typer.Option(min=1, max=10_000, help="Trials at a time (default: 1; on a cluster, its processors).")
     ] = None,

@@ -9,6 +9,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+__all__ = ["BehaviorError", "ChangedScenarioWarning", "IgnoredKeyWarning", "IrsimGymError", "KindError"]
+__all__ += ["MissingExtraError", "MissingScenarioError", "NoEffectWarning", "NoKeyboardWarning", "NoWayError"]
+__all__ += ["NoWindowError", "OptionError", "PlacementError", "Problem", "ScenarioError", "ScenarioWarning"]
+__all__ += ["SeveralAgentsError", "SeveralProblemsError", "UnknownKeywordError", "UnknownNameError"]
+__all__ += ["UnknownParameterError", "UnknownPerceptionWarning", "UnreadableFileError", "UntrustedCodeWarning"]
+__all__ += ["WaitingRobotsWarning"]
+
 
 class IrsimGymError(Exception):
     """Base of every error raised on purpose by this package."""

@@ -81,6 +81,23 @@ class StructType(types.Type):
         digest = hashlib.blake2b(repr(fields).encode(), digest_size=8).hexdigest()
         super().__init__(name=f"{name}_{digest}")
 
+    def word(self, build: Any, block: Any, name: str, k: int, wanted: Any) -> Any:
+        """Load a word of a field. Nobody writes into a block while a kernel runs: loads may move out of loops."""
+        if k < 2 and isinstance(self.fields[name], types.Array):
+            return ir.Constant(wanted, None)  # owner and parent: there are none
+        is_narrow = isinstance(wanted, ir.IntType)
+        place = build.gep(build.bitcast(block, WORD.as_pointer()), [ir.Constant(WORD, self.places[name] + k)])
+        word = build.load(place if is_narrow else build.bitcast(place, wanted.as_pointer()))
+        word.set_metadata("invariant.load", build.module.add_metadata(()))
+        return build.trunc(word, wanted) if is_narrow and wanted != WORD else word
+
+    def part(self, context: Any, build: Any, block: Any, name: str, k: int, axis: int = 0) -> Any:
+        """Load a part of an array: the one at place ``k`` of Numba's form, of an axis for shape and strides."""
+        kind: Any = self.fields[name]
+        wanted = context.get_value_type(kind).elements[k]
+        place = k + axis if k < 6 else k - 1 + kind.ndim + axis
+        return self.word(build, block, name, place, wanted if k < 5 else WORD)
+
 
 extend.register_model(StructType)(extend.models.OpaqueModel)
 
@@ -110,20 +127,11 @@ class _FieldTypes(Template):  # type: ignore[misc]
 
 @extend.lower_getattr_generic(StructType)  # type: ignore[untyped-decorator]
 def _load(context: Any, build: Any, kind: StructType, block: Any, name: str) -> Any:
-    """Load a field. Nobody writes into a block while a kernel runs, so LLVM may move loads out of loops."""
+    """Load a field."""
     packer = context.get_arg_packer([kind.fields[name]])
-    words, never_changes = build.bitcast(block, WORD.as_pointer()), build.module.add_metadata(())
-    loaded = []
-    for k, wanted in enumerate(packer.argument_types):
-        if k < 2 and isinstance(kind.fields[name], types.Array):
-            loaded.append(ir.Constant(wanted, None))  # owner and parent: there are none
-            continue
-        is_narrow = isinstance(wanted, ir.IntType)
-        place = build.gep(words, [ir.Constant(WORD, kind.places[name] + k)])
-        word = build.load(place if is_narrow else build.bitcast(place, wanted.as_pointer()))
-        word.set_metadata("invariant.load", never_changes)
-        loaded.append(build.trunc(word, wanted) if is_narrow and wanted != WORD else word)
-    return packer.from_arguments(build, tuple(loaded))[0]
+    wanted = packer.argument_types
+    words = [kind.word(build, block, name, k, one) for k, one in enumerate(wanted)]
+    return packer.from_arguments(build, tuple(words))[0]
 
 
 class NotPackableError(Exception):

@@ -180,8 +180,14 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
     assert np.abs(made - shown).mean() < LARGEST_DIFFERENCE
 
 
+def pages_of_folders() -> Iterator[Path]:
+    """Yield the pages that stand outside of docs/, in folders."""
+    for name in FOLDERS:
+        yield from (ROOT / name).glob("*.md")
+
+
 def test_links_lead_somewhere() -> None:
-    for page in (*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *(ROOT / name / "README.md" for name in FOLDERS)):
+    for page in (*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *pages_of_folders()):
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"(?:\]\(|^\[\w+\]: )([^)#\s]+)", text, re.MULTILINE):
             assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
@@ -189,7 +195,7 @@ def test_links_lead_somewhere() -> None:
 
 def test_lines_of_pages_have_at_most_120_characters() -> None:
     """Rows of tables and commands may be longer."""
-    pages = [*ROOT.glob("[!R]*.md"), *DOCS.rglob("*.md"), *(ROOT / name / "README.md" for name in FOLDERS)]
+    pages = [*ROOT.glob("[!R]*.md"), *DOCS.rglob("*.md"), *pages_of_folders()]
     lines = [(page, n, line) for page in pages for n, line in enumerate(page.read_text("utf-8").splitlines(), 1)]
     long = [one for one in lines if len(one[2]) > 120 and not one[2].startswith(("|", "irsim-gym ", "python "))]
     assert not [f"{page.relative_to(ROOT)}:{n}" for page, n, _ in long]

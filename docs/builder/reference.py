@@ -32,52 +32,24 @@ class Section:
     names: tuple[str, ...] = ()
 
 
-CARD_PARTS = ("Scenario", "Term", "Action", "Network", "Training", "Part", "Result", "Share")
-
 SECTIONS = {
     "irsim_gym": Section("irsim_gym", "What ``import irsim_gym`` offers.", "irsim_gym"),
     "environments": Section(
-        "Environments",
-        "What ``make``, ``make_vec``, ``parallel_env`` and ``make_batch`` return. ``describe()`` of any of them tells "
-        "what each number means.",
-        names=(
-            "irsim_gym.envs.single.WorldEnv",
-            "irsim_gym.envs.vector.WorldVectorEnv",
-            "irsim_gym.envs.parallel.WorldParallelEnv",
-            "irsim_gym.envs.batch.Batch",
-            "irsim_gym.envs.batch_step.BatchStep",
-            "irsim_gym.envs.torch_rows.TorchRows",
-            "irsim_gym.envs.mirror.Mirror",
-            *(
-                f"irsim_gym.envs.description.{name}"
-                for name in ("Description", "Block", "Part", "Action", "Component", "Reward", "Ending", "Info")
-            ),
-            *(f"irsim_gym.envs.moment.{name}" for name in ("WorldMoment", "Bodies", "BodyMoment", "RobotMoments")),
-            "irsim_gym.world.body_readings.BodyReadings",
+        "irsim_gym.envs",
+        "What environments return when they are asked. ``describe()`` of any of them tells what each number means.",
+        names=tuple(
+            f"irsim_gym.envs.{name}"
+            for name in (
+                *("Mirror", "Description", "Block", "Part", "Action", "Component", "Reward", "Ending", "Info"),
+                *("WorldMoment", "Bodies", "BodyMoment", "BodyReadings"),
+            )
         ),
     ),
-    "worlds": Section(
-        "Worlds by hand",
-        "What ``load`` returns, and its bodies.",
-        names=(
-            "irsim_gym.live.world.World",
-            "irsim_gym.live.body.Body",
-            "irsim_gym.world.irsim_readings.IrSimReadings",
-            "irsim_gym.world.sensor_view.SensorView",
-            *(f"irsim_gym.live.body_info.{name}" for name in ("RobotInfo", "ObstacleInfo", "HalfPlanes")),
-            "irsim_gym.live.drawing.Drawing",
-            "irsim_gym.live.drawing.Drawn",
-            "irsim_gym.live.grid_map.GridMap",
-        ),
-    ),
-    "simulation": Section(
-        "Simulation",
-        "What ``compile`` and ``load_scenario`` return: the simulator alone, without tasks.",
-        names=(
-            "irsim_gym.engine.simulation.Simulation",
-            "irsim_gym.scenario.spec.Scenario",
-            "irsim_gym.scenario.spec.BodySpec",
-        ),
+    "worlds": Section("irsim_gym.live", "What the worlds of ``load`` and their bodies return.", "irsim_gym.live"),
+    "scenario": Section(
+        "irsim_gym.scenario",
+        "Scenarios as data, and where the shipped ones are.",
+        names=tuple(f"irsim_gym.scenario.{name}" for name in ("Scenario", "BodySpec", "find", "configs_folder")),
     ),
     "tasks": Section(
         "irsim_gym.tasks",
@@ -91,29 +63,29 @@ SECTIONS = {
     ),
     "rllib": Section("irsim_gym.rllib", "For Ray RLlib.", "irsim_gym.rllib"),
     "levels": Section(
-        "Scenarios and levels",
-        "Where shipped scenarios are, and what is known of their levels.",
-        names=(
-            "irsim_gym.scenario.library.find",
-            "irsim_gym.scenario.library.configs_folder",
-            "irsim_gym.levels.certificate.read_certificate",
-            "irsim_gym.levels.certificate.Certificate",
-        ),
+        "irsim_gym.levels",
+        "What is known of levels.",
+        names=("irsim_gym.levels.read_certificate", "irsim_gym.levels.Certificate"),
     ),
-    "results": Section(
-        "Results and policies",
+    "evaluation": Section(
+        "irsim_gym.evaluation",
         "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
-        names=(
-            "irsim_gym.training.evaluate.Evaluation",
-            "irsim_gym.training.evaluate_teams.TeamEvaluation",
-            *(f"irsim_gym.evaluation.metrics.{name}" for name in ("Summary", "EpisodeRow", "Rate")),
-            *(f"irsim_gym.evaluation.team_metrics.{name}" for name in ("TeamSummary", "TeamRow", "AgentRow")),
-            "irsim_gym.arenas.contest.Arena",
-            "irsim_gym.arenas.standings.Standings",
-            "irsim_gym.training.shelf.ShelfPolicy",
-            "irsim_gym.training.cards.PolicyCard",
-            *(f"irsim_gym.training.cards.Card{name}" for name in CARD_PARTS),
-            "irsim_gym.training.demonstrations.Demonstrations",
+        names=tuple(
+            f"irsim_gym.evaluation.{name}"
+            for name in (
+                *(
+                    "Evaluation",
+                    "TeamEvaluation",
+                    "Summary",
+                    "EpisodeRow",
+                    "Rate",
+                    "TeamSummary",
+                    "TeamRow",
+                    "AgentRow",
+                ),
+                *("Arena", "Standings", "ShelfPolicy", "PolicyCard", "CardScenario", "CardTerm", "CardAction"),
+                *("CardNetwork", "CardTraining", "CardPart", "CardResult", "CardShare", "Demonstrations"),
+            )
         ),
     ),
     "plugins": Section("irsim_gym.plugins", "Kinds of your own.", "irsim_gym.plugins"),

@@ -17,6 +17,7 @@ ELSEWHERE = {
     "configs/README.md": "language.md",
     "agents/README.md": "agents.md",
     "benchmarks/README.md": "measurements.md",
+    "benchmarks/choices.md": "choices.md",
 }
 """Pages outside of docs/; other Markdown files at the top go to ``project/``."""
 ONLY_LINKED = ("README.md", "configs/README.md")

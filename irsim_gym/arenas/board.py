@@ -68,12 +68,6 @@ class Board:
         """Whether all agents arrived, ``(n_policies, n_levels)``."""
         return np.asarray(self.outcome == OUTCOMES.index("success"))
 
-    def among(self, policies: Sequence[str]) -> Board:
-        """Return the board of some of the policies."""
-        chosen = [self.policies.index(policy) for policy in policies]
-        tables = {name: getattr(self, name)[chosen] for name in ("outcome", "arrived", "steps", "time", "spl")}
-        return Board(tuple(policies), self.levels, agents=self.agents, **tables)
-
 
 def _agents(row: Row) -> tuple[EpisodeRow, ...]:
     """Return the episodes of all agents."""

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from irsim_gym.arenas.board import Board
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.evaluation.metrics import Rate, Summary, rate, summarize
+from irsim_gym.evaluation.metrics import Rate, rate
 from irsim_gym.evaluation.paired import PairedComparison, compare_pairs
-from irsim_gym.evaluation.team_metrics import TeamSummary, summarize_teams
-from irsim_gym.evaluation.team_tables import figure_tables
-from irsim_gym.levels.played import QUARTER_NAMES, PlayedLevels
+from irsim_gym.levels.played import QUARTER_NAMES
+from irsim_gym.training.evaluate import Evaluation
 
 PEERS = "by how many of the other policies fail"
 
@@ -44,42 +41,29 @@ class Standings:
         pairs: Comparisons of each policy with each later one.
         strata_by: How the difficulty of levels is measured.
         strata: Success by difficulty, the easiest levels first.
-        level_set: The levels.
     """
 
-    summaries: list[Summary] | list[TeamSummary]
+    summaries: list[Any]
     pairs: list[PairedComparison]
     strata_by: str
     strata: list[Stratum]
-    level_set: PlayedLevels
 
     def figures(self) -> dict[str, object]:
-        """Return all figures by name, for a file."""
+        """Return the comparisons by name, for a file."""
         strata = {"by": self.strata_by, "policies": [each.policy for each in self.summaries], "strata": self.strata}
-        return {"policies": self.summaries, "pairs": self.pairs, "difficulty": strata}
-
-    def tables(self, title: str) -> list[Table]:
-        """Return the tables of figures for a terminal."""
-        return figure_tables(self.summaries, title)
+        return {"pairs": self.pairs, "difficulty": strata}
 
 
-def stand(rows: Mapping[str, Sequence[Any]], *, team: bool, level_set: PlayedLevels) -> Standings:
-    """Compare policies.
-
-    Args:
-        rows: Episodes (levels for teams) by policy.
-        team: Whether they drove teams.
-        level_set: The levels, and their certificate if they have one.
-    """
-    board = Board.of(rows)
-    summaries = summarize_teams(rows) if team else [summarize(policy, episodes) for policy, episodes in rows.items()]
-    certificate, quarters = level_set.certificate, level_set.quarters
+def stand(found: Evaluation) -> Standings:
+    """Compare the policies of an evaluation."""
+    board = Board.of(found.rows)
+    certificate, quarters = found.level_set.certificate, found.level_set.quarters
     if certificate is None or quarters is None:
         by, strata = PEERS, strata_of_peers(board)
     else:
         by = f"by how many of {', '.join(certificate.policies)} fail, in quarters"
         strata = strata_of_quarters(board, quarters)
-    return Standings(summaries, compare_pairs(list(rows), board.success, board.spl), by, strata, level_set)
+    return Standings(found.summaries, compare_pairs(list(found.rows), board.success, board.spl), by, strata)
 
 
 def strata_of_peers(board: Board) -> list[Stratum]:

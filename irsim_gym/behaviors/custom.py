@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 
 from irsim_gym import families
-from irsim_gym.behaviors.renewal import RenewsGoals, RenewsMembersGoals, renewal_problems
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
@@ -32,9 +32,7 @@ class PythonBehavior(RenewsGoals):
 
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
@@ -60,15 +58,13 @@ class PythonBehavior(RenewsGoals):
 
 
 @kind
-class PythonGroupBehavior(RenewsMembersGoals):
+class PythonGroupBehavior(RenewsGoals):
     """The base class of group behaviours in Python."""
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

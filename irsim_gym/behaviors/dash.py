@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
@@ -33,9 +33,7 @@ class Dash(RenewsGoals):
         consequence="Large: it passes its goal by.",
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

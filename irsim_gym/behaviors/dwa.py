@@ -73,8 +73,6 @@ class Dwa(LocalPlanner):
         consequence="0: it may turn to and fro for ever.",
     )
     obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
-    path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
-    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -168,6 +168,7 @@ def best_command(
     n_first, n_second = options.samples[0], options.samples[1]
     # Rows of speeds first. One more row, i == n_first, is the turns on the spot of a differential drive.
     for i in range(n_first + int(spot)):
+        # Otherwise a body that avoids obstacles strongly turns to and fro before gaps for ever.
         if i == n_first and abs(turned) == BOTH and best < np.inf:
             break
         one = spread_over(low, high, i, n_first) if i < n_first else 0.0
@@ -193,7 +194,8 @@ def best_command(
 @kernel
 def too_slow(rate: float, least: float, most: float, min_rate: float) -> bool:
     """Return whether a turn on the spot is slower than it has to be [rad/s], though a faster one can be reached."""
-    # The fastest turn to this side that a step can reach: one that is slower than the minimum may be all there is.
+    # The fastest turn to this side that a step can reach: one that is slower than the minimum may be all there is, as
+    # for a body that stands and gains 0.1 rad/s in a step.
     reached = most if rate > 0.0 else -least
     return abs(rate) < min_rate and (abs(rate) < reached or rate == 0.0)
 

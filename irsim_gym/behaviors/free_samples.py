@@ -177,11 +177,8 @@ def measure_free(base: int, along_x: Axis, along_y: Axis, rows: Record) -> float
 @kernel
 def first_not_below(axis: Axis) -> int:
     """Return the number of the first of the samples along an axis that is not below the wanted velocity."""
-    first, step, k = (
-        axis.first,
-        axis.step,
-        int(min(max((axis.wanted - axis.first) / axis.step, 0.0), float(axis.n))),
-    )
+    first, step = axis.first, axis.step
+    k = int(min(max((axis.wanted - axis.first) / axis.step, 0.0), float(axis.n)))
     # Rounding may put the quotient one off; the samples themselves decide.
     while k > 0 and first + (k - 1) * step >= axis.wanted:
         k -= 1

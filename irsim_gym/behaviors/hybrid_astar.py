@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from irsim_gym.arraytypes import CellMaps, Ints
@@ -46,9 +45,7 @@ class HybridAstar(RenewsGoals):
         consequence="Large: narrow ways are missed. Small: the search takes longer, and gives up sooner.",
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

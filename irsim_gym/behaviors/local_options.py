@@ -51,3 +51,5 @@ class LocalPlanner(RenewsGoals):
     cost_scaling: float = option(
         5.0, ge=0.0, unit="1/m", meaning="How fast the cost of obstacles falls with the distance."
     )
+    path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
@@ -48,12 +47,8 @@ class Mppi(LocalPlanner):
     )
     collision_cost: float = option(100.0, ge=0.0, unit="m s", meaning="Cost of a way that touches something.")
     obstacle_weight: float = option(0.005, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
-    path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
-    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

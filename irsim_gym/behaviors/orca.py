@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
@@ -12,13 +11,13 @@ from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares
 from irsim_gym.behaviors.orca_map import SIGHT
 from irsim_gym.behaviors.orca_neighbors import OrcaObstacles
 from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
-from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
+from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
 from irsim_gym.geometry.linear_program import HALF_PLANE
 from irsim_gym.world.names import Group, Model, Shard, State, kind, option
 
 
 @kind
-class OrcaGroup(RenewsMembersGoals):
+class OrcaGroup(RenewsGoals):
     """All bodies of a group avoid each other, each taking half of the effort, and what never moves."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
@@ -36,9 +35,7 @@ class OrcaGroup(RenewsMembersGoals):
         False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

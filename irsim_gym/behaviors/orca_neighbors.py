@@ -94,13 +94,8 @@ def find_walls(model: Model, state: State, w: int, b: int, within: float, obstac
         within: Sides this far away or farther are left out [m].
         obstacles: ``parts`` and ``owners`` are written.
     """
-    x, y, pose, segments, discs = (
-        state.pose[w, b, 0],
-        state.pose[w, b, 1],
-        state.pose[w],
-        state.segments[w],
-        state.discs[w],
-    )
+    x, y, pose = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w]
+    segments, discs = state.segments[w], state.discs[w]
     segment_row, disc_row = row_of(model.segment_count, w), row_of(model.disc_count, w)
     parts, gap2, n_found = obstacles.parts, obstacles.parts_gap, obstacles.walls.shape[0]
     # Without columns there are no buckets.

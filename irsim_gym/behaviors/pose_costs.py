@@ -64,7 +64,9 @@ def seconds_of(options: Record, move: Record, gear: int, turn: float) -> float:
         gear: The gear of the other one; 0 if there is none.
         turn: How far the other one turns [rad].
     """
-    # Within a gear, steering has its price; a change of gear has its own, and comes with any steering.
+    # Within a gear, steering has its price; a change of gear has its own, and comes with any steering. Driving back
+    # costs no more than driving ahead: with a factor of 1.2, of which the distance of the disc in `cost_to_go` does
+    # not know, searches in `parking` took four times as long.
     if gear == move.gear:
         return float(move.seconds + STEERING * np.abs(move.turn - turn))
     return float(move.seconds + (options.change_cost if gear != 0 else 0.0))

@@ -93,11 +93,8 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     open_radius = max(inner_radius_of(model, w, b) - np.sqrt(0.5) * grid.grid.cell, 0.0)
     radius = np.sqrt(max(open_radius * open_radius - 0.5 * grid.grid.cell * grid.grid.cell, 0.0))
     search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
-    shape, nodes, costs = (
-        shape_of(model, w, b, tables, slot),
-        nodes_of(tables.nodes, slot),
-        tables.costs[tables.table[m]],
-    )
+    shape = shape_of(model, w, b, tables, slot)
+    nodes, costs = nodes_of(tables.nodes, slot), tables.costs[tables.table[m]]
     # A body that begins closer than PADDING has to get away.
     padding = min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0))
     cell, costs_cell, beyond = tables.cell[m], COARSE * tables.cell[m], np.inf

@@ -76,6 +76,7 @@ def note_scan(scan: OwnScan, w: int, k: int, b: int, state: State, points: Point
     for i in range(find_hits(scan, w, k, np.inf, hits)):
         ahead, aside = hits[0, i], hits[1, i]
         hit = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+        # Nothing is cleared along the beams: one that passes a corner would erase it.
         add_point(points, hit, (x, y))
 
 

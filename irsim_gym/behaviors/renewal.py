@@ -9,42 +9,28 @@ from typing import Any
 from irsim_gym.scenario.options import crossed_bounds, defaults, kind, option
 from irsim_gym.scenario.wander_goals import WanderGoals
 
-_MEMBERS = "a member without a behavior of its own"
 _LOW, _HIGH = (0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)
 """IR-SIM's default bounds of goals: its default world of 10 m by 10 m, any heading [m, m, rad]."""
-_GOALS = option(
-    defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
-)
 
 
 @kind
 class RenewsGoals:
-    """Options of behaviours."""
+    """Options of behaviours; those of a group are for its members without a behavior of their own."""
 
-    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
-    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    wander: bool = option(
+        False,
+        meaning="Draw a new random goal after each arrival; in a group, of members without a behavior of their own.",
+    )
+    loop: bool = option(False, meaning="Begin again with the first goal after the last, likewise.")
     range_low: tuple[float, float, float] = option(
         _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
     )
     range_high: tuple[float, float, float] = option(
         _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
-    wander_goals: WanderGoals = _GOALS
-
-
-@kind
-class RenewsMembersGoals:
-    """Options of group behaviours."""
-
-    wander: bool = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
-    loop: bool = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
-    range_low: tuple[float, float, float] = option(
-        _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering member's goals."
+    wander_goals: WanderGoals = option(
+        defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
     )
-    range_high: tuple[float, float, float] = option(
-        _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering member's goals."
-    )
-    wander_goals: WanderGoals = _GOALS
 
 
 def renewal_problems(options: Any) -> Iterator[tuple[str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -49,9 +48,7 @@ class Rvo(RenewsGoals):
         "sides by its outline. Walls of linestrings are seen from anywhere.",
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from irsim_gym.behaviors.renewal import RenewsGoals, renewal_problems
@@ -11,56 +10,47 @@ from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
 
-DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
-SOCIAL = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")
-OBSTACLE = option(10.0, ge=0.0, meaning="Weight of the force away from walls.")
-SIGMA = option(0.8, gt=0.0, unit="m", meaning="Distance over which the force of a wall fades.")
-IMPORTANCE = option(2.0, ge=0.0, meaning="Weight of relative velocity against relative position.")
-GAMMA = option(0.35, gt=0.0, unit="s", meaning="Range of the interaction for each m/s of its velocity.")
-ANGULAR = option(2.0, ge=0.0, meaning="Decay of the sideways force with the angle.")
-VELOCITY = option(3.0, ge=0.0, meaning="Decay of the braking force with the angle.")
-RELAXATION = option(0.5, gt=0.0, unit="s", meaning="Time in which the desired velocity is taken up.")
-NEIGHBORS = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
-SPEED = option(1.5, gt=0.0, unit="m/s", meaning="Desired and maximum speed.")
-SAFETY = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.")
-
-INTERACTION = option(
-    "moussaid",
-    meaning="How others push: by position and velocity (Moussaid et al. 2009), or straight away, fading with the "
-    "gap between the discs (circular; Helbing and Molnar 1995).",
-)
-RANGE = option(1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades.")
-
 NO_FORCE = 0.0, 0.0
 """The further force on a body that walks alone [m/s2]."""
 
 
 @kind
-class SocialForce(RenewsGoals):
-    """Follow the sum of a pull to the goal and pushes from bodies and walls."""
+class SocialForces(RenewsGoals):
+    """The options that bodies and groups under social forces share."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
-    vmax: float = SPEED
-    neighbor_threshold: float = NEIGHBORS
-    relaxation_time: float = RELAXATION
-    force_factor_desired: float = DESIRED
-    force_factor_social: float = SOCIAL
-    force_factor_obstacle: float = OBSTACLE
-    sigma_obstacle: float = SIGMA
-    lambda_importance: float = IMPORTANCE
-    gamma: float = GAMMA
-    n_angular: float = ANGULAR
-    n_velocity: float = VELOCITY
-    safety_radius: float = SAFETY
-    interaction: Literal["moussaid", "circular"] = INTERACTION
-    interaction_range: float = RANGE
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which other bodies are avoided; for a group, those outside of it."
+    )
+    vmax: float = option(1.5, gt=0.0, unit="m/s", meaning="Desired and maximum speed.")
+    neighbor_threshold: float = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
+    relaxation_time: float = option(0.5, gt=0.0, unit="s", meaning="Time in which the desired velocity is taken up.")
+    force_factor_desired: float = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
+    force_factor_social: float = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")
+    force_factor_obstacle: float = option(10.0, ge=0.0, meaning="Weight of the force away from walls.")
+    sigma_obstacle: float = option(0.8, gt=0.0, unit="m", meaning="Distance over which the force of a wall fades.")
+    lambda_importance: float = option(2.0, ge=0.0, meaning="Weight of relative velocity against relative position.")
+    gamma: float = option(0.35, gt=0.0, unit="s", meaning="Range of the interaction for each m/s of its velocity.")
+    n_angular: float = option(2.0, ge=0.0, meaning="Decay of the sideways force with the angle.")
+    n_velocity: float = option(3.0, ge=0.0, meaning="Decay of the braking force with the angle.")
+    safety_radius: float = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.")
+    interaction: Literal["moussaid", "circular"] = option(
+        "moussaid",
+        meaning="How others push: by position and velocity (Moussaid et al. 2009), or straight away, fading with the "
+        "gap between the discs (circular; Helbing and Molnar 1995).",
+    )
+    interaction_range: float = option(
+        1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
+    )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+
+@kind
+class SocialForce(SocialForces):
+    """Follow the sum of a pull to the goal and pushes from bodies and walls."""
+
+    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

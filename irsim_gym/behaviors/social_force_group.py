@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Vector
-from irsim_gym.behaviors import social_force
-from irsim_gym.behaviors.renewal import RenewsMembersGoals, renewal_problems
+from irsim_gym.behaviors.renewal import renewal_problems
+from irsim_gym.behaviors.social_force import SocialForces
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
@@ -23,32 +23,12 @@ from irsim_gym.world.names import Group, Model, Shard, State, Struct, kernel, ki
 
 
 @kind
-class SocialForceGroup(RenewsMembersGoals):
+class SocialForceGroup(SocialForces):
     """The same for all bodies of a group, which may walk together in smaller ones.
 
     All members decide from the same moment. ``social_groups`` counts members in the order of the file, from 0.
     """
 
-    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
-    reads_neighbors: ClassVar[bool] = True
-
-    vmax: float = social_force.SPEED
-    neighbor_threshold: float = social_force.NEIGHBORS
-    relaxation_time: float = social_force.RELAXATION
-    force_factor_desired: float = social_force.DESIRED
-    force_factor_social: float = social_force.SOCIAL
-    force_factor_obstacle: float = social_force.OBSTACLE
-    sigma_obstacle: float = social_force.SIGMA
-    lambda_importance: float = social_force.IMPORTANCE
-    gamma: float = social_force.GAMMA
-    n_angular: float = social_force.ANGULAR
-    n_velocity: float = social_force.VELOCITY
-    safety_radius: float = social_force.SAFETY
-    interaction: Literal["moussaid", "circular"] = social_force.INTERACTION
-    interaction_range: float = social_force.RANGE
-    target_roles: Literal["all", "robot", "obstacle"] = option(
-        "all", meaning="Which bodies outside of the group are avoided."
-    )
     social_groups: tuple[tuple[int, ...], ...] = option((), meaning="Lists of members who walk together.")
     force_factor_coherence: float = option(2.0, ge=0.0, meaning="Weight of the pull to the others of the list.")
     force_factor_group_repulsion: float = option(1.0, ge=0.0, meaning="Weight of the push from those too near.")

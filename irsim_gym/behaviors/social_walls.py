@@ -110,7 +110,8 @@ def push_of_map(model: Model, state: State, w: int, b: int, options: Any, tables
     Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. Walls that
     push the same way, such as the two of a corner or the steps of a slanted wall, count once too: only the strongest
     push to each of the four sides acts. Discs count as walls: the nearest disc on each side of the body, up to half a
-    right angle from it, pushes from its nearest point.
+    right angle from it, pushes from its nearest point. As standing bodies, each of which pushes a fifth as hard
+    as a wall, the discs of a row would add up.
 
     Reads: model (map_disc, map_frame, map_squares, radius), state (pose), tables (discs, nearest, sides).
     Writes: tables (discs, nearest, sides).

@@ -156,6 +156,7 @@ def _group_behaviors(
 
 def _measure(scenario: Scenario, outlines: Sequence[Outline], model: Model, deciding: Sequence[Group]) -> Ints:
     """Write radius and centroid of all bodies if anything reads them; return the bodies whose outline levels draw."""
+    # A new reader of ``model.radius`` or ``model.centroid`` has to ask for them here.
     if not any(group.kind.reads_neighbors for group in deciding):
         return np.zeros(0, np.int64)
     everyone = np.arange(len(outlines), dtype=np.int64)

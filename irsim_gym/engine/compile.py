@@ -237,6 +237,7 @@ def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalP
     An agent's behaviour is overridden, so it does not loop, and wanders only where it has no other goal.
     """
     placed = n_goals_drawn(scenario.placements[body.entry])
+    # Nothing checks whether a goal that is drawn on the way can be reached, as in IR-SIM.
     wanders = body.wanders and not (is_agent and (placed or body.goal))
     loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
     count = placed or len(body.goal)

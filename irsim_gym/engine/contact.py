@@ -243,6 +243,7 @@ def measure_clearance(
                     whole = outline_of(model, state, w, b)
                     best = min(best, outline_distance(whole, other, best))
             distance[w, k] = best
+            # With a second body that moves, the distance would hold for no later step.
             if is_disc and b == only_mover:
                 room = state.room[w, b]
                 room.x, room.y, room.gap = discs[d, 0], discs[d, 1], best

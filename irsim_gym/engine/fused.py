@@ -23,7 +23,11 @@ from irsim_gym.replay import BLOCK, NotRecordableError, Packer, Program, call_al
 from irsim_gym.world.names import Ints, Shard
 
 TRIALS = 20
-"""Number of calls in which a function of kinds from outside the package is recorded again, and compared."""
+"""Number of calls in which a function of kinds from outside the package is recorded again, and compared.
+
+What first changes after them goes unnoticed. To compare results with those of the plain path would not find more: a
+cost that is always the same compares equal, and all state would have to be copied.
+"""
 CURE = "steps take the plain path; write it as a kernel, or leave only_kernels out"
 
 _lists_jobs: ContextVar[bool] = ContextVar("lists_jobs", default=False)

@@ -49,6 +49,7 @@ def guide(group: Group, bodies: Sequence[object], kinematics: Sequence[Group], m
 
 def _shown(model: Model, guided: Ints) -> Model:
     """Return constants in which some bodies are omnidirectional; all other arrays are those of the model."""
+    # Copies: whoever changes limits of velocity later has to compile again.
     drive = model.drive.copy()
     drive[guided] = OMNI_WORLD
     fastest, slowest, sharpest = (

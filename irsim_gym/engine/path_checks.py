@@ -90,10 +90,8 @@ def check_ways(
             if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
             mark_standing(model, w, own, blocks)
-            obstacles, radius = (
-                Obstacles(model, state, w, blocks, cells, None),
-                model.reach[row_of(model.reach, w), own],
-            )
+            obstacles = Obstacles(model, state, w, blocks, cells, None)
+            radius = model.reach[row_of(model.reach, w), own]
             here = (state.pose[w, own, 0], state.pose[w, own, 1])
             for g in range(model.waypoint_count[w, own]):
                 goal = (model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1])

@@ -104,6 +104,8 @@ class Shards:
         self._least_s[name] = 0.0 if known is None else min(known, now) if known else now
 
     def _ready_threads(self) -> ThreadPoolExecutor:
+        # A job that threads find in shared memory, without Python, shares small batches better (the factors are in
+        # benchmarks/choices.md), but takes some 500 lines more, without locks.
         if self._threads is None or self._owner != os.getpid():
             self._threads = ThreadPoolExecutor(self.n_slots - 1, thread_name_prefix="irsim_gym")
             self._owner = os.getpid()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -122,36 +121,6 @@ class Simulation:
         """
         return self.sensor(body, "ranges", index)
 
-    def scan_report(self, world: int, body: int, index: int = 0) -> dict[str, Any]:
-        """Return a copy of a scan as IR-SIM reports it: angles, ``ranges``, ``valid``, velocities.
-
-        Args:
-            world: The world.
-            body: The body.
-            index: Which of its range sensors, in the order of the file.
-
-        Raises:
-            UnknownNameError: The body has no such sensor.
-        """
-        group, member = self._range_sensor(body, index)
-        report: dict[str, Any] = group.kind.report(group, member, world)
-        return report
-
-    def points(self, world: int, body: int, index: int = 0) -> Floats | None:
-        """Return the points of a scan in the sensor's own frame [m], shape ``(2, n_points)``; None without any.
-
-        Args:
-            world: The world.
-            body: The body.
-            index: Which of its range sensors, in the order of the file.
-
-        Raises:
-            UnknownNameError: The body has no such sensor.
-        """
-        group, member = self._range_sensor(body, index)
-        points: Floats | None = group.kind.points(group, member, world)
-        return points
-
     def detected(self, body: int, worlds: Ints | None = None) -> Flags:
         """Return which bodies are in a body's field of view now, shape ``(n_worlds, n_bodies)``.
 
@@ -170,12 +139,6 @@ class Simulation:
         found = np.zeros(self.model.present.shape, np.bool_)
         chosen = np.arange(self.n_worlds, dtype=np.int64) if worlds is None else np.asarray(worlds, np.int64)
         field_of_view.detect(chosen, body, spec.fov, spec.fov_radius, self.model, self.state, found)
-        return found
-
-    def _range_sensor(self, body: int, index: int) -> tuple[Group, int]:
-        found = self.scan(body, index)
-        if found is None:
-            raise UnknownNameError(f"'{self.parts.names[body]}' has no range sensor number {index}")
         return found
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:

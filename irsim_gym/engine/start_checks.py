@@ -18,6 +18,8 @@ from irsim_gym.world.names import Shard, State
 def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> None:
     """Refuse a file that starts a robot in an obstacle that never moves and would hold it forever.
 
+    A script may resolve such a collision itself, so worlds by hand only warn; for a learner the episode is worthless.
+
     Raises:
         ScenarioError: With the line of every such robot.
     """

@@ -86,6 +86,7 @@ def draw_traits(worlds: Ints, traits: Records, model: Model, state: State) -> No
                     model.velocity_min[w, b, axis] = max(drawn.least[axis], -speed)
             if drawn.unyielding > 0.0:
                 model.heedless[w, b] = uniform(state.random, w, 0.0, 1.0) < drawn.unyielding
+        # As if nothing had been drawn: levels of a file, which hold the stream and no traits, get the same ones.
         state.random[w] = stream
 
 

@@ -58,5 +58,6 @@ def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Gr
 
 def _split(group: Group, firsts: Ints) -> dict[int, Group]:
     """Return the members of a group by turn."""
+    # The parts share the arrays of the whole group, so behaviours index their memory by body or by slot.
     turns = np.searchsorted(firsts, group.members, side="right")
     return {turn: group.select(np.flatnonzero(turns == turn)) for turn in np.unique(turns).tolist()}

@@ -172,7 +172,7 @@ class Description:
         max_steps: Time limit [steps].
         step_time: Duration of a step [s].
         observation_space: As text.
-        form: ``"flat"``, ``"dict"`` or ``"goal"``.
+        form: ``"flat"`` or ``"dict"``.
         blocks: What the observation consists of.
         action: What an action means.
         rewards: What is paid.
@@ -264,7 +264,7 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     """Return the blocks of an agent's observations, in the order of the flat observation; pictures stand apart."""
     blocks: list[Block] = []
     held: Counter[str] = Counter()
-    for key, term, is_critics in observed(episodes):
+    for key, term in observed(episodes):
         said, (low, high) = (first_sentence(type(term.options)), term.options.needs), term.bounds
         columns = _columns_of(episodes, term, agent)
         if isinstance(term.options, IsImage):
@@ -273,7 +273,7 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
             blocks.append(Block(term.name, key, *said, term.image.shape[2:], parts, True, view))
             continue
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
-        kept = used if own and not is_critics else np.ones(low.size, np.bool_)
+        kept = used if own else np.ones(low.size, np.bool_)
         if kept.any():
             width = int(kept.sum())
             blocks.append(Block(term.name, key, *said, (width,), _parts(columns, kept, (low, high), held[key])))

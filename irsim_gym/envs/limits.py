@@ -18,17 +18,6 @@ from gymnasium.wrappers import TimeLimit
 from irsim_gym.envs.by_hand import Environment
 from irsim_gym.errors import IrsimGymError
 
-SHIPPED = {
-    **dict.fromkeys(("car_dash", "circle_swap", "cluttered_room", "crossing", "dense_room", "drawing_options"), 300),
-    **dict.fromkeys(("empty_goal", "field_of_view", "keyboard", "line_walls", "mixed_obstacles", "mixed_team"), 300),
-    **dict.fromkeys(("motion_noise", "multi_robot_rvo", "noisy_lidar", "orca_circle", "own_for_each"), 300),
-    **dict.fromkeys(("quick_start", "random_outlines", "random_swap", "rvo_and_boxes", "social_forces"), 300),
-    **dict.fromkeys(("sparse_circles", "wandering_crowd"), 300),
-    **dict.fromkeys(("corridor", "corridor_two_way", "four_drives", "goals_in_order", "intersection"), 400),
-    **{"cave": 500, "door_queue": 500, "floor_plan": 600},
-}
-"""Time limits of shipped scenarios [steps], known without reading a file."""
-
 OF_BATCHES = {"num_envs", "num_threads", "autoreset_mode", "vectorization_mode"}
 MAKERS = ("make", "make_vec")
 STEP_FOR_STEP = {
@@ -121,8 +110,6 @@ def task_limit(kwargs: Mapping[str, Any]) -> int | None:
         kwargs: Those of an environment: ``scenario``, ``task``, ``strict`` and values for parameters count.
     """
     scenario = kwargs.get("scenario")
-    if len(kwargs) == 1 and isinstance(scenario, str) and scenario in SHIPPED:
-        return SHIPPED[scenario]
     from irsim_gym.scenario import Scenario, load_scenario
     from irsim_gym.scenario.parameters import is_free
     from irsim_gym.tasks import load_task

@@ -21,8 +21,6 @@ from irsim_gym.tasks.term_contract import checked_mirrored
 from irsim_gym.world.kinds import KeepsSymmetry
 from irsim_gym.world.model import OMNI_WORLD
 
-OF_GOAL_FORM = ("position", "heading", "goal_position")
-"""Observations in the frame of the world that ``observation_form: goal`` adds."""
 CLOSE = 1e-9
 """Largest difference of lengths [m], angles [rad] and limits that count as equal."""
 
@@ -83,19 +81,16 @@ def mirror_of(episodes: Episodes) -> Mirror:
     Raises:
         IrsimGymError: If left and right cannot be exchanged; the message lists every reason.
     """
-    is_goal_form = episodes.task.observation_form == "goal"
     problems = [*_of_bodies(episodes), *_of_action(episodes)]
-    if is_goal_form:
-        problems.append("'observation_form: goal' gives positions in the frame of the world")
     parts: dict[str, list[Mirrored]] = {}
     images: dict[str, Ints] = {}
-    for key, term, _ in observed(episodes):
+    for key, term in observed(episodes):
         found = _mirrored(term)
         if isinstance(found, Mirrored) and isinstance(term.options, IsImage):
             images[key] = found.columns
         elif isinstance(found, Mirrored):
             parts.setdefault(key, []).append(found)
-        elif not (is_goal_form and term.name in OF_GOAL_FORM):
+        else:
             problems.append(found)
     if problems:
         raise IrsimGymError(f"left and right cannot be exchanged here: {'; '.join(problems)}")
@@ -168,8 +163,7 @@ def _has_even_limits(episodes: Episodes, body: int, command: Mirrored) -> bool:
 
 def _of_bodies(episodes: Episodes) -> Iterator[str]:
     """Yield what is not symmetrical about the learners' bodies and range sensors."""
-    terms = [*episodes.terms["observations"], *episodes.terms["critic_observations"]]
-    is_read = "scan" in needs_of(term.options for term in terms)
+    is_read = "scan" in needs_of(term.options for term in episodes.terms["observations"])
     for name, b in zip(episodes.agent_names, episodes.task.agents, strict=True):
         shape = episodes.simulation.scenario.bodies[b].shape
         outline = shape.outline()

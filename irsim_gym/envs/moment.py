@@ -7,7 +7,7 @@ copies that cannot be written into, so they do not change when the world continu
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -200,72 +200,3 @@ class WorldMoment:
     def _bodies(self, chosen: Flags) -> Bodies:
         present = self._simulation.model.present[self._world] & chosen
         return Bodies(self._simulation, np.flatnonzero(present).tolist(), self._world)
-
-
-class RobotMoments:
-    """The first learner of each world of a batch; every array begins with the axis of the worlds."""
-
-    __slots__ = ("_b", "_simulation")
-
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation, self._b = simulation, int(simulation.agents[0])
-
-    def __repr__(self) -> str:
-        return f"<{self.name} in {self._simulation.n_worlds} worlds>"
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self._simulation.parts.names[self._b]
-
-    @property
-    def pose(self) -> Floats:
-        """x, y [m], heading [rad], shape ``(n_worlds, 3)``."""
-        return frozen(self._simulation.state.pose[:, self._b])
-
-    @property
-    def velocity(self) -> Floats:
-        """Velocity in the drive's coordinates [m/s or rad/s], shape ``(n_worlds, 2)`` or ``(n_worlds, 3)``."""
-        size = len(BodyMoment(self._simulation, self._b).velocity)
-        return frozen(self._simulation.state.velocity[:, self._b, :size])
-
-    @property
-    def twist(self) -> Floats:
-        """vx, vy [m/s], turn rate [rad/s] in the world frame, shape ``(n_worlds, 3)``."""
-        return frozen(self._simulation.state.twist[:, self._b])
-
-    @property
-    def goal(self) -> Floats | None:
-        """The next goals: x, y [m], heading [rad], shape ``(n_worlds, 3)``; None without goals."""
-        if not self._simulation.model.has_goal[self._b]:
-            return None
-        return frozen(self._simulation.state.goal[:, self._b])
-
-    @property
-    def arrived(self) -> Flags:
-        """It is at its last goal, shape ``(n_worlds,)``."""
-        return frozen(self._simulation.state.arrived[:, self._b])
-
-    @property
-    def collided(self) -> Flags:
-        """It touches another body, shape ``(n_worlds,)``."""
-        return frozen(self._simulation.state.collided[:, self._b])
-
-    @property
-    def stopped(self) -> Flags:
-        """A collision holds it in place, shape ``(n_worlds,)``."""
-        return frozen(self._simulation.state.stopped[:, self._b])
-
-    def scan(self, sensor: int = 0) -> dict[str, Any]:
-        """Return the latest scans, as ``BodyMoment.scan`` does; ``ranges`` has shape ``(n_worlds, n_beams)``.
-
-        Raises:
-            UnknownNameError: It has no such sensor.
-        """
-        reports = [self._simulation.scan_report(w, self._b, sensor) for w in range(self._simulation.n_worlds)]
-        arrays = [key for key, value in reports[0].items() if isinstance(value, np.ndarray)]
-        return _frozen_report({**reports[0], **{key: np.stack([one[key] for one in reports]) for key in arrays}})
-
-
-def _frozen_report(report: dict[str, Any]) -> dict[str, Any]:
-    return {key: frozen(value) if isinstance(value, np.ndarray) else value for key, value in report.items()}

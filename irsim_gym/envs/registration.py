@@ -21,9 +21,9 @@ from irsim_gym.scenario.library import SUFFIXES, every_scenario
 if TYPE_CHECKING:
     from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 
-ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
-VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
-PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
+ENTRY_POINT = "irsim_gym:WorldEnv"
+VECTOR_ENTRY_POINT = "irsim_gym:WorldVectorEnv"
+PARALLEL_ENTRY_POINT = "irsim_gym:parallel_env"
 SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
 DEFAULTS = {**{"strict": True, "autoreset_mode": "NextStep", "num_threads": 1}, **{"numpy_infos": False}}
 """Arguments of whatever makes environments whose default is not None."""

@@ -30,7 +30,6 @@ def make_vec_env(
     max_steps: int | None = None,
     max_episode_steps: int | None = None,
     num_threads: int = 1,
-    critic: bool = False,
     render_mode: str | None = "rgb_array",
     strict: bool = True,
     env_kwargs: Mapping[str, Any] | None = None,
@@ -52,7 +51,6 @@ def make_vec_env(
         max_steps: Time limit [steps]; None for the task's.
         max_episode_steps: Another time limit, as ``gymnasium.make`` takes it; the smaller one counts.
         num_threads: Threads that share the worlds.
-        critic: Observations are dicts with the task's ``critic_observations`` too, for ``AsymmetricPolicy``.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
@@ -71,10 +69,10 @@ def make_vec_env(
     named: dict[str, Any] = {"parameters": parameters, "worlds_are": "n_envs"}
     if env_kwargs:
         files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
-        given = {"num_threads": num_threads, "critic": critic, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
+        given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
         return make_vec_env(scenario, n_envs, seed, **given)
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
-    worlds = Worlds(scenario, n_envs, task=task, critic=critic, **named, **kwargs, **shown)
+    worlds = Worlds(scenario, n_envs, task=task, **named, **kwargs, **shown)
     spec = spec_of(scenario, {**asked, **shown})
     numbers = range(start_index, start_index + n_envs)
     env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))
@@ -90,9 +88,6 @@ class WorldVecEnv(NativeVecEnv):
     on a ``DummyVecEnv`` of these. An ended world restarts in the same step, and its info holds what the single
     environment tells, ``terminal_observation``, ``TimeLimit.truncated`` and the statistics ``episode`` of
     ``Monitor``; infos of the other worlds are empty. A ``VecMonitor`` around it is not needed.
-
-    With ``observation_form: goal`` every world has an info at each step: ``HerReplayBuffer`` asks ``compute_reward``
-    what other goals would have paid, and gives it these infos where it is made with ``copy_info_dict=True``.
 
     Args:
         worlds: The worlds.
@@ -141,17 +136,12 @@ class WorldVecEnv(NativeVecEnv):
         reward = view.reward[:, 0]
         self._returns += reward
         dones: Flags = view.terminated[:, 0] | view.truncated[:, 0]
-        infos = self._hindsight() if worlds.task.observation_form == "goal" else self.no_infos()
+        infos = self.no_infos()
         ended = dones.nonzero()[0]
         rewards = reward.astype(np.float32)
         if len(ended):
             self._end(ended, infos)
         return worlds.observation(), rewards, dones, infos
-
-    def _hindsight(self) -> list[dict[str, Any]]:
-        """Return the infos of all worlds, which a step that is replayed with another goal needs."""
-        infos = self.worlds.infos
-        return [infos.of_row(row) for row in infos.rows(np.arange(self.num_envs))]
 
     def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of worlds that have ended, and restart them."""

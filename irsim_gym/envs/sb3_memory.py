@@ -23,8 +23,6 @@ from stable_baselines3.common.type_aliases import PyTorchObs
 from torch import nn
 from torch.nn.utils.rnn import PackedSequence
 
-from irsim_gym.envs.sb3_critic_parts import actor_parts, has_critic_parts, lone_name
-
 MEMORY_SIZE = 64
 
 
@@ -46,8 +44,7 @@ class GruPolicy(ActorCriticPolicy):
     """The actor and the critic receive the features of the observation and the output of a GRU.
 
     The input of the GRU is the features of the actor. A memory has the shape ``(1, n, memory_size)`` and is 0 where an
-    episode begins. If some observations are for the critic only, see ``AsymmetricPolicy``, the critic receives these,
-    too, and actions do not depend on them.
+    episode begins.
 
     Args:
         observation_space: Space of observations.
@@ -57,7 +54,7 @@ class GruPolicy(ActorCriticPolicy):
         **kwargs: More arguments of ``ActorCriticPolicy``.
 
     Raises:
-        ValueError: If ``use_sde`` is True, or ``share_features_extractor`` with observations for the critic only.
+        ValueError: If ``use_sde`` is True.
     """
 
     def __init__(
@@ -73,8 +70,6 @@ class GruPolicy(ActorCriticPolicy):
             raise ValueError("use_sde does not go with a memory")
         self.memory_size = memory_size
         kwargs.setdefault("features_extractor_class", _extractor_for(observation_space))
-        if has_critic_parts(observation_space) and kwargs.setdefault("share_features_extractor", False):
-            raise ValueError("share_features_extractor must be false: the critic sees more than the actor")
         super().__init__(observation_space, action_space, lr_schedule, **kwargs)
 
     @property
@@ -86,10 +81,6 @@ class GruPolicy(ActorCriticPolicy):
         return {**super()._get_constructor_parameters(), "memory_size": self.memory_size}
 
     def _build_mlp_extractor(self) -> None:
-        if has_critic_parts(self.observation_space):
-            own = actor_parts(self.observation_space)
-            self.features_extractor = self.features_extractor_class(own, **self.features_extractor_kwargs)
-            self.pi_features_extractor = self.features_extractor
         n_seen = self.pi_features_extractor.features_dim
         self.memory = nn.GRU(n_seen, self.memory_size)
         if self.ortho_init:
@@ -98,6 +89,7 @@ class GruPolicy(ActorCriticPolicy):
                     nn.init.orthogonal_(weight)
         shape: dict[str, Any] = {"net_arch": self.net_arch, "activation_fn": self.activation_fn, "device": self.device}
         self.mlp_extractor = MlpExtractor(n_seen + self.memory_size, **shape)
+        # A second one, although one holds both networks: a seed shall give the weights that it has always given.
         critic = MlpExtractor(self.vf_features_extractor.features_dim + self.memory_size, **shape)
         self.mlp_extractor.value_net, self.mlp_extractor.latent_dim_vf = critic.value_net, critic.latent_dim_vf
 
@@ -170,13 +162,6 @@ class GruPolicy(ActorCriticPolicy):
         if isinstance(self.action_space, Box):
             actions = np.clip(actions, self.action_space.low, self.action_space.high)
         return (actions if several else actions[0]), (memory.cpu().numpy(),)
-
-    def obs_to_tensor(self, observation: NDArray[Any] | dict[str, NDArray[Any]]) -> tuple[PyTorchObs, bool]:
-        """Return an observation as tensors, and whether there are several, see ``AsymmetricPolicy``."""
-        if has_critic_parts(self.observation_space) and not isinstance(observation, dict):
-            observation = {lone_name(self.observation_space): observation}
-        tensors, several = super().obs_to_tensor(observation)
-        return tensors, several
 
     def _seen(self, obs: PyTorchObs) -> torch.Tensor:
         return self._features(obs, self.pi_features_extractor)

@@ -237,9 +237,7 @@ def _sizes(env: NativeVecEnv) -> dict[str, str]:
     """Return the shape of each part of an observation by its name, in order."""
     episodes = env.worlds.episodes
     found = {name: str(len(low)) for name, low, _ in episodes.observation_terms}
-    found |= {f"critic's {name}": str(len(low)) for name, low, _ in episodes.critic_terms}
-    pictures = {**episodes.view.images, **episodes.view.critic}
-    found |= {name: str(part.shape[2:]) for name, part in pictures.items() if name != "critic"}
+    found |= {name: str(part.shape[2:]) for name, part in episodes.view.images.items()}
     return {**found, "observation_form": episodes.task.observation_form}
 
 

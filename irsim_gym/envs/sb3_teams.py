@@ -39,7 +39,6 @@ def make_multi_agent_vec_env(
     respawn: bool = False,
     world_steps: int | None = None,
     num_threads: int = 1,
-    critic: bool = False,
     render_mode: str | None = "rgb_array",
     strict: bool = True,
     **parameters: Any,
@@ -57,8 +56,6 @@ def make_multi_agent_vec_env(
             and the buffers of ``buffers_for`` leave it out. True: it restarts elsewhere at once, and none waits.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
         num_threads: Threads that share the worlds.
-        critic: Observations are dicts that hold what the task's ``critic_observations`` show too, for
-            ``AsymmetricPolicy``.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
@@ -72,7 +69,6 @@ def make_multi_agent_vec_env(
         num_threads=num_threads,
         render_mode=checked_mode(render_mode),
         team=True,
-        critic=critic,
         parameters=parameters,
         strict=strict,
     )

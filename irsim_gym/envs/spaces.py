@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -11,11 +11,10 @@ from gymnasium import Space
 from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.goal_form import ACHIEVED, DESIRED, PARTS, REST
-from irsim_gym.tasks.term import IsImage, Term
-from irsim_gym.tasks.transition import CRITIC, Percepts, Transition
+from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.transition import Percepts, Transition
 
 Observation: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
 VECTOR = "vector"
@@ -32,8 +31,6 @@ class ObservationLayout:
         flat: True for one vector, False for a dict of vectors.
         images: Names of the terms that are pictures. A flat observation is then a dict of them and the vector, or the
             one picture itself where there is nothing else.
-        critic: Names of what the critic alone perceives. An observation is then a dict that holds these too.
-        alone: Key of the actor's observation where it stands beside the critic's and is no dict itself.
         plain: Observations are the flat ones themselves.
     """
 
@@ -41,12 +38,10 @@ class ObservationLayout:
     picked: Ints | None
     flat: bool
     images: tuple[str, ...] = ()
-    critic: tuple[str, ...] = ()
-    alone: str = VECTOR
     plain: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        is_plain = self.flat and self.picked is None and not (self.images or self.critic)
+        is_plain = self.flat and self.picked is None and not self.images
         object.__setattr__(self, "plain", is_plain)
 
     def fresh(self, seen: Percepts | Transition, place: Any = ...) -> Observation:
@@ -59,15 +54,6 @@ class ObservationLayout:
         rows: NDArray[Any] = seen.observation[place]
         if self.plain:
             return rows.copy()
-        if not self.critic:
-            return self._own(seen, place)
-        own = self._own(seen, place)
-        parts = own if isinstance(own, dict) else {self.alone: own}
-        return {**parts, **{name: np.array(seen.critic[name][place], order="C") for name in self.critic}}
-
-    def _own(self, seen: Percepts | Transition, place: Any) -> Observation:
-        """Return a copy of what the actor observes."""
-        rows: NDArray[Any] = seen.observation[place]
         if not self.flat:
             parts = {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
             return {**parts, **self._pictures(seen, place)} if self.images else parts
@@ -85,12 +71,7 @@ class ObservationLayout:
         Args:
             seen: What agents perceive.
             place: A slice or an index into the axes of the agents.
-
-        Raises:
-            ValueError: The form puts columns together that lie apart, as the goal form does.
         """
-        if self.picked is not None or not all(isinstance(columns, slice) for columns in self.columns.values()):
-            raise ValueError("these observations are put together from columns that lie apart: only a copy has them")
         rows: NDArray[Any] = seen.observation[place]
         if self.plain:
             return rows
@@ -135,37 +116,15 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Observat
             picked.append(places)
         start += low.size
     every = sum(map(len, picked)) == start
-    if episodes.task.observation_form == "goal":
-        columns = {part: _joined(columns, names) for part, names in _goal_parts(columns).items()}
     is_flat = episodes.task.observation_form == "flat"
-    images, critic = tuple(episodes.view.images), tuple(episodes.view.critic)
-    alone = VECTOR if columns or not images else images[0]
-    return ObservationLayout(columns, None if every else np.concatenate(picked), is_flat, images, critic, alone)
+    return ObservationLayout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
 
 
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
     """Return the space of a task's observations, those of one agent or, with None, of the richest.
 
-    Where the critic has observations of its own, they stand beside those of the actor in a ``Dict``: the ``Box``
-    ``critic`` for all numbers, and each picture as ``critic_NAME``.
-    """
-    actor = actor_space(episodes, agent)
-    if not episodes.view.critic:
-        return actor
-    numbers = [(low, high) for _, low, high in episodes.critic_terms]
-    pictures = {name: part for name, part in episodes.view.critic.items() if name != CRITIC}
-    critic: dict[str, Space[Any]] = {CRITIC: _box(numbers)} if numbers else {}
-    critic |= {name: Box(0, 255, part.shape[2:], np.uint8) for name, part in pictures.items()}
-    alone = observation_layout(episodes, agent).alone
-    return Dict({**(actor.spaces if isinstance(actor, Dict) else {alone: actor}), **critic})
-
-
-def actor_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
-    """Return the space of what an actor observes.
-
-    Flat observations are a ``Box``, else there is a ``Dict``: with one ``Box`` for each term, or in the goal form with
-    ``observation``, ``achieved_goal`` and ``desired_goal``, as ``gymnasium_robotics.GoalEnv`` has them. A picture is a
-    ``Box`` of its own, uint8 from 0 to 255, ``(height, width, n_channels)``: a flat observation with pictures is a
+    Flat observations are a ``Box``, else there is a ``Dict`` with one ``Box`` for each term. A picture is a ``Box`` of
+    its own, uint8 from 0 to 255, ``(height, width, n_channels)``: a flat observation with pictures is a
     ``Dict`` of these and the ``Box`` ``vector`` for all other terms, or the one picture itself where there is nothing
     else.
     """
@@ -179,54 +138,25 @@ def actor_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
     spaces: dict[str, Space[Any]] = {name: Box(0, 255, image.shape[2:], np.uint8) for name, image in images.items()}
     if episodes.task.observation_form == "dict":
         return Dict({**spaces, **{name: Box(low, high, dtype=np.float32) for name, (low, high) in boxes.items()}})
-    if episodes.task.observation_form == "goal":
-        return Dict({part: _box([boxes[name] for name in names]) for part, names in _goal_parts(boxes).items()})
     if boxes:
-        spaces[VECTOR] = _box(list(boxes.values()))
+        low, high = (np.concatenate(sides) for sides in zip(*boxes.values(), strict=True))
+        spaces[VECTOR] = Box(low, high, dtype=np.float32)
     return next(iter(spaces.values())) if len(spaces) == 1 else Dict(spaces)
 
 
-def observed(episodes: Episodes) -> Iterator[tuple[str, Term, bool]]:
-    """Yield the key of each observation, which is empty where there is one array, its term, and whether it is critic's.
-
-    Those of the critic alone are last.
-    """
+def observed(episodes: Episodes) -> Iterator[tuple[str, Term]]:
+    """Yield the key of each observation, which is empty where there is one array, and its term."""
     for term in episodes.terms["observations"]:
-        yield _key(episodes, term.name), term, False
-    for term in episodes.terms["critic_observations"]:
-        yield f"{CRITIC}_{term.name}" if isinstance(term.options, IsImage) else CRITIC, term, True
+        yield _key(episodes, term.name), term
 
 
 def _key(episodes: Episodes, name: str) -> str:
-    form = episodes.task.observation_form
-    if form == "goal":
-        return PARTS.get(name, REST)
-    if form == "dict":
+    if episodes.task.observation_form == "dict":
         return name
     images, n_columns = episodes.view.images, len(episodes.observation_terms)
-    if len(images) + bool(n_columns) == 1 and not episodes.view.critic:
+    if len(images) + bool(n_columns) == 1:
         return ""
     return name if name in images else VECTOR
-
-
-def _box(bounds: Sequence[tuple[Rays, Rays]]) -> Box:
-    """Return the space of several terms side by side."""
-    low, high = (np.concatenate(sides) for sides in zip(*bounds, strict=True))
-    return Box(low, high, dtype=np.float32)
-
-
-def _goal_parts(terms: Iterable[str]) -> dict[str, list[str]]:
-    """Return which terms are in each part of an observation in the goal form."""
-    parts: dict[str, list[str]] = {REST: [], ACHIEVED: [], DESIRED: []}
-    for name in terms:
-        parts[PARTS.get(name, REST)].append(name)
-    return parts
-
-
-def _joined(columns: Mapping[str, slice | Ints], names: Sequence[str]) -> Ints:
-    """Return the columns of several terms."""
-    every = np.arange(max(part.stop if isinstance(part, slice) else int(part[-1]) + 1 for part in columns.values()))
-    return np.concatenate([every[columns[name]] for name in names])
 
 
 def _used(episodes: Episodes, agent: int, start: int, width: int) -> Flags:

@@ -77,10 +77,7 @@ class TorchRows:
         worlds, shape = self.batch.worlds, (self.batch.n_worlds, self.batch.n_agents)
         self._reward: Rays = np.zeros(shape, np.float32)
         self._flags: dict[str, Flags] = {name: np.zeros(shape, np.bool_) for name in FLAGS}
-        try:
-            seen = [worlds.layout.shared(part, place) for part in (worlds.episodes.view.percepts, self.batch.last_seen)]
-        except ValueError as error:
-            raise IrsimGymError(f"torch_rows needs an observation_form that is not 'goal': {error}") from None
+        seen = [worlds.layout.shared(part, place) for part in (worlds.episodes.view.percepts, self.batch.last_seen)]
         self._observation, self._final = (on_each(part, torch.from_numpy) for part in seen)
         self._action_shape = (*self._reward[place].shape, *(self.batch.action_space.shape or ()))
         self._paid = torch.from_numpy(self._reward[place])

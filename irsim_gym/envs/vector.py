@@ -18,7 +18,7 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.explained import Explained
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
-from irsim_gym.envs.moment import RobotMoments, WorldMoment
+from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
@@ -289,11 +289,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
             spec = None if self._spec is None else single_spec(self._spec)
             self._views = [WorldView(self.worlds, w, spec=spec) for w in range(self.num_envs)]
         return self._views
-
-    @property
-    def robot(self) -> RobotMoments:
-        """The robots that learn, as they are now, to be read; arrays begin with the axis of the worlds."""
-        return RobotMoments(self.worlds.simulation)
 
     @property
     def time(self) -> Floats:

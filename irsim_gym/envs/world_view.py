@@ -100,14 +100,6 @@ class WorldView:
         """Return which choices are worth trying, ``(n_choices,)``: what ``MaskablePPO`` of sb3-contrib asks for."""
         return np.asarray(self.worlds.action_masks()[self.index, self.agent])
 
-    def compute_reward(self, achieved_goal: object, desired_goal: object, info: object) -> Any:
-        """Return the reward of steps as if another place had been the goal, see ``WorldEnv.compute_reward``."""
-        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
-
-    def would_arrive(self, achieved_goal: object, desired_goal: object, infos: object) -> Flags:
-        """Return which steps would have arrived if another place had been the goal, ``(n,)``."""
-        return self.worlds.would_arrive(achieved_goal, desired_goal, infos)
-
     def describe(self) -> Description:
         """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
         return self.worlds.describe()

@@ -16,7 +16,6 @@ from irsim_gym.engine import Simulation, compile
 from irsim_gym.engine.given import LEVELS, check_worlds
 from irsim_gym.envs.action_masks import ActionMasks
 from irsim_gym.envs.description import Description, describe
-from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.level_options import checked_choice, read_options
 from irsim_gym.envs.limits import agreed_limit
@@ -60,7 +59,6 @@ class Worlds:
         render_mode: One of ``RENDER_MODES`` or None, see ``Pictures``; with it each step notes the poses of bodies
             whose paths are drawn.
         team: All robots learn, unless the task names some; else there has to be one learner.
-        critic: Observations hold what the task's ``critic_observations`` show too; else nobody looks there.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
         strict: A key that nobody reads, in the scenario's file or its section ``task``, is an error; False: it is
             ignored, with an ``IgnoredKeyWarning``.
@@ -84,14 +82,12 @@ class Worlds:
         num_threads: int = 1,
         render_mode: str | None = None,
         team: bool = False,
-        critic: bool = False,
         parameters: Mapping[str, object] | None = None,
         strict: bool = True,
         worlds_are: str = "num_envs",
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
-        loaded = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
-        self.task = loaded if critic else replace(loaded, critic_observations=())
+        self.task = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         check_worlds(n_worlds, worlds_are)
         check_memory(lambda count: Episodes(self._compiled(count, 1), self.task), n_worlds)
         self.simulation = self._compiled(n_worlds, num_threads)
@@ -114,7 +110,6 @@ class Worlds:
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
         self._row: Rays | None = None
-        self._goal_reward: GoalReward | None = None
         self._masks: ActionMasks | None = None
         self._mirror: Mirror | None = None
 
@@ -138,32 +133,6 @@ class Worlds:
     def render_fps(self) -> float:
         """Frames per second at which a film runs in real time."""
         return self.pictures.fps
-
-    def compute_reward(self, achieved_goal: object, desired_goal: object, info: object) -> Any:
-        """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
-
-        Args:
-            achieved_goal: Where they ended, as observed, ``(2,)`` or ``(n, 2)``.
-            desired_goal: Where they should have ended, of the same shape.
-            info: The info of the step; of several a sequence of infos, or the arrays of a vector environment.
-
-        Returns:
-            A float, or an array ``(n,)``: for the goal that the step really had, the reward that it was paid.
-
-        Raises:
-            IrsimGymError: The task has another ``observation_form``.
-            ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
-        """
-        return self._goals()(achieved_goal, desired_goal, info)
-
-    def would_arrive(self, achieved_goal: Any, desired_goal: Any, infos: Any) -> Flags:
-        """Return which steps would have arrived if another place had been the goal, see ``GoalReward.arrived``."""
-        return self._goals().arrived(achieved_goal, desired_goal, infos)
-
-    def _goals(self) -> GoalReward:
-        if self._goal_reward is None:
-            self._goal_reward = GoalReward(self.episodes)
-        return self._goal_reward
 
     def action_masks(self) -> Flags:
         """Return which choices agents have, fresh, ``(n_worlds, n_agents, n_choices)``, see ``ActionMasks``."""

@@ -158,10 +158,8 @@ def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy)
     own, kind = getattr(episodes.simulation.scenario.bodies[body], family), policy.kind
     if isinstance(own, kind):
         return replace(own, **policy.options) if policy.options else own
-    options, model = (
-        kind(**{**AT_THEIR_BEST.get(kind_name(policy.name), {}), **policy.options}),
-        episodes.simulation.model,
-    )
+    options = kind(**{**AT_THEIR_BEST.get(kind_name(policy.name), {}), **policy.options})
+    model = episodes.simulation.model
     if not hasattr(options, "vxmax"):
         return options
     fastest = model.velocity_max[:, body].max(axis=0)

@@ -60,6 +60,11 @@ class EpisodeRow:
     goals_per_minute: float = math.nan
 
     @property
+    def is_success(self) -> bool:
+        """Whether the agent arrived."""
+        return self.outcome == "success"
+
+    @property
     def spl(self) -> float:
         """Success by path length, a share: optimum / max(optimum, path length).
 

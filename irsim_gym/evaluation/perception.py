@@ -25,7 +25,7 @@ class Perception:
     Attributes:
         observations: The observations in order, each with all of its options: ``{"name": "scan", "sectors": 36, ...}``.
         action: The action, likewise.
-        observation_form: ``"flat"``, ``"dict"`` or ``"goal"``.
+        observation_form: ``"flat"`` or ``"dict"``.
     """
 
     observations: tuple[Mapping[str, Any], ...]
@@ -117,7 +117,7 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
         ) from error
     form: Any = perception.observation_form
     own: dict[str, Any] = {"observations": found.observations, "action": found.action, "observation_form": form}
-    return replace(task, **own, critic_observations=())
+    return replace(task, **own)
 
 
 class Perceived:

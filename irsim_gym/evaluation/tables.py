@@ -124,60 +124,6 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
     return rows
 
 
-def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
-    """Return the rows that ``write_episodes`` wrote, with rounded floats.
-
-    Raises:
-        UnreadableFileError: If the file cannot be read, or holds other rows, or those of a policy are not of the levels
-            0, 1, ...
-    """
-    found: dict[str, dict[int, EpisodeRow]] = {}
-    for place, row in read_rows(path, EpisodeRow):
-        episode, policy = read_cells(place, EpisodeRow, row), row.get("policy", "")
-        check_next(place, episode.level, len(found.setdefault(policy, {})))
-        found[policy][episode.level] = episode
-    return {policy: list(episodes.values()) for policy, episodes in found.items()}
-
-
-def check_next(place: str, level: int, number: int) -> None:
-    """Check that a row is the next one of its policy.
-
-    Args:
-        place: File and line.
-        level: Its level.
-        number: Number of levels before it.
-
-    Raises:
-        UnreadableFileError: It is that of another level.
-    """
-    if level != number:
-        reason = f"level must be {number}, got {level}: a row before it is missing, or this one is there twice"
-        raise UnreadableFileError(place, ROW, reason)
-
-
-def check_levels(path: Path, rows: Mapping[str, Sequence[Any]], levels: int) -> None:
-    """Check that rows that were read from a file are those of all levels, and of all agents of a team.
-
-    Args:
-        path: The file.
-        rows: Rows by policy, each with its ``level``; for a team with its ``agents``, the same in each.
-        levels: Number of levels.
-
-    Raises:
-        UnreadableFileError: If some are missing, or there are more.
-    """
-    for policy, episodes in rows.items():
-        whose = f" of '{policy}'" if policy else ""
-        if len(episodes) != levels:
-            reason = f"its rows{whose} must be those of {levels:,} levels, got {len(episodes):,}"
-            raise UnreadableFileError(str(path), ROWS, reason)
-        teams = [{agent.agent for agent in getattr(row, "agents", ())} for row in episodes]
-        for number, team in enumerate(teams):
-            if missing := sorted(set.union(*teams) - team):
-                reason = f"level {number}{whose} has no row of {', '.join(missing)}"
-                raise UnreadableFileError(str(path), ROWS, reason)
-
-
 def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
     """Make a dataclass of numbers, strings and booleans from the cells of a row.
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
-from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation import tables
-from irsim_gym.evaluation.metrics import EpisodeRow, Summary
-from irsim_gym.evaluation.tables import EPISODE_COLUMNS, ROW, PlacedRow, number, percent
+from irsim_gym.evaluation.metrics import Summary
+from irsim_gym.evaluation.tables import EPISODE_COLUMNS, number, percent
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
 
 AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
@@ -35,45 +33,6 @@ def write_agents(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
         for agent in level.agents
     )
     tables.write_csv(path, ("policy", "level", "agent", *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
-
-
-def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
-    """Return the levels that ``write_agents`` wrote, with rounded floats.
-
-    Args:
-        limit: The time limit [s].
-
-    Raises:
-        IrsimGymError: If the file cannot be read, or holds other rows.
-    """
-    rows: dict[str, list[PlacedRow]] = {}
-    for place, row in tables.read_rows(path, EpisodeRow, AgentRow):
-        rows.setdefault(row.get("policy", ""), []).append((place, row))
-    return {policy: read_levels(own, limit=limit) for policy, own in rows.items()}
-
-
-def read_levels(rows: Iterable[PlacedRow], *, in_order: bool = True, **given: float) -> list[TeamRow]:
-    """Group rows of agents into levels.
-
-    Args:
-        rows: One row per agent and level, as ``read_rows`` returns them.
-        in_order: Whether the levels must be 0, 1, ...
-        **given: ``limit``, if it is not a column.
-
-    Raises:
-        IrsimGymError: If a cell holds an invalid value.
-    """
-    levels: dict[int, TeamRow] = {}
-    for place, row in rows:
-        episode = tables.read_cells(place, EpisodeRow, row)
-        agent = tables.read_cells(place, AgentRow, row, episode=episode)
-        if in_order and episode.level not in list(levels)[-1:]:
-            tables.check_next(place, episode.level, len(levels))
-        level = levels.get(episode.level) or tables.read_cells(place, TeamRow, row, agents=(), **given)
-        if agent.agent in [other.agent for other in level.agents]:
-            raise UnreadableFileError(place, ROW, f"'{agent.agent}' has two rows in level {level.level}")
-        levels[episode.level] = replace(level, agents=(*level.agents, agent))
-    return list(levels.values())
 
 
 def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:

@@ -65,6 +65,7 @@ def turned(heading: float, known: Floats) -> tuple[float, float]:
         known: Cosine and sine of a heading, and that heading [rad]. If it equals ``heading``, these are returned. Zeros
             if nothing is known.
     """
+    # Whoever writes a pose need not report it: its heading differs from that of the numbers, which are then not used.
     if known[2] == heading and known[0] * known[0] + known[1] * known[1] > 0.0:
         return known[0], known[1]
     return np.cos(heading), np.sin(heading)

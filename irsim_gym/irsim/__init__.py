@@ -10,7 +10,6 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from irsim_gym import __version__ as __version__
 from irsim_gym.behaviors.by_drive import (
     register_behavior,
     register_behavior_class,
@@ -51,6 +50,7 @@ from irsim_gym.irsim.rotations import (
 from irsim_gym.live.grid_map import GridMap
 from irsim_gym.live.level_source import ScenarioSource
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
+from irsim_gym.version import __version__ as __version__
 from irsim_gym.world.irsim_names import advice
 
 __all__ = ["AStarPlanner", "AckerDash", "ClipTo2Pi", "DiffDash", "DiffRVO", "EnvBase", "EnvBase3D", "EnvGridMap"]

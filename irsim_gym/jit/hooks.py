@@ -21,14 +21,21 @@ KNOWN = "0.62 to 0.68"
 """The releases of Numba that are tested; ``pyproject.toml`` allows these alone."""
 SWITCH = "IRSIM_GYM_PLAIN_NUMBA"
 """The environment variable that turns all hooks off."""
+LOWERED = (
+    "_alloca_var _find_singly_assigned_variable _lower_call_normal delvar fold_call_args getvar loadvar lower_assign "
+    "lower_binop lower_expr lower_getitem lower_setitem storevar"
+)
 NAMES = {
     "llvmlite.binding": ("parse_assembly", "parse_bitcode", "object_file.ObjectFileRef.from_data"),
+    "numba.core.analysis": ("compute_cfg_from_blocks", "compute_use_defs"),
+    "numba.core.cgutils": ("alloca_once", "pointer_add"),
     "numba.core.codegen": (
         "JITCodeLibrary._ensure_finalized",
         "JITCodeLibrary._finalize_dynamic_globals",
         "JITCodeLibrary._finalize_final_module",
         "JITCodeLibrary._get_compiled_object",
         "JITCodeLibrary._optimize_final_module",
+        "JITCodeLibrary._optimize_functions",
         "JITCodeLibrary.add_ir_module",
         "JITCodeLibrary.enable_object_caching",
         "JITCodeLibrary.serialize_using_bitcode",
@@ -41,12 +48,18 @@ NAMES = {
         "DefaultPassBuilder.define_nopython_pipeline",
     ),
     "numba.core.compiler_lock": ("global_compiler_lock",),
+    "numba.core.compiler_machinery": ("PassManager._ENFORCING", "register_pass"),
+    "numba.core.lowering": tuple(f"Lower.{name}" for name in LOWERED.split()),
     "numba.core.options": ("DefaultOptions._nrt", "DefaultOptions.forceinline"),
     "numba.core.registry": ("cpu_target",),
     "numba.core.runtime.nrt": ("rtsys.initialize",),
     "numba.core.serialize": ("dumps",),
+    "numba.core.targetconfig": ("ConfigStack.top_or_none",),
+    "numba.core.typed_passes": ("BaseNativeLowering.run_pass",),
+    "numba.core.typing.context": ("BaseContext.resolve_function_type",),
+    "numba.np.arrayobj": ("fix_integer_index", "load_item", "store_item"),
 }
-"""The internals that ``cache``, ``inner`` and ``packed`` use, by module."""
+"""The internals that the other modules use, by module."""
 
 
 def are_usable() -> bool:

@@ -11,12 +11,11 @@ import itertools
 from typing import Any
 
 from llvmlite import binding
-from numba.core import codegen, compiler
+from numba.core import codegen
 
-from irsim_gym.jit.passes import pipelines
+from irsim_gym.jit.passes import EntryCompiler
 
 Library: Any = codegen.JITCodeLibrary
-Compiler: Any = compiler.Compiler
 _numbers = itertools.count()
 
 
@@ -65,12 +64,8 @@ class InnerLibrary(Library):  # type: ignore[misc]
         return self.serialize_using_bitcode()
 
 
-class InnerCompiler(Compiler):  # type: ignore[misc]
-    """Numba's compiler, with such a library for its results."""
+class InnerCompiler(EntryCompiler):
+    """The compiler with fewer passes, and such a library for its results."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         super().__init__(typing, target, library or InnerLibrary(target.codegen(), f"inner{next(_numbers)}"), *rest)
-
-    def define_pipelines(self) -> list[Any]:
-        """Return the passes, by Numba's name for them."""
-        return pipelines(self.state)

@@ -16,15 +16,14 @@ from typing import Any
 
 import numba
 from llvmlite import binding
-from numba.core import codegen, compiler, registry, types
+from numba.core import codegen, registry, types
 from numba.core.compiler_lock import global_compiler_lock
 
 from irsim_gym.jit.cache import Files, files_of
 from irsim_gym.jit.layout import entry_code
-from irsim_gym.jit.passes import pipelines
+from irsim_gym.jit.passes import EntryCompiler
 
 Library: Any = codegen.JITCodeLibrary
-Compiler: Any = compiler.Compiler
 target: Any = registry.cpu_target
 ENVIRONMENT = "_ZN08NumbaEnv"
 _numbers = itertools.count()
@@ -133,15 +132,11 @@ def _load(generator: Any, name: str, code: bytes | None) -> int | None:
     return int(engine.get_function_address(name)) or None
 
 
-class PackedCompiler(Compiler):  # type: ignore[misc]
-    """Numba's compiler, with such a library for its results."""
+class PackedCompiler(EntryCompiler):
+    """The compiler with fewer passes, and such a library for its results."""
 
     def __init__(self, layout: str, name: str, typing: Any, context: Any, library: Any, *rest: Any) -> None:
         super().__init__(typing, context, library or PackedLibrary(context.codegen(), name, layout), *rest)
-
-    def define_pipelines(self) -> list[Any]:
-        """Return the passes, by Numba's name for them."""
-        return pipelines(self.state)
 
 
 class PackedLibrary(Library):  # type: ignore[misc]
@@ -167,6 +162,10 @@ class PackedLibrary(Library):  # type: ignore[misc]
         given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
         self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, given, self._layout)))
         self._final_module.get_function(kernel.name).linkage = "internal"
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Do nothing but what the rest relies on: the module's passes begin with those for functions."""
+        ll_module.data_layout = self._codegen._data_layout
 
     def _finalize_final_module(self) -> None:
         """Load the code as Numba does, and note whether it reads an environment, which holds Python objects."""

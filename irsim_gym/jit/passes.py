@@ -12,6 +12,9 @@ from typing import Any
 
 from numba.core import compiler
 
+from irsim_gym.jit.lowering import KernelLowering
+from irsim_gym.jit.resolution import Typing
+
 PACKAGE = str(Path(__file__).parents[1])
 NEEDLESS = {
     "WithLifting",
@@ -28,22 +31,26 @@ NEEDLESS = {
     "NoPythonSupportedFeatureValidation",
     "DumpParforDiagnostics",
 }
+KERNEL_LOWERING = {"NativeLowering": KernelLowering}
 Compiler: Any = compiler.Compiler
-
-
-def pipelines(state: Any) -> list[Any]:
-    """Return the passes for a function, in the form that Numba's compilers give; none is made twice."""
-    manager: Any = compiler.DefaultPassBuilder.define_nopython_pipeline(state)  # type: ignore[no-untyped-call]
-    if not state.flags.nrt and state.func_id.filename.startswith(PACKAGE):
-        passes = {one: why for one, why in manager.passes if one.__name__ not in NEEDLESS}
-        manager.passes[:] = passes.items()
-        manager.finalize()
-    return [manager]
 
 
 class EntryCompiler(Compiler):  # type: ignore[misc]
     """Numba's compiler, with fewer passes."""
 
     def define_pipelines(self) -> list[Any]:
-        """Return the passes, by Numba's name for them."""
-        return pipelines(self.state)
+        """Return the passes for a function, in the form that Numba's compilers give; none is made twice."""
+        state: Any = self.state
+        manager: Any = compiler.DefaultPassBuilder.define_nopython_pipeline(state)  # type: ignore[no-untyped-call]
+        if not state.flags.nrt and state.func_id.filename.startswith(PACKAGE):
+            needless, lowering = NEEDLESS, {}
+            if not state.flags.debuginfo and not state.targetctx.enable_boundscheck:
+                # That pass writes where variables end, which is for counts; what passes leave is in order as it is.
+                needless, lowering, manager._ENFORCING = NEEDLESS | {"IRLegalization"}, KERNEL_LOWERING, False
+            state.typingctx = Typing(state.typingctx)
+            passes = {
+                lowering.get(one.__name__, one): why for one, why in manager.passes if one.__name__ not in needless
+            }
+            manager.passes[:] = passes.items()
+            manager.finalize()
+        return [manager]

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from irsim_gym.geometry.angles import wrap_below, wrap_from
 from irsim_gym.kinematics import motion_noise
-from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.world.names import ACKERMANN, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
-class Ackermann:
+class Ackermann(motion_noise.RollingDrive):
     """A car with front steering; its position is the middle of the rear axle.
 
     Mode ``steer``: the command is speed v [m/s] and steering angle [rad]. The car turns at v tan(steering) / wheelbase
@@ -27,39 +25,18 @@ class Ackermann:
     """
 
     command_names: ClassVar[tuple[str, ...]] = ("linear", "steer")
-    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
     state_size: ClassVar[int] = 4
     drive: ClassVar[int] = ACKERMANN
     needs_wheelbase: ClassVar[bool] = True
 
     mode: Literal["steer", "angular"] = option("steer", meaning="Second component: steering angle, or yaw rate.")
     wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; default: the shape's.")
-    noise: bool = option(False, meaning="Add motion noise.")
-    alpha: tuple[float, float, float, float] = option(
-        (0.03, 0.0, 0.0, 0.03),
-        meaning="Motion noise: variances of the first component per square of the first and of the second, then "
-        "the same for the second.",
-    )
 
     @property
     def command_words(self) -> tuple[tuple[str, str], ...]:
         """What the components of a command are, and their units."""
         second = ("steering angle", "rad") if self.mode == "steer" else ("turn rate", "rad/s")
         return ("speed ahead", "m/s"), (f"{second[0]}, positive to the left", second[1])
-
-    @property
-    def variances(self) -> Variances:
-        """What the motion noise of the components depends on."""
-        return motion_noise.growing(self.alpha)
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from motion_noise.negative_variances(self.alpha)
-
-    @staticmethod
-    def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Make the tables of the motion noise."""
-        motion_noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:

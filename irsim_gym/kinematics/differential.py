@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.geometry.angles import turned, wrap_below, wrap_from
 from irsim_gym.kinematics import motion_noise
-from irsim_gym.kinematics.motion_noise import Variances
-from irsim_gym.world.names import DIFFERENTIAL, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.world.names import DIFFERENTIAL, Floats, Group, Ints, Model, Shard, State, kernel, kind
 
 
 @kind
-class Differential:
+class Differential(motion_noise.RollingDrive):
     """Differential drive; command: linear velocity [m/s], angular velocity [rad/s]."""
 
     command_names: ClassVar[tuple[str, ...]] = ("linear", "angular")
@@ -22,29 +20,7 @@ class Differential:
         ("speed ahead", "m/s"),
         ("turn rate, positive to the left", "rad/s"),
     )
-    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
-    state_size: ClassVar[int] = 3
     drive: ClassVar[int] = DIFFERENTIAL
-
-    noise: bool = option(False, meaning="Add motion noise.")
-    alpha: tuple[float, float, float, float] = option(
-        (0.03, 0.0, 0.0, 0.03),
-        meaning="Motion noise: variances of v per v^2 and w^2, then of w per v^2 and w^2.",
-    )
-
-    @property
-    def variances(self) -> Variances:
-        """What the motion noise of the components depends on."""
-        return motion_noise.growing(self.alpha)
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from motion_noise.negative_variances(self.alpha)
-
-    @staticmethod
-    def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Make the tables of the motion noise."""
-        motion_noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.rng import normal
-from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, Struct, kernel
+from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State, Struct, kernel, kind, option
 
 Variances = tuple[tuple[float, float, float], ...]
 """A row for each component, see ``MotionNoise.variance``."""
@@ -28,15 +29,6 @@ class MotionNoise(Struct):
     executed: Floats
 
 
-def growing(alpha: Sequence[float]) -> Variances:
-    """Return the variances of a drive whose two components deviate the more the faster it moves.
-
-    The first component's is ``alpha[0] v^2 + alpha[1] w^2``, the second one's ``alpha[2] v^2 + alpha[3] w^2``, so
-    that a drive at rest stays there (Thrun, Burgard & Fox, "Probabilistic Robotics", 2005, section 5.3.3).
-    """
-    return (0.0, alpha[0], alpha[1]), (0.0, alpha[2], alpha[3])
-
-
 def constant(alpha: Sequence[float]) -> Variances:
     """Return the variances of a drive whose components deviate by the same at any speed, even at rest."""
     return tuple((variance, 0.0, 0.0) for variance in alpha)
@@ -49,16 +41,52 @@ def negative_variances(alpha: Sequence[float]) -> Iterator[tuple[str, str]]:
         yield "alpha", f"variances must not be negative, got [{shown}]"
 
 
-def prepare(group: Group, model: Model) -> None:
-    """Make the tables of a group in which a member has noise; without one there are none, and nothing is drawn."""
-    if not any(options.noise for options in group.options):
-        return
-    n_bodies = len(model.movable)
-    group.tables = MotionNoise(np.zeros((n_bodies, 3, 3)), np.zeros((len(model.present), n_bodies, 3)))
-    for b, options in zip(group.members, group.options, strict=True):
-        if options.noise:
-            rows = options.variances
-            group.tables.variance[b, : len(rows)] = rows
+@kind
+class NoisyDrive:
+    """What drives with motion noise have in common."""
+
+    state_size: ClassVar[int] = 3
+
+    noise: bool = option(False, meaning="Add motion noise; to omnidirectional drives also at rest.")
+
+    @staticmethod
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
+        """Make the tables of a group in which a member has noise; without one there are none, and nothing is drawn."""
+        if not any(options.noise for options in group.options):
+            return
+        n_bodies = len(model.movable)
+        group.tables = MotionNoise(np.zeros((n_bodies, 3, 3)), np.zeros((len(model.present), n_bodies, 3)))
+        for b, options in zip(group.members, group.options, strict=True):
+            if options.noise:
+                rows = options.variances
+                group.tables.variance[b, : len(rows)] = rows
+
+
+@kind
+class RollingDrive(NoisyDrive):
+    """What drives on wheels have in common: the faster they move, the more they deviate."""
+
+    mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
+
+    alpha: tuple[float, float, float, float] = option(
+        (0.03, 0.0, 0.0, 0.03),
+        meaning="Motion noise: variances of the first component of the command per square of the first and of the "
+        "second, then the same for the second.",
+    )
+
+    @property
+    def variances(self) -> Variances:
+        """Return a row for each component, see ``MotionNoise.variance``.
+
+        The first component's variance is ``alpha[0] v^2 + alpha[1] w^2``, the second one's ``alpha[2] v^2 + alpha[3]
+        w^2``, so that a drive at rest stays there (Thrun, Burgard & Fox, "Probabilistic Robotics", 2005, section
+        5.3.3).
+        """
+        return (0.0, *self.alpha[:2]), (0.0, *self.alpha[2:])
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from negative_variances(self.alpha)
 
 
 def executed(group: Group, model: Model, state: State, shard: Shard) -> Floats:

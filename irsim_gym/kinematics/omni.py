@@ -14,12 +14,11 @@ from irsim_gym.world.names import OMNI_BODY, OMNI_WORLD, Floats, Group, Ints, Mo
 
 
 @kind
-class Omni:
+class Omni(motion_noise.NoisyDrive):
     """Moves in any direction and keeps its heading; command: two velocities [m/s]."""
 
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
-    state_size: ClassVar[int] = 3
 
     frame: Literal["world", "body"] = option(
         "world", meaning="Frame of the command: the world's, or the body's (forward and left)."
@@ -28,7 +27,6 @@ class Omni:
         "components",
         meaning="What vel_max limits: each component, or the speed in any direction too, to its first number.",
     )
-    noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),
         min_length=2,
@@ -58,11 +56,6 @@ class Omni:
         yield from motion_noise.negative_variances(self.alpha)
         if len(self.alpha) == 3:
             yield "alpha", "must be 2 numbers, or 4 of which the first and the last count, got 3"
-
-    @staticmethod
-    def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Make the tables of the motion noise."""
-        motion_noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:

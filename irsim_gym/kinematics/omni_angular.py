@@ -14,7 +14,7 @@ from irsim_gym.world.names import OMNI_ANGULAR, Floats, Group, Ints, Model, Shar
 
 
 @kind
-class OmniAngular:
+class OmniAngular(motion_noise.NoisyDrive):
     """Moves in any direction while turning; command: forward, left [m/s] and angular velocity [rad/s]."""
 
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
@@ -24,10 +24,8 @@ class OmniAngular:
         ("turn rate, positive to the left", "rad/s"),
     )
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1), (2, -1))
-    state_size: ClassVar[int] = 3
     drive: ClassVar[int] = OMNI_ANGULAR
 
-    noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, float, float] = option(
         (0.03, 0.03, 0.03),
         unit="m2/s2, m2/s2, rad2/s2",
@@ -42,11 +40,6 @@ class OmniAngular:
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
         yield from motion_noise.negative_variances(self.alpha)
-
-    @staticmethod
-    def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Make the tables of the motion noise."""
-        motion_noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:

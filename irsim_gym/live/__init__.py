@@ -1,7 +1,9 @@
 """Worlds that scripts step, as in IR-SIM, in the same simulator."""
 
-from irsim_gym.live.body import Body
-from irsim_gym.live.plan_ways import plan
-from irsim_gym.live.world import World, load
+from irsim_gym.live.body_info import HalfPlanes, ObstacleInfo, RobotInfo
+from irsim_gym.live.drawing import Drawing, Drawn
+from irsim_gym.live.grid_map import GridMap
+from irsim_gym.world.irsim_readings import IrSimReadings
+from irsim_gym.world.sensor_view import SensorView
 
-__all__ = ["Body", "World", "load", "plan"]
+__all__ = ["Drawing", "Drawn", "GridMap", "HalfPlanes", "IrSimReadings", "ObstacleInfo", "RobotInfo", "SensorView"]

@@ -9,26 +9,20 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.errors import OptionError
-from irsim_gym.maps.level import disc_option
+from irsim_gym.maps.level import CellsKind
 from irsim_gym.world.names import Flags, kind, option
-from irsim_gym.world.outline import Outline
 
 OCCUPIED_ABOVE = 50.0
 """Occupancy (0 to 100) above which a cell is occupied, as in IR-SIM."""
 
 
 @kind
-class ArrayMap:
+class ArrayMap(CellsKind):
     """Occupancies of 0 to 100, or truth values, by column from the left and row from the bottom."""
 
     is_random: ClassVar[bool] = False
 
     cells: Any = option(meaning="One list per column, from the left; each lists the rows from the bottom.")
-    disc_radius: float | None = disc_option()
-
-    def outline(self) -> Outline:
-        """Return an outline without rows: cells are no outline."""
-        return Outline(solid=False)
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
         """Return which cells are occupied, shape ``(columns, rows)``.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +18,6 @@ from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, opti
 @kind
 class RandomCells(LevelMap):
     """Randomly occupied cells in each level: first their number is drawn uniformly, then their places."""
-
-    is_random: ClassVar[bool] = True
 
     fill: tuple[float, float] = option(
         (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.geometry.world_maps import lay_cells
@@ -20,8 +20,6 @@ MOST_ROUNDS = 100
 @kind
 class CellularMap(LevelMap):
     """Randomly occupied cells, smoothed by a cellular automaton over the eight neighbours of each cell."""
-
-    is_random: ClassVar[bool] = True
 
     fill: tuple[float, float] = option(
         (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."

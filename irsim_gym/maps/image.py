@@ -9,10 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.errors import OptionError, UnreadableFileError
-from irsim_gym.maps.level import disc_option
+from irsim_gym.maps.level import CellsKind
 from irsim_gym.outside_files import reading
 from irsim_gym.world.names import Flags, Floats, kind, option
-from irsim_gym.world.outline import Outline
 
 GRAY = (0.2989, 0.5870, 0.1140)
 """Weights of red, green and blue, as in IR-SIM."""
@@ -23,7 +22,7 @@ STRIP = 256
 
 
 @kind
-class ImageMap:
+class ImageMap(CellsKind):
     """Each pixel is a cell, at most 4,000,000 after ``mdownsample``; the image is stretched over the world."""
 
     is_random: ClassVar[bool] = False
@@ -33,11 +32,6 @@ class ImageMap:
         meaning="Image file (PNG, JPEG, ...). It is looked for as given, beside the scenario, among the shipped maps, "
         "then among those of an installed ir-sim.",
     )
-    disc_radius: float | None = disc_option()
-
-    def outline(self) -> Outline:
-        """Return an outline without rows: cells are no outline."""
-        return Outline(solid=False)
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
         """Return which cells are occupied, shape ``(columns, rows)``: those darker than half.

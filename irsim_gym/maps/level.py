@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -49,9 +49,11 @@ def map_tables(model: Model, n_slots: int) -> MapTables:
     )
 
 
-def disc_option() -> Any:
-    """Declare the option ``disc_radius``."""
-    return option(
+@kind
+class CellsKind:
+    """The base class of maps of cells."""
+
+    disc_radius: float | None = option(
         None,
         gt=0.0,
         unit="m",
@@ -59,20 +61,21 @@ def disc_option() -> Any:
         "is occupied.",
     )
 
+    def outline(self) -> Outline:
+        """Return an outline without rows: cells are no outline."""
+        return Outline(solid=False)
+
 
 @kind
-class LevelMap:
+class LevelMap(CellsKind):
     """The base class of maps that are drawn for each level."""
+
+    is_random: ClassVar[bool] = True
 
     resolution: float = option(
         1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
     )
     border: bool = option(True, meaning="Occupy the outermost cells in every level.")
-    disc_radius: float | None = disc_option()
-
-    def outline(self) -> Outline:
-        """Return an outline without rows: cells are no outline."""
-        return Outline(solid=False)
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

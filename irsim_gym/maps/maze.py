@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +19,6 @@ from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, opti
 @kind
 class MazeMap(LevelMap):
     """Corridors between walls that are one cell thick; every corridor can be reached from every other."""
-
-    is_random: ClassVar[bool] = True
 
     corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
     loops: float = option(

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_size
+from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, CellsKind, map_size
 from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
 from irsim_gym.world.names import Flags, Floats, Group, Ints, Model, Shard, State, kind, option
-from irsim_gym.world.outline import Outline
 
 
 @kind
-class PerlinMap:
+class PerlinMap(CellsKind):
     """Caves and islands from smooth noise, with a given share of occupied cells."""
 
     resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
@@ -25,7 +24,6 @@ class PerlinMap:
     fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the previous one.")
     attenuation: float = option(0.5, gt=0.0, meaning="Octave k has this weight divided by k + 1.")
     seed: int | None = option(None, ge=0, meaning="Seed of the map; default: derived from the world's name.")
-    disc_radius: float | None = disc_option()
     per_level: bool = option(False, meaning="Draw another map in each level; at most 65536 cells.")
 
     @property
@@ -37,10 +35,6 @@ class PerlinMap:
         """Yield key and message of invalid or conflicting options."""
         if self.per_level and self.seed is not None:
             yield "seed", "has no effect with per_level: each level draws its map from its own random numbers"
-
-    def outline(self) -> Outline:
-        """Return an outline without rows: cells are no outline."""
-        return Outline(solid=False)
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
         """Return the occupied cells, shape ``(columns, rows)``; empty cells if each level draws its own map.

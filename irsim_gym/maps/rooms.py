@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -27,8 +27,6 @@ TRIES = 20
 @kind
 class RoomsMap(LevelMap):
     """Rooms between walls that are one cell thick; each wall has a door, so that every room can be reached."""
-
-    is_random: ClassVar[bool] = True
 
     number: tuple[int, int] = option((4, 9), meaning="Bounds of the number of rooms, as far as they fit.")
     door: tuple[float, float] = option((1.0, 1.0), unit="m", meaning="Bounds of a door's width, in whole cells.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +19,6 @@ from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, opti
 @kind
 class ShelvesMap(LevelMap):
     """Shelves in rows and columns with aisles between them, along x or along y; some shelves are missing."""
-
-    is_random: ClassVar[bool] = True
 
     shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
     aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")

@@ -120,11 +120,8 @@ def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes
         blocked: Written: 1 where a disc of radius R about the cell's centre touches a body, shape ``(rows, columns)``.
     """
     blocked[:] = FREE
-    blocks, cell, wide = (
-        obstacles.blocks,
-        grid.cell,
-        np.sqrt(radius * radius + 0.5 * grid.cell * grid.cell) + CELL_MARGIN,
-    )
+    blocks, cell = obstacles.blocks, grid.cell
+    wide = np.sqrt(radius * radius + 0.5 * grid.cell * grid.cell) + CELL_MARGIN
     for b in range(blocks.shape[0]):
         if not blocks[b]:
             continue

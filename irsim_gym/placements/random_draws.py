@@ -132,13 +132,8 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
         random, segments).
     Writes: state (discs, nearby, pose, random, segments).
     """
-    frame, pose, placed, peers, others = (
-        model.bucket_frame[0],
-        state.pose[w],
-        state.placed[w],
-        tables.members,
-        tables.everyone,
-    )
+    frame, pose, placed = model.bucket_frame[0], state.pose[w], state.placed[w]
+    peers, others = tables.members, tables.everyone
     first, following, found = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
     own = model.reach[row_of(model.reach, w), b]
     for _ in range(START_TRIES):

@@ -57,6 +57,7 @@ from irsim_gym.world.kinds import (
 from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
 from irsim_gym.world.outline import Outline
 from irsim_gym.world.own_scan import OwnScan, find_hits
+from irsim_gym.world.rows import row_of
 
 __all__ = ["ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS"]
 __all__ += ["PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView"]
@@ -66,4 +67,4 @@ __all__ += ["MindsClearance", "Mirrored", "Model", "ObservationKind", "Outcome",
 __all__ += ["PlacementKind", "ReadsScan", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard", "State"]
 __all__ += ["Steers", "TellsActions", "TellsColumns", "TellsWhen", "Term", "action", "behavior", "drive", "ending"]
 __all__ += ["find_hits", "group_behavior", "integer", "kernel", "kind", "normal", "observation", "option"]
-__all__ += ["placement", "reward", "sensor", "uniform"]
+__all__ += ["placement", "reward", "row_of", "sensor", "uniform"]

@@ -124,6 +124,7 @@ def reduced(frame: Bytes, width: int) -> Bytes:
 def _columns(count: int, shape: tuple[int, ...]) -> int:
     """Return a number of columns that keeps frames ``(height, width)`` readable and the last row full."""
     height, width = shape
+    # Of any proportions, a frame has the area of a square of REFERENCE_SIDE: that fixes the width of readable text.
     least = READABLE * REFERENCE_SIDE * math.sqrt(width / height)
     most = max(int(WIDEST / min(width, least)), 1)
     # The fewest empty cells in the last row, then the most columns.

@@ -189,7 +189,10 @@ class Window:
 
 
 class _Picture(Artist):
-    """The picture of a figure, as large as fits."""
+    """The picture of a figure, as large as fits.
+
+    ``imshow`` resamples each picture, which takes 20 ms for 600 x 600, and ``figimage`` does not scale.
+    """
 
     def __init__(self, width: int, height: int) -> None:
         super().__init__()

@@ -110,10 +110,9 @@ def _term_reasons(term: Term) -> Iterator[str]:
 def _seen(episodes: Episodes, robot: RobotValues) -> dict[str, Value]:
     """Return the parts of the observation by their names, as the policy takes them."""
     parts: dict[str, list[Value]] = {}
-    for key, term, is_critics in observed(episodes):
-        if not is_critics:
-            columns = term.options.graph(term, episodes.simulation.model, 0, robot)
-            parts.setdefault(key, []).append(columns)
+    for key, term in observed(episodes):
+        columns = term.options.graph(term, episodes.simulation.model, 0, robot)
+        parts.setdefault(key, []).append(columns)
     return {key: robot.graph.join(columns) for key, columns in parts.items()}
 
 

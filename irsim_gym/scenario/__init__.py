@@ -10,13 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.gui_spec import GuiSpec
+    from irsim_gym.scenario.library import configs_folder, find
     from irsim_gym.scenario.load import load_scenario
     from irsim_gym.scenario.source import MissingFileError
     from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario, WorldSpec
 
-__all__ = ["BodySpec", "GuiSpec", "MissingFileError", "PlacementSpec", "Scenario", "WorldSpec", "load_scenario"]
+__all__ = ["BodySpec", "GuiSpec", "MissingFileError", "PlacementSpec", "Scenario", "WorldSpec", "configs_folder"]
+__all__ += ["find", "load_scenario"]
 
-_HOMES = {"load_scenario": "load", "MissingFileError": "source", "GuiSpec": "gui_spec"}
+_HOMES = {"MissingFileError": "source", "GuiSpec": "gui_spec", "configs_folder": "library", "find": "library"} | {
+    "load_scenario": "load"
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -8,19 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
-from irsim_gym.scenario import body_checks
+from irsim_gym.scenario import body_checks, plot_spec
 from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, BodyEntry
 from irsim_gym.scenario.image_files import DEFAULT_CAR
-from irsim_gym.scenario.options import defaults
-from irsim_gym.scenario.plot_spec import (
-    CAR_COLOR,
-    CYCLE,
-    MAP_COLOR,
-    MOVING_OBSTACLE_COLOR,
-    OBSTACLE_COLOR,
-    ROBOT_COLOR,
-    ObjectPlot,
-)
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report
@@ -49,7 +39,7 @@ def make_bodies(entry: BodyEntry, index: int, first: int, group: int, report: Re
 def _named(pattern: BodySpec, entry: BodyEntry, i: int, number: int) -> BodySpec:
     name, color = name_of(entry, i, number)[1], entry.of("color", i)[1]
     if color == "cycle":
-        color = CYCLE[i % len(CYCLE)]
+        color = plot_spec.CYCLE[i % len(plot_spec.CYCLE)]
     elif color is None or color is BAD:
         image = pattern.description or _default_image(pattern)
         return replace(pattern, name=name, color=_default_color(pattern), description=image)
@@ -64,8 +54,8 @@ def name_of(entry: BodyEntry, i: int, number: int) -> tuple[Place, str]:
 
 def _default_color(body: BodySpec) -> str:
     if body.role == OBSTACLE:
-        return OBSTACLE_COLOR if body.static else MOVING_OBSTACLE_COLOR
-    return CAR_COLOR if _is_car(body) else ROBOT_COLOR
+        return plot_spec.OBSTACLE_COLOR if body.static else plot_spec.MOVING_OBSTACLE_COLOR
+    return plot_spec.CAR_COLOR if _is_car(body) else plot_spec.ROBOT_COLOR
 
 
 def _default_image(body: BodySpec) -> str | None:
@@ -169,30 +159,11 @@ def with_map(
         role="obstacle",
         entry=len(placements),
         line=line,
-        kinematics=None,
         shape=world.obstacle_map,
-        behavior=None,
-        group_behavior=None,
-        sensors=(),
-        state=(0.0, 0.0, 0.0),
-        steering=0.0,
-        goal=(),
-        velocity=(0.0, 0.0),
-        vel_min=(-1.0, -1.0),
-        vel_max=(1.0, 1.0),
-        acce=(math.inf, math.inf),
-        angle_range=(-math.pi, math.pi),
-        goal_threshold=0.1,
-        arrive_mode="position",
         static=True,
-        unobstructed=False,
         group=group,
         group_name=f"{OBSTACLE}_{group}",
-        color=MAP_COLOR,
-        description=None,
-        fov=None,
-        fov_radius=None,
-        plot=defaults(ObjectPlot),
+        color=plot_spec.MAP_COLOR,
     )
     placement = PlacementSpec((number,), PLACEMENTS.entry("manual").kind(), None, "obstacle", line)
     return (*bodies, body), (*placements, placement)

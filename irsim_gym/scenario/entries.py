@@ -123,21 +123,11 @@ def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, P
     """Return the function that checks one value of a key."""
     if key in FAMILIES:
         return lambda value, place, report: _read_kind(key, value, place, report)
-    if key == "sensors":
-        return _read_sensors
-    if key == "goal":
-        return _read_goal
-    if key == "seen_by":
-        return _read_seen_by
     if key == "plot":
         return lambda value, place, report: _read_plot(value, plot, place, report)
     if key == "role":
         return lambda value, place, report: _read_role(value, role, place, report)
-    if key == "color":
-        return _read_color
-    if key == "description":
-        return _read_description
-    return lambda value, place, report: read_field(FIELDS[key], value, place, report)
+    return READERS.get(key) or (lambda value, place, report: read_field(FIELDS[key], value, place, report))
 
 
 def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
@@ -248,3 +238,12 @@ def _read_description(value: object, place: Place, report: Report) -> object:
     if problem:
         report.add(place, problem)
     return BAD if problem else image
+
+
+READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
+    "sensors": _read_sensors,
+    "goal": _read_goal,
+    "seen_by": _read_seen_by,
+    "color": _read_color,
+    "description": _read_description,
+}

@@ -107,6 +107,18 @@ class Ids:
 IDS = Ids()
 
 
+def scenario_name(scenario: str) -> str:
+    """Return the shipped name or the path of a scenario, which may be given by an environment id.
+
+    Raises:
+        IrsimGymError: If the id stands for plain data, from which a run could not be resumed.
+    """
+    found = IDS.scenario(scenario)
+    if not isinstance(found, str | Path):
+        raise IrsimGymError(f"'{scenario}' is plain data: save it to a file and name the file")
+    return str(found)
+
+
 def _import(module: str, name: str) -> None:
     try:
         import_module(module)

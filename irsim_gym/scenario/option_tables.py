@@ -29,7 +29,7 @@ ALLOWED = {
     "sensors": "a list of mappings with a name, as below",
     "action": "a name, or a mapping with a name, as below",
     **dict.fromkeys(
-        ("observations", "critic_observations", "rewards", "endings"),
+        ("observations", "rewards", "endings"),
         "a list of names or of mappings with a name, as below",
     ),
     "goal": "a list of 2 or 3 numbers, or lists of them",

@@ -28,7 +28,7 @@ ARGUMENTS = frozenset(
         *("record", "save_ani", "columns", "wrappers"),
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
         *("respawn", "world_steps", "padded", "team_state", "strict"),
-        *("black_death", "numpy_infos", "critic"),
+        *("black_death", "numpy_infos"),
         *("disable_env_checker", "vectorization_mode", "vector_kwargs"),
         *("env_kwargs", "start_index", "monitor_dir", "monitor_kwargs"),
         *("wrapper_class", "wrapper_kwargs", "vec_env_cls", "vec_env_kwargs"),

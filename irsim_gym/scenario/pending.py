@@ -8,16 +8,13 @@ from dataclasses import replace
 from typing import Any, ClassVar, NoReturn
 
 from irsim_gym.errors import BehaviorError, UnknownNameError
-from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
-from irsim_gym.registry import Registry
-from irsim_gym.scenario.body_checks import check_drive, check_scan
+from irsim_gym.scenario.body_checks import DECIDING, check_drive, check_scan
 from irsim_gym.scenario.options import crossed_bounds, defaults, kind, option
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.scenario.validation import BAD, Report, build, build_named
 from irsim_gym.scenario.wander_goals import WanderGoals
 
-FAMILIES: dict[str, Registry] = {"behavior": BEHAVIORS, "group_behavior": GROUP_BEHAVIORS}
 RENEWAL = ("wander", "loop", "range_low", "range_high", "wander_goals")
 
 
@@ -70,7 +67,7 @@ class PendingBehavior:
 def _missing(pending: PendingBehavior) -> str:
     """Return a message about an unknown behaviour: its place, and what to do."""
     try:
-        FAMILIES[pending.key].entry(pending.data["name"])
+        DECIDING[pending.key].entry(pending.data["name"])
     except UnknownNameError as error:
         message = f"{error}; world.load_behavior('my_module') imports a module that registers it"
     else:
@@ -89,7 +86,7 @@ def read_pending(key: str, data: Mapping[str, object], place: Place, report: Rep
 def is_pending(key: str, data: object) -> bool:
     """Return whether an entry names a behaviour that is not registered."""
     name = data.get("name") if isinstance(data, Mapping) else None
-    return key in FAMILIES and isinstance(name, str) and name not in FAMILIES[key]
+    return key in DECIDING and isinstance(name, str) and name not in DECIDING[key]
 
 
 def unknown_groups(scenario: Scenario) -> list[str]:
@@ -113,7 +110,7 @@ def resolve_pending(scenario: Scenario) -> Scenario:
 
 def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     found: dict[str, PendingBehavior] = {}
-    for key, registry in FAMILIES.items():
+    for key, registry in DECIDING.items():
         pending = getattr(body, key)
         if isinstance(pending, PendingBehavior) and not is_pending(key, pending.data):
             found[key] = pending
@@ -124,8 +121,8 @@ def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     if not new or any(value is BAD for value in new.values()):
         return body
     resolved = replace(body, **new)
-    values = {key: getattr(resolved, key) for key in ("kinematics", "static", "sensors", *FAMILIES)}
-    places = {key: getattr(getattr(body, key), "place", ()) for key in FAMILIES}
+    values = {key: getattr(resolved, key) for key in ("kinematics", "static", "sensors", *DECIDING)}
+    places = {key: getattr(getattr(body, key), "place", ()) for key in DECIDING}
     for check in (check_drive, check_scan):
         check(values, places, report)
     return resolved

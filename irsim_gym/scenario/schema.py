@@ -30,7 +30,6 @@ _KINDS = {
 }
 _TERMS = {
     "observations": families.OBSERVATIONS,
-    "critic_observations": families.OBSERVATIONS,
     "rewards": families.REWARDS,
     "endings": families.ENDINGS,
 }

@@ -233,7 +233,7 @@ class BodyOptions:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BodySpec:
     """One robot or obstacle.
 
@@ -276,30 +276,30 @@ class BodySpec:
     role: Literal["robot", "obstacle"]
     entry: int
     line: int
-    kinematics: Any
+    kinematics: Any = None
     shape: Any
-    behavior: Any
-    group_behavior: Any
-    sensors: tuple[Any, ...]
-    state: Waypoint | None
-    steering: float
-    goal: tuple[Waypoint, ...]
-    velocity: tuple[float, ...]
-    vel_min: tuple[float, ...]
-    vel_max: tuple[float, ...]
-    acce: tuple[float, ...]
-    angle_range: tuple[float, float]
-    goal_threshold: float
-    arrive_mode: Literal["position", "state"]
+    behavior: Any = None
+    group_behavior: Any = None
+    sensors: tuple[Any, ...] = ()
+    state: Waypoint | None = (0.0, 0.0, 0.0)
+    steering: float = 0.0
+    goal: tuple[Waypoint, ...] = ()
+    velocity: tuple[float, ...] = (0.0, 0.0)
+    vel_min: tuple[float, ...] = (-1.0, -1.0)
+    vel_max: tuple[float, ...] = (1.0, 1.0)
+    acce: tuple[float, ...] = (np.inf, np.inf)
+    angle_range: tuple[float, float] = (-np.pi, np.pi)
+    goal_threshold: float = 0.1
+    arrive_mode: Literal["position", "state"] = "position"
     static: bool
-    unobstructed: bool
+    unobstructed: bool = False
     group: int
     group_name: str
     color: str
-    description: str | None
-    fov: float | None
-    fov_radius: float | None
-    plot: ObjectPlot
+    description: str | None = None
+    fov: float | None = None
+    fov_radius: float | None = None
+    plot: ObjectPlot = field(default_factory=lambda: defaults(ObjectPlot))
     seen_by: tuple[str, ...] | None = None
     speed_range: tuple[float, float] | None = None
     unyielding: float = 0.0

@@ -15,17 +15,9 @@ from pydantic.fields import FieldInfo
 
 from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
 from irsim_gym.registry import Registry
+from irsim_gym.scenario import messages
 from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
-from irsim_gym.scenario.messages import (
-    COASTING_MESSAGE,
-    CONTACT_KEYS,
-    CONTACT_MESSAGE,
-    choices,
-    describe,
-    show,
-    translate,
-)
 from irsim_gym.scenario.needless import NEEDLESS, coasts, mapping_of
 from irsim_gym.scenario.options import LARGEST, OPTIONS_CONFIG, option_fields
 from irsim_gym.scenario.source import Place, Source, read_file
@@ -160,7 +152,7 @@ def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Ite
         hint = (
             " (leave the '-' out)" if isinstance(data, list) and any(isinstance(one, Mapping) for one in data) else ""
         )
-        report.add(place, f"must be a mapping of options, got {show(data)}{hint}")
+        report.add(place, f"must be a mapping of options, got {messages.show(data)}{hint}")
         return None
     fields, ignored = option_fields(cls), set(skip)
     open_ended = getattr(cls, "takes_more", False)
@@ -184,6 +176,7 @@ def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Ite
 
 def _takes_null(info: FieldInfo) -> bool:
     """Return whether ``null`` is a value of an option, different from omitting it."""
+    # Elsewhere null means "not given". The one such option is ``bbox_inches``, where matplotlib tells both apart.
     return not info.is_required() and info.default is not None and type(None) in get_args(info.annotation)
 
 
@@ -193,7 +186,7 @@ def _construct(cls: type[T], values: Mapping[str, object], place: Place, report:
     except ValidationError as error:
         for record in error.errors():
             where = (*place, *(part for part in record["loc"] if isinstance(part, str | int)))
-            report.add(where, translate(record, record.get("input"), Any))
+            report.add(where, messages.translate(record, record.get("input"), Any))
         return None
     problems = list(made.problems()) if hasattr(made, "problems") else []
     for key, message in problems:
@@ -208,13 +201,13 @@ def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, r
     excluded, and so are all keys if the reader is not strict, because they are ignored then.
     """
     known, mapping = list(known), mapping_of(place)
-    contact, needless = CONTACT_KEYS.get(mapping, ()), NEEDLESS.get(mapping, {})
+    contact, needless = messages.CONTACT_KEYS.get(mapping, ()), NEEDLESS.get(mapping, {})
     spelt: dict[str, str] = {}
     for key in data:
         if key == "mass" and key in contact and coasts(data):
-            report.add((*place, key), COASTING_MESSAGE)
+            report.add((*place, key), messages.COASTING_MESSAGE)
         elif key in contact:
-            report.refuse((*place, key), CONTACT_MESSAGE)
+            report.refuse((*place, key), messages.CONTACT_MESSAGE)
         elif key in needless and key not in known:
             report.ignore((*place, key), needless[key])
         elif key not in known and not report.is_full:
@@ -237,7 +230,7 @@ def read_field(info: FieldInfo, value: object, place: Place, report: Report) -> 
         return BAD
     huge = list(_huge(result, place))
     for where, number in huge:
-        report.add(where, f"must lie between -{LARGEST:g} and {LARGEST:g}, got {show(number)}")
+        report.add(where, f"must lie between -{LARGEST:g} and {LARGEST:g}, got {messages.show(number)}")
     return BAD if huge else result
 
 
@@ -254,7 +247,7 @@ def read_color(info: FieldInfo, value: object, place: Place, report: Report) -> 
     """Return the value of a colour option as text; BAD after reporting problems."""
     text = as_text(read_numbers(value)) if isinstance(value, list | tuple) else value
     if isinstance(text, list | tuple):
-        report.add(place, f"must be a name, '#rrggbb', or 3 or 4 numbers from 0 to 1, got {show(value)}")
+        report.add(place, f"must be a name, '#rrggbb', or 3 or 4 numbers from 0 to 1, got {messages.show(value)}")
         return BAD
     color = read_field(info, text, place, report)
     problem = color_problem(color) if isinstance(color, str) else ""
@@ -289,13 +282,13 @@ def _adapter(declared: _Declared) -> TypeAdapter[Any]:
 
 def _report_errors(error: ValidationError, info: FieldInfo, value: object, place: Place, report: Report) -> None:
     if len(_branches(info.annotation)) > 1:
-        report.add(place, f"must be {describe(info.annotation)}, got {show(value)}")
+        report.add(place, f"must be {messages.describe(info.annotation)}, got {messages.show(value)}")
         return
     for record in error.errors():
         if record["type"] == "too_short" and len(record["input"]) >= record["ctx"]["min_length"]:
             continue  # pydantic counts only valid elements; the invalid ones are reported themselves
         inner = tuple(part for part in record["loc"] if isinstance(part, int))
-        report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
+        report.add((*place, *inner), messages.translate(record, record.get("input"), _hint_at(info.annotation, inner)))
 
 
 def _branches(hint: object) -> list[object]:
@@ -343,7 +336,7 @@ def _prepare_tuple(hint: object, value: list[Any] | tuple[Any, ...], place: Plac
     elif len(args) == len(value):
         hints = list(args)
     else:
-        report.add(place, f"must be {describe(hint)}, got {show(value)}")
+        report.add(place, f"must be {messages.describe(hint)}, got {messages.show(value)}")
         return BAD
     items = [prepare(one, item, (*place, i), report) for i, (one, item) in enumerate(zip(hints, value, strict=True))]
     return BAD if any(item is BAD for item in items) else tuple(items)
@@ -360,15 +353,15 @@ def build_named(
     """
     if not isinstance(data, Mapping):
         example = data if isinstance(data, str) and data in registry else next(iter(registry.names()), "...")
-        report.add(place, f"must be a mapping such as {{name: {example}}}, got {show(data)}")
+        report.add(place, f"must be a mapping such as {{name: {example}}}, got {messages.show(data)}")
         return None
     key = "name" if "name" in data or synonym not in data else synonym
     name = data.get(key, default)
     if name is None:
-        report.add((*place, "name"), f"is required: {choices(registry.names())}")
+        report.add((*place, "name"), f"is required: {messages.choices(registry.names())}")
         return None
     if not isinstance(name, str):
-        report.add((*place, key), f"must be {choices(registry.names())}, got {show(name)}")
+        report.add((*place, key), f"must be {messages.choices(registry.names())}, got {messages.show(name)}")
         return None
     try:
         entry = registry.entry(name)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.sensors import hits, reports, scanning
-from irsim_gym.world.names import Floats, Group, Model, Shard, State
+from irsim_gym.world.names import Group, Model, Shard, State
 from irsim_gym.world.outline import Outline
 
 
@@ -35,59 +34,26 @@ class FmcwPlot:
 
 
 @kind
-class FmcwLidar2D:
+class FmcwLidar2D(scanning.RangeSensor):
     """A scanner that measures the range of each beam and its rate of change.
 
     A positive radial velocity points away from the sensor. It is relative to the sensor, or, with
     ``motion_compensate``, to the ground.
     """
 
-    reading: ClassVar[str] = "ranges"
-
-    number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
-    angle_range: float = option(
-        np.pi,
-        ge=0.0,
-        unit="rad",
-        meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
-    )
-    range_min: float = option(
-        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
-    )
-    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Maximum range; a beam that hits nothing reports this.")
-    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
-    noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
-    std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
-    angle_std: float = option(
-        0.02,
-        ge=0.0,
-        unit="rad",
-        meaning="With noise, standard deviation of the directions; reported angles do not change.",
-    )
     velocity_noise_std: float = option(
         0.0, ge=0.0, unit="m/s", meaning="Standard deviation of the velocity noise; applies also with noise: false."
     )
     motion_compensate: bool = option(False, meaning="Subtract the sensor's own motion from the velocities.")
-    offset: tuple[float, float, float] = option(
-        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
-    )
     alpha: float | None = option(
         None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; default: 1, or 0.3 without velocity_color."
     )
     color: str = option("#F97316", min_length=1, meaning="Colour of the beams without velocity_color.")
     plot: FmcwPlot = option(defaults(FmcwPlot), meaning="Drawing options of the sensor.")
 
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from scanning.range_problems(self)
-
     def group_key(self) -> tuple[Any, ...]:
         """Return the properties that members of one group share: the beams, and whether they are noisy."""
         return self.number, scanning.sweep(self), self.noise
-
-    def angles(self) -> Floats:
-        """Return the beams' directions in the sensor frame [rad], shape ``(n_beams,)``; a single beam looks ahead."""
-        return scanning.beam_angles(self)
 
     @staticmethod
     def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int) -> None:
@@ -110,8 +76,3 @@ class FmcwLidar2D:
             "radial_velocity": group.arrays["radial_velocity"][world, member].copy(),
             "valid": reports.is_valid(group, member, world),
         }
-
-    @staticmethod
-    def points(group: Group, member: int, world: int) -> Floats | None:
-        """Return the points that the beams hit, see ``reports.scan_points``."""
-        return reports.scan_points(group, member, world)

@@ -16,6 +16,9 @@ from irsim_gym.world.names import Struct, kernel
 class ScanTables(Struct):
     """A group of range sensors with equal beams.
 
+    These are the options of all kinds of range sensors that kernels read: with records of the options themselves, the
+    kernels of a world with two kinds would be compiled twice.
+
     The directions of member k in world w are row ``w * n_members + k`` of ``cast_angles``, ``beams_x`` and ``beams_y``,
     or the only row (``beam_row``). Arrays with a slot are scratch memory, one row for each shard; for those of
     ``CHUNK`` primitives see ``geometry.ray_chunks``.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,10 +13,11 @@ from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, DISCS, ROUNDS, SIDES, Ey
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.sensors.cell_scan import scan_cells
+from irsim_gym.sensors.reports import scan_points
 from irsim_gym.sensors.room_casting import cast_room, is_small
 from irsim_gym.sensors.scan_tables import ScanTables
 from irsim_gym.world.arrays import aligned
-from irsim_gym.world.names import Floats, Group, Model, Rays, Shard, State
+from irsim_gym.world.names import Floats, Group, Model, Rays, Shard, State, kind, option
 from irsim_gym.world.outline import Outline
 
 FULL_TURN = 2.0 * np.pi
@@ -37,6 +38,54 @@ def beam_angles(options: Any) -> Floats:
     """Return the beams' directions in the sensor frame [rad], shape ``(n_beams,)``; a single beam looks ahead."""
     half = 0.5 * sweep(options)
     return np.linspace(-half, half, options.number) if options.number > 1 else np.zeros(1)
+
+
+@kind
+class RangeSensor:
+    """What range sensors have in common."""
+
+    reading: ClassVar[str] = "ranges"
+
+    number: int = option(
+        100,
+        ge=1,
+        le=100_000,
+        meaning="Number of beams.",
+        consequence="If large, steps take longer. If small, beams miss thin things.",
+    )
+    angle_range: float = option(
+        np.pi,
+        ge=0.0,
+        unit="rad",
+        meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
+        consequence="Degrees instead of radians give a full turn.",
+    )
+    range_min: float = option(
+        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
+    )
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Maximum range; a beam that hits nothing reports this.")
+    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
+    noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
+    std: float = option(
+        0.2,
+        ge=0.0,
+        unit="m",
+        meaning="Standard deviation of the range noise.",
+        consequence="If as large as range_max, ranges are useless.",
+    )
+    angle_std: float = option(
+        0.02,
+        ge=0.0,
+        unit="rad",
+        meaning="With noise, standard deviation of the directions; reported angles do not change.",
+    )
+    offset: tuple[float, float, float] = option(
+        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
+    )
+
+    problems = range_problems
+    angles = beam_angles
+    points = staticmethod(scan_points)
 
 
 def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *, finds_hits: bool = False) -> None:
@@ -78,6 +127,7 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
         beams_x=np.tile(np.cos(directions).astype(np.float32), (n_rows, 1)),
         beams_y=np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
         ranges=ranges,
+        # Empty, not None: tables of one type, for which kernels are compiled once.
         hit=np.full(ranges.shape if finds_hits else (0, 0, 0), -1, np.int64),
         ends=np.zeros((n_slots, 4 * CHUNK)),
         limits=np.zeros((n_slots, CHUNK)),

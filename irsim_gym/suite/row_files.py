@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation import tables
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.evaluation.team_tables import read_levels
 
 EPISODE = tuple(field.name for field in fields(EpisodeRow))
 AGENT = tuple(field.name for field in fields(AgentRow) if field.name != "episode")
@@ -30,10 +30,32 @@ def read_rows(path: Path, levels: int | None = None) -> list[TeamRow]:
     Raises:
         UnreadableFileError: If a column or a row is missing or a value is invalid; the message names the line.
     """
-    rows = read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow), in_order=levels is not None)
+    found: dict[int, TeamRow] = {}
+    for place, row in tables.read_rows(path, EpisodeRow, AgentRow, TeamRow):
+        episode = tables.read_cells(place, EpisodeRow, row)
+        agent, number = tables.read_cells(place, AgentRow, row, episode=episode), episode.level
+        if levels is not None and number not in (*list(found)[-1:], len(found)):
+            reason = f"level must be {len(found)}, got {number}: a row before it is missing, or this one is there twice"
+            raise UnreadableFileError(place, tables.ROW, reason)
+        level = found.get(number) or tables.read_cells(place, TeamRow, row, agents=())
+        if agent.agent in [other.agent for other in level.agents]:
+            raise UnreadableFileError(place, tables.ROW, f"'{agent.agent}' has two rows in level {number}")
+        found[number] = replace(level, agents=(*level.agents, agent))
+    rows = list(found.values())
     if levels is not None:
-        tables.check_levels(path, {"": rows}, levels)
+        _check_levels(path, rows, levels)
     return rows
+
+
+def _check_levels(path: Path, rows: Sequence[TeamRow], levels: int) -> None:
+    """Check that rows are those of all levels, and of all agents in each."""
+    if len(rows) != levels:
+        reason = f"its rows must be those of {levels:,} levels, got {len(rows):,}"
+        raise UnreadableFileError(str(path), tables.ROWS, reason)
+    teams = [{agent.agent for agent in row.agents} for row in rows]
+    for number, team in enumerate(teams):
+        if missing := sorted(set.union(*teams) - team):
+            raise UnreadableFileError(str(path), tables.ROWS, f"level {number} has no row of {', '.join(missing)}")
 
 
 def _cells(level: TeamRow, agent: AgentRow) -> dict[str, object]:

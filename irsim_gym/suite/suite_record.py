@@ -11,8 +11,8 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.outside_files import checked, json_object, reading
 from irsim_gym.suite.members import Member
+from irsim_gym.training.machine import machine
 from irsim_gym.training.methods import ComparedMethod
-from irsim_gym.training.run import machine
 from irsim_gym.training.snapshot import take_snapshot
 
 SUMMARY = "summary.json"

@@ -31,12 +31,8 @@ def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeSta
             episode.goal_distance[w, a] = state.goal_distance[w, b]
             episode.stalled[w, a], episode.deadlocked[w, a], episode.arrival[w, a] = 0.0, False, 0
             episode.steps[w, a], episode.hit[w, a], episode.hit_kind[w, a], episode.outcome[w, a] = 0, -1, 0, RUNNING
-            episode.success[w, a], episode.over[w, a], episode.terminated[w, a], episode.truncated[w, a] = (
-                False,
-                False,
-                False,
-                False,
-            )
+            episode.success[w, a], episode.over[w, a] = False, False
+            episode.terminated[w, a], episode.truncated[w, a] = False, False
             for k in range(episode.reward_term.shape[2]):
                 episode.reward_term[w, a, k] = 0.0
             episode.reward[w, a] = 0.0

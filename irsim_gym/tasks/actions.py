@@ -185,10 +185,8 @@ def write_commands(worlds: Ints, agents: Ints, model: Model, state: State, episo
         agents: Body of each agent, ``(n_agents,)``.
     """
     for w in worlds:
-        slowest, fastest = (
-            model.velocity_min[row_of(model.velocity_min, w)],
-            model.velocity_max[row_of(model.velocity_max, w)],
-        )
+        slowest = model.velocity_min[row_of(model.velocity_min, w)]
+        fastest = model.velocity_max[row_of(model.velocity_max, w)]
         for a in range(agents.shape[0]):
             b = agents[a]
             for c in range(episode.action.shape[2]):
@@ -224,10 +222,8 @@ def rest(worlds: Ints, agents: Ints, model: Model, episode: EpisodeState) -> Non
     Writes: episode (action, previous_action).
     """
     for w in worlds:
-        slowest, fastest = (
-            model.velocity_min[row_of(model.velocity_min, w)],
-            model.velocity_max[row_of(model.velocity_max, w)],
-        )
+        slowest = model.velocity_min[row_of(model.velocity_min, w)]
+        fastest = model.velocity_max[row_of(model.velocity_max, w)]
         for a in range(agents.shape[0]):
             b = agents[a]
             if not episode.began[w, a]:

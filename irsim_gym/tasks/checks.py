@@ -74,8 +74,8 @@ def _first_names(names: Sequence[str], most: int = 10) -> str:
 
 def check_fit(
     scenario: Scenario, agents: Sequence[int], task: str, terms: Terms, merged: Merged
-) -> dict[str, list[tuple[Place, Any]]]:
-    """Report what the learners lack, and return the lists of observations, with substitutes for missing sensors."""
+) -> list[tuple[Place, Any]]:
+    """Report what the learners lack, and return the observations, with substitutes for missing sensors."""
     bodies = [scenario.bodies[b] for b in agents]
     problems = [
         Problem(body.line, body.name, message)
@@ -94,9 +94,7 @@ def check_fit(
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
         merged.outside.append((scenario.source.title, shown))
-    return {
-        key: _with_substitutes(terms[key], bodies, merged.report) for key in ("observations", "critic_observations")
-    }
+    return _with_substitutes(terms["observations"], bodies, merged.report)
 
 
 def _with_substitutes(

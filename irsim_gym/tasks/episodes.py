@@ -21,7 +21,7 @@ from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
 from irsim_gym.tasks.term_watch import TermWatch
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
-from irsim_gym.tasks.transition import CRITIC, transition_of
+from irsim_gym.tasks.transition import transition_of
 from irsim_gym.world.model import OMNI_WORLD
 
 
@@ -39,7 +39,6 @@ class Episodes:
         view: The latest transition.
         observation_terms: Name, lower and upper bounds of each part of the observation, in order; images have no
             columns and are only in ``view.percepts``.
-        critic_terms: The same for the observations of the critic alone.
         reward_names: Names of the reward terms, in order.
         agent_names: Names of the agents' bodies, in order.
         action_sizes: Number of components of each agent's actions, shape ``(n_agents,)``; further ones are ignored.
@@ -68,8 +67,7 @@ class Episodes:
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
         self._on_the_way = np.array([is_paid_on_the_way(reward) for reward in task.rewards], np.bool_)
-        self._critic = bind(OBSERVATIONS, task.critic_observations, simulation, task)
-        terms = [*self._observations, *self._critic, *self._rewards]
+        terms = [*self._observations, *self._rewards]
         self._minded_clearance = max(
             (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance)), default=0.0
         )
@@ -78,9 +76,7 @@ class Episodes:
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
-        self.critic_terms, _ = place_observations(self._critic, simulation)
-        self._critic_state = self._with_columns(sum(len(low) for _, low, _ in self.critic_terms))
-        self.view = transition_of(self.state, images, self._critic_percepts())
+        self.view = transition_of(self.state, images)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
@@ -96,7 +92,6 @@ class Episodes:
         return {
             "action": [self._action],
             "observations": self._observations,
-            "critic_observations": self._critic,
             "rewards": self._rewards,
             "endings": self._endings,
         }
@@ -341,19 +336,6 @@ class Episodes:
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
             (term.watched or term.options.write)(term, self.simulation.model, self.simulation.state, self.state, shard)
-        for term in self._critic:
-            (term.watched or term.options.write)(
-                term, self.simulation.model, self.simulation.state, self._critic_state, shard
-            )
-
-    def _with_columns(self, width: int) -> EpisodeState:
-        """Return a state that shares all arrays except for an observation of its own."""
-        return replace(self.state, observation=np.zeros((self.n_worlds, self.n_agents, width), np.float32))
-
-    def _critic_percepts(self) -> dict[str, NDArray[Any]]:
-        numbers = {CRITIC: self._critic_state.observation} if self.critic_terms else {}
-        pictures = [term for term in self._critic if isinstance(term.options, IsImage)]
-        return {**numbers, **{f"{CRITIC}_{term.name}": term.image for term in pictures}}
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

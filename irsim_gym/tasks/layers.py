@@ -13,7 +13,7 @@ from irsim_gym.errors import Problem, ScenarioError, suggestion
 from irsim_gym.scenario.source import Place, Source, dotted
 from irsim_gym.scenario.validation import Report
 
-LISTS = ("observations", "critic_observations", "rewards", "endings")
+LISTS = ("observations", "rewards", "endings")
 
 
 @dataclass(frozen=True)

@@ -19,16 +19,10 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.validation import Report, build, build_named
 from irsim_gym.tasks.audit import Sharing, check_audit
 from irsim_gym.tasks.checks import check_action, check_fit, check_terms, choose_agents
-from irsim_gym.tasks.goal_form import goal_terms
 from irsim_gym.tasks.layers import Layer, merge
 
 DEFAULT = "navigation"
-FAMILIES = {
-    "observations": OBSERVATIONS,
-    "critic_observations": OBSERVATIONS,
-    "rewards": REWARDS,
-    "endings": ENDINGS,
-}
+FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
 LONGEST_CHAIN = 8
 _CHANGES = "; changes the terms of the named task by name."
 
@@ -42,10 +36,8 @@ class TaskOptions:
         "", meaning="Which robots learn: a name, a list of names, or 'all'; default: the first robot, or all in a team."
     )
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
-    observation_form: Literal["flat", "dict", "goal"] = option(
-        "flat",
-        meaning="One vector (flat), a dictionary with a vector per observation (dict), or observation, "
-        "achieved_goal and desired_goal (goal).",
+    observation_form: Literal["flat", "dict"] = option(
+        "flat", meaning="One vector (flat), or a dictionary with a vector per observation (dict)."
     )
     ended: Literal["stay", "vanish"] = option(
         "stay",
@@ -69,9 +61,6 @@ class TaskOptions:
     )
     action: Any = option("velocity", meaning="What a learner commands.")
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
-    critic_observations: tuple[Any, ...] = option(
-        (), meaning=f"What the critic alone observes besides, in training with Stable-Baselines3{_CHANGES}"
-    )
     rewards: tuple[Any, ...] = option((), meaning=f"Reward terms; the reward is their sum{_CHANGES}")
     endings: tuple[Any, ...] = option((), meaning=f"What ends an episode, besides the time limit{_CHANGES}")
 
@@ -88,9 +77,8 @@ class Task:
         observations: Instances of registered observations, in order.
         rewards: Instances of registered rewards, in order.
         endings: Instances of registered endings.
-        critic_observations: Instances of registered observations of the critic alone.
         names_agents: Whether the task says which robots learn.
-        observation_form: ``flat``, ``dict`` or ``goal``.
+        observation_form: ``flat`` or ``dict``.
         ended: What happens to the body of an agent whose episode has ended: ``stay`` or ``vanish``.
         team_reward: Share of each reward term that is the mean over the agents of a world.
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
@@ -104,12 +92,11 @@ class Task:
     observations: tuple[Any, ...]
     rewards: tuple[Any, ...]
     endings: tuple[Any, ...]
-    observation_form: Literal["flat", "dict", "goal"] = "flat"
+    observation_form: Literal["flat", "dict"] = "flat"
     ended: Literal["stay", "vanish"] = "stay"
     team_reward: float = 0.0
     deadlock_speed: float = 0.05
     deadlock_time: float = 5.0
-    critic_observations: tuple[Any, ...] = ()
     names_agents: bool = False
 
 
@@ -146,10 +133,8 @@ def load_task(
     if options is not None:
         agents = choose_agents(scenario, options.agents, team, merged)
         if agents:
-            terms |= check_fit(scenario, agents, name, terms, merged)
+            terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
-            if options.observation_form == "goal":
-                terms["observations"] = goal_terms(scenario, agents, terms, merged)
         if is_sound:
             check_terms(terms, merged)
             if options.audit:

@@ -40,24 +40,18 @@ def write_team_state(worlds: Ints, agents: Ints, model: Model, state: State, out
     half_x, half_y = 0.5 * (model.bounds[2] - model.bounds[0]), 0.5 * (model.bounds[3] - model.bounds[1])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        fastest, slowest = (
-            model.velocity_max[row_of(model.velocity_max, w)],
-            model.velocity_min[row_of(model.velocity_min, w)],
-        )
+        fastest = model.velocity_max[row_of(model.velocity_max, w)]
+        slowest = model.velocity_min[row_of(model.velocity_min, w)]
         for a in range(agents.shape[0]):
             b, row = agents[a], out[i, WIDTH * a : WIDTH * (a + 1)]
             row[:] = np.float32(0.0)
             if model.has_goal[b]:
-                row[6], row[7] = (
-                    unit((state.goal[w, b, 0] - middle_x) / half_x),
-                    unit((state.goal[w, b, 1] - middle_y) / half_y),
-                )
+                row[6] = unit((state.goal[w, b, 0] - middle_x) / half_x)
+                row[7] = unit((state.goal[w, b, 1] - middle_y) / half_y)
             if not model.present[w, b]:
                 continue
-            row[0], row[1] = (
-                unit((state.pose[w, b, 0] - middle_x) / half_x),
-                unit((state.pose[w, b, 1] - middle_y) / half_y),
-            )
+            row[0] = unit((state.pose[w, b, 0] - middle_x) / half_x)
+            row[1] = unit((state.pose[w, b, 1] - middle_y) / half_y)
             row[2], row[3] = np.float32(np.cos(state.pose[w, b, 2])), np.float32(np.sin(state.pose[w, b, 2]))
             # One scale for both components, because the velocity is given in the world frame.
             largest = max(np.abs(fastest[b, 0]), np.abs(slowest[b, 0]))

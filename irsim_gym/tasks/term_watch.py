@@ -50,7 +50,7 @@ class TermWatch:
     def __init__(self, terms: Mapping[str, Sequence[Term]], simulation: Simulation, recorded: Sequence[Fused]) -> None:
         self._checks: list[tuple[Term, CallCheck]] = []
         for key, those in terms.items():
-            family = key.removeprefix("critic_").removesuffix("s")
+            family = key.removesuffix("s")
             for term in (one for one in those if is_foreign(type(one.options))):
                 term.watched = check = CallCheck(family, term, simulation)
                 self._checks.append((term, check))

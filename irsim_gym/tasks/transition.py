@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
 from irsim_gym.tasks.episode_state import EpisodeState
 
-CRITIC = "critic"
-"""The name of the critic's numbers."""
-
 
 @dataclass(frozen=True)
 class Percepts:
@@ -22,26 +19,20 @@ class Percepts:
     Attributes:
         observation: Numbers in [-1, 1], float32, shape ``(..., n_features)``.
         images: Images by the name of their observation, uint8, shape ``(..., height, width, n_channels)`` each.
-        critic: Observations of the critic alone: numbers as in ``observation`` under ``CRITIC``, images under
-            ``critic_NAME``; empty without any.
     """
 
     observation: Rays
     images: Mapping[str, Bytes]
-    critic: Mapping[str, NDArray[Any]]
 
     def each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Percepts:
         """Apply a function to each array."""
-        images = {name: change(image) for name, image in self.images.items()}
-        return Percepts(change(self.observation), images, {name: change(part) for name, part in self.critic.items()})
+        return Percepts(change(self.observation), {name: change(image) for name, image in self.images.items()})
 
     def overwrite(self, chosen: Flags, other: Percepts) -> None:
         """Copy the rows chosen by a mask over the leading axes from ``other``."""
         self.observation[chosen] = other.observation[chosen]
         for name, image in self.images.items():
             image[chosen] = other.images[name][chosen]
-        for name, part in self.critic.items():
-            part[chosen] = other.critic[name][chosen]
 
 
 @dataclass(frozen=True)
@@ -60,7 +51,6 @@ class Transition:
             goal_distance [m], is_success, steps, stalled [s], deadlocked, level.
         images: The agents' images, by the name of their observation, uint8, shape
             ``(n_worlds, n_agents, height, width, n_channels)`` each.
-        critic: Observations of the critic alone, see ``Percepts``.
     """
 
     observation: Rays
@@ -71,12 +61,11 @@ class Transition:
     over: Flags
     infos: Mapping[str, NDArray[Any]]
     images: Mapping[str, Bytes]
-    critic: Mapping[str, NDArray[Any]]
 
     @property
     def percepts(self) -> Percepts:
         """All that the agents perceive."""
-        return Percepts(self.observation, self.images, self.critic)
+        return Percepts(self.observation, self.images)
 
     @property
     def live(self) -> Flags:
@@ -84,13 +73,12 @@ class Transition:
         return ~(self.terminated | self.truncated)
 
 
-def transition_of(state: EpisodeState, images: Mapping[str, Bytes], critic: Mapping[str, NDArray[Any]]) -> Transition:
+def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transition:
     """Return the view of a task's arrays for learners.
 
     Args:
         state: The state of the episodes.
         images: Images by name, see ``Percepts``.
-        critic: Observations of the critic alone, see ``Percepts``.
     """
     infos = {
         "outcome": state.outcome,
@@ -114,5 +102,4 @@ def transition_of(state: EpisodeState, images: Mapping[str, Bytes], critic: Mapp
         state.over,
         infos,
         images,
-        critic,
     )

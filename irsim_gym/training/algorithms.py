@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -30,7 +30,6 @@ class Algorithm:
         actions: Supported kinds of actions: ``continuous``, ``discrete``.
         team_module: Module of the subclass that masks waiting robots; empty if the algorithm needs none.
         policy_suffix: Part of the policies' class names between the kind of network and ``Policy``.
-        has_critic: Whether its critic may observe more than its actor.
         engine: The only engine that implements it; empty for Stable-Baselines3. With an engine, the class is one of
             Stable-Baselines3 that has the same policies.
     """
@@ -41,7 +40,6 @@ class Algorithm:
     actions: frozenset[str]
     team_module: str = ""
     policy_suffix: str = ""
-    has_critic: bool = False
     engine: str = ""
 
     def load(self, team: bool = False) -> type[BaseAlgorithm]:
@@ -59,19 +57,6 @@ class Algorithm:
         require("contrib" if self.module == "sb3_contrib" else "train", f"the algorithm {self.name}")
         found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
         return found
-
-    def check_critic(self, critic_observations: Collection[Any]) -> None:
-        """Check that the algorithm supports a task's observations for the critic alone.
-
-        Raises:
-            IrsimGymError: If it does not. The message names algorithms that do.
-        """
-        if critic_observations and not self.has_critic:
-            others = ", ".join(one.name for one in ALGORITHMS.values() if one.has_critic)
-            raise IrsimGymError(
-                f"{self.name} has no critic that may see more than the actor, but the task has critic_observations: "
-                f"take another algorithm ({others}), or leave them out"
-            )
 
     def check_action(self, action: Any, named: str) -> None:
         """Check that the algorithm supports a task's action.
@@ -99,13 +84,13 @@ _ONLY_NUMBERS = frozenset({CONTINUOUS})
 
 def _listed() -> Iterator[Algorithm]:
     masked = "irsim_gym.envs.sb3_masked"
-    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH, masked, has_critic=True)
+    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH, masked)
     yield Algorithm("sac", "stable_baselines3", "SAC", _ONLY_NUMBERS)
     yield Algorithm("td3", "stable_baselines3", "TD3", _ONLY_NUMBERS)
     yield Algorithm("tqc", "sb3_contrib", "TQC", _ONLY_NUMBERS)
     yield Algorithm("dqn", "stable_baselines3", "DQN", frozenset({DISCRETE}))
-    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked, has_critic=True)
-    yield Algorithm("gru_ppo", "irsim_gym.envs.sb3_gru", "GruPPO", _BOTH, policy_suffix="Gru", has_critic=True)
+    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked)
+    yield Algorithm("gru_ppo", "irsim_gym.envs.sb3_gru", "GruPPO", _BOTH, policy_suffix="Gru")
     yield Algorithm("appo", "stable_baselines3", "PPO", _BOTH, masked, engine="rllib")
 
 

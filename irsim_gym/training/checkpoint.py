@@ -23,17 +23,7 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
 from irsim_gym.outside_files import reading, remove, writing
-from irsim_gym.training.checkpoint_files import (
-    NORMALIZATION,
-    PARTIAL,
-    POLICY,
-    PROGRESS,
-    REPLAY_BUFFER,
-    STATE,
-    RunProgress,
-    list_checkpoints,
-    remove_state,
-)
+from irsim_gym.training import checkpoint_files as stored
 from irsim_gym.training.environment import worlds_state
 
 EPISODE_STATE = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
@@ -43,13 +33,15 @@ MEMORY = "last_memory"
 
 
 def save_checkpoint(
-    folder: Path, model: BaseAlgorithm, progress: RunProgress, levels: LearnableLevels | None = None
+    folder: Path, model: BaseAlgorithm, progress: stored.RunProgress, levels: LearnableLevels | None = None
 ) -> Path:
     """Write a checkpoint into ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
     return write_checkpoint(folder, model, progress, {**_state(model), "levels": levels})
 
 
-def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> Path:
+def write_checkpoint(
+    folder: Path, model: BaseAlgorithm, progress: stored.RunProgress, state: Mapping[str, Any]
+) -> Path:
     """Write a checkpoint into ``folder`` and return its own folder.
 
     Args:
@@ -57,7 +49,7 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
         state: Further state for resuming.
     """
     target = folder / f"{progress.steps:010d}"
-    partial = folder / f"{PARTIAL}-{target.name}"
+    partial = folder / f"{stored.PARTIAL}-{target.name}"
     remove(partial)
     partial.mkdir(parents=True)
     try:
@@ -68,13 +60,13 @@ def write_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress, 
         raise
     remove(target)
     partial.rename(target)
-    for older in list_checkpoints(folder):
+    for older in stored.list_checkpoints(folder):
         if older != target:
-            remove_state(older)
+            stored.remove_state(older)
     return target
 
 
-def _write_parts(partial: Path, model: BaseAlgorithm, progress: RunProgress, state: Mapping[str, Any]) -> None:
+def _write_parts(partial: Path, model: BaseAlgorithm, progress: stored.RunProgress, state: Mapping[str, Any]) -> None:
     """Write the files of a checkpoint.
 
     Raises:
@@ -82,14 +74,14 @@ def _write_parts(partial: Path, model: BaseAlgorithm, progress: RunProgress, sta
     """
     content = io.BytesIO()
     model.save(content)
-    (partial / POLICY).write_bytes(content.getbuffer())
+    (partial / stored.POLICY).write_bytes(content.getbuffer())
     normalization = model.get_vec_normalize_env()
     if normalization is not None:
-        normalization.save(str(partial / NORMALIZATION))
+        normalization.save(str(partial / stored.NORMALIZATION))
     if isinstance(model, OffPolicyAlgorithm):
-        model.save_replay_buffer(partial / REPLAY_BUFFER)
-    (partial / STATE).write_bytes(pickle.dumps(dict(state)))
-    (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))), encoding="utf-8")
+        model.save_replay_buffer(partial / stored.REPLAY_BUFFER)
+    (partial / stored.STATE).write_bytes(pickle.dumps(dict(state)))
+    (partial / stored.PROGRESS).write_text(json.dumps(plain(vars(progress))), encoding="utf-8")
 
 
 def export_policy(path: Path, model: BaseAlgorithm) -> None:
@@ -111,8 +103,8 @@ def load_state(checkpoint: Path) -> dict[str, Any]:
     Raises:
         UnreadableFileError: It is damaged, or another version has written it.
     """
-    with reading(checkpoint / STATE, "state that this version can resume"):
-        state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
+    with reading(checkpoint / stored.STATE, "state that this version can resume"):
+        state: dict[str, Any] = pickle.loads((checkpoint / stored.STATE).read_bytes())
         if not isinstance(state, dict):
             raise TypeError(f"got {type(state).__name__}")
     return state

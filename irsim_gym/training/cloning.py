@@ -16,7 +16,6 @@ from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.sb3_critic_parts import actor_observation_space
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent, percepts
@@ -101,7 +100,7 @@ def _check_model(model: BaseAlgorithm, settings: Settings) -> None:
     policy, problems = model.policy, []
     if not isinstance(policy, ActorCriticPolicy) or memory_shape(model) is not None:
         problems.append(f"{settings.algorithm} has no actor that can: use ppo or a2c")
-    if isinstance(actor_observation_space(model.observation_space), Dict):
+    if isinstance(model.observation_space, Dict):
         problems.append("the task's observation is a dict: use observation_form: flat")
     if settings.hyperparameters.normalize is not None:
         problems.append("statistics of normalize would change under what was learnt: leave it out")

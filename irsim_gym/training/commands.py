@@ -19,9 +19,8 @@ from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.extras import require
 from irsim_gym.scenario.notes import doubts, notes
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
-from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.extension import extend
-from irsim_gym.training.folders import check_free, evaluation_folder, free_file, has_results
+from irsim_gym.training.folders import check_free, check_no_results, evaluation_folder, free_file
 from irsim_gym.training.inputs import check_folder, check_inputs
 from irsim_gym.training.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.training.learning_curve import successes
@@ -183,7 +182,7 @@ def run_evaluation(
     out: Path | None = None,
     references: bool = True,
     overwrite: bool = False,
-) -> Evaluation | TeamEvaluation:
+) -> Evaluation:
     """Evaluate policies of single robots or of teams, print the tables, write the files, and return the results.
 
     Raises:
@@ -191,18 +190,30 @@ def run_evaluation(
     """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
-    check_inputs(asked, policies=policies, split=split, folder=out)
+    asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "evaluation")
+    how: dict[str, Any] = {"levels": levels, "split": split, "references": references}
+    found = evaluate_policies(asked, methods, folder=folder, **how)
+    print_evaluation(found)
+    print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
+    return found
+
+
+def requested_evaluation(
+    asked: ScenarioRequest, policies: Sequence[str], split: str, out: Path | None, overwrite: bool, kind: str
+) -> tuple[ScenarioRequest, dict[str, tuple[str, ...]], Path]:
+    """Check an evaluation, and return its request with the parameters of training, its methods, and its folder."""
+    check_inputs(asked, partial(check_no_results, out, overwrite), policies=policies, split=split, folder=out)
     methods = {method.name: method.sources for method in read_methods(policies)}
-    if out is not None and has_results(out) and not overwrite:
-        raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
     asked = as_trained(asked, [source for seeds in methods.values() for source in seeds])
-    folder = out or evaluation_folder(str(asked.scenario), split, asked.parameters, asked.team, overwrite=overwrite)
-    found = evaluate_policies(asked, methods, levels=levels, split=split, references=references, folder=folder)
+    named = str(asked.scenario), split, asked.parameters, asked.team
+    return asked, methods, out or evaluation_folder(*named, overwrite=overwrite, kind=kind)
+
+
+def print_evaluation(found: Evaluation) -> None:
+    """Print the tables of an evaluation, and what their columns mean."""
     for table in found.tables:
         print_table(table)
     print(found.legend)
-    print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
-    return found
 
 
 def run_rollout(

@@ -5,12 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.errors import ChangedScenarioWarning
 from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
-from irsim_gym.training.evaluate_teams import TeamEvaluation
 from irsim_gym.training.methods import Sources, by_method
 from irsim_gym.training.policies import Source
 from irsim_gym.training.remembered import change_message, changes_since
@@ -30,11 +29,11 @@ def evaluate(
     folder: str | Path | None = None,
     parameters: Mapping[str, object] | None = None,
     strict: bool = True,
-) -> Evaluation | TeamEvaluation:
+) -> Evaluation:
     """Play the same levels with each policy, and return success rates, times and path lengths; print it for tables.
 
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, ``"random"``, the name
-    of a shipped policy or of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, which may
+    of a shipped policy or of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.Policy``, which may
     have a memory. A function gets the observations of the environment, stacked for n robots (float32
     ``(n, n_features)``, or a dict of such arrays), and returns actions as ``env.step`` takes them, ``(n, action_dim)``
     or ``(n,)``. A policy of a run and a shipped policy observe and act as in their training. Rewards and the ends of
@@ -59,10 +58,7 @@ def evaluate(
         ValueError: If ``levels`` is less than 1.
         IrsimGymError: If a policy does not exist, or does not fit the task.
     """
-    if levels < 1:
-        raise ValueError(f"levels must be >= 1, got {levels}")
-    is_one = isinstance(policies, str) or not isinstance(policies, Sequence | Mapping)
-    sources: Any = [policies] if is_one else policies
+    sources = sources_of(policies, levels)
     _warn_of_changes(scenario, [one for several in by_method(sources).values() for one in several], task, strict)
     return evaluate_policies(
         ScenarioRequest(scenario, task, team, parameters, strict),
@@ -73,6 +69,18 @@ def evaluate(
         references=references,
         folder=None if folder is None else Path(folder),
     )
+
+
+def sources_of(policies: Source | Sources, levels: int) -> Sources:
+    """Return one policy as a sequence, and several as they are.
+
+    Raises:
+        ValueError: If there is no level to play.
+    """
+    if levels < 1:
+        raise ValueError(f"levels must be >= 1, got {levels}")
+    is_one = isinstance(policies, str) or not isinstance(policies, Sequence | Mapping)
+    return cast("Sources", [policies] if is_one else policies)
 
 
 def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: TaskSource, strict: bool) -> None:

@@ -15,8 +15,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from irsim_gym import __version__
 from irsim_gym.extras import EXTRAS, missing, pip_command
+from irsim_gym.version import __version__
 
 PACKAGES = (
     *("numpy", "numba", "llvmlite", "gymnasium", "pettingzoo", "pydantic"),

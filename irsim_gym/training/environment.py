@@ -64,7 +64,6 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
     options: dict[str, Any] = {
         "task": settings.task,
         "max_steps": max_steps,
-        "critic": True,
         "render_mode": None,
         "strict": settings.strict,
         **settings.parameters,

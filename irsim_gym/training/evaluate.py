@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -12,8 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
-from irsim_gym.evaluation.metrics import EpisodeRow, Rate, Summary, summarize
+from irsim_gym.evaluation.metrics import Rate, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
@@ -29,11 +28,10 @@ from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, team_conditions
-from irsim_gym.training.evaluate_teams import TeamEvaluation
-from irsim_gym.training.fitting import check_policies, observed_by, report_perceptions
+from irsim_gym.training.fitting import check_policies, fitting_references, observed_by, report_perceptions
+from irsim_gym.training.machine import machine
 from irsim_gym.training.methods import Sources, by_method, names_of_policies
 from irsim_gym.training.policies import load_policies, load_policy
-from irsim_gym.training.run import machine
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.trajectory_figures import TrajectoryFigure
 
@@ -48,8 +46,8 @@ class Evaluation:
     Attributes:
         scenario: Name of the scenario, with the values of its parameters.
         split: Split of the levels.
-        rows: Episodes of each policy.
-        summaries: Summary of each policy, in the same order.
+        rows: An ``EpisodeRow`` of each level for each policy; of a team a ``TeamRow``.
+        summaries: Summary of each policy, in the same order; of a team a ``TeamSummary``.
         level_set: Hash and certificate of the levels.
         seeds: Names of the policies of each method that has several.
         observes: Names of the observations of each policy that uses observations.
@@ -57,23 +55,29 @@ class Evaluation:
 
     scenario: str
     split: str
-    rows: dict[str, list[EpisodeRow]]
-    summaries: list[Summary]
+    rows: dict[str, list[Any]]
+    summaries: list[Any]
     level_set: PlayedLevels
     seeds: dict[str, list[str]]
     observes: dict[str, list[str]] = field(default_factory=dict)
 
     @property
+    def title(self) -> str:
+        """The scenario, the number of robots in a team, and the levels."""
+        agents = self.summaries[0].agents if isinstance(self, TeamEvaluation) else 0
+        whose = "" if not agents else " 1 agent," if agents == 1 else f" {agents} agents,"
+        return f"{self.scenario}:{whose} {self.level_set.count:,} {self.split} levels, {self.level_set}"
+
+    @property
     def tables(self) -> list[Table]:
-        """Tables of the summaries, of the worst levels, and, if the levels are certified, of success by difficulty."""
-        title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels, {self.level_set}"
+        """Figures of each policy, success on the worst levels, and success by difficulty where a certificate exists."""
         worst = worst_table(self.worst, self.seeds)
-        return [*figure_tables(self.summaries, title), worst, *self.level_set.tables(self.solved)]
+        return [*figure_tables(self.summaries, self.title), worst, *self.level_set.tables(self.solved)]
 
     @property
     def solved(self) -> dict[str, list[bool]]:
-        """Success in each level, for each policy."""
-        return {name: [row.outcome == "success" for row in rows] for name, rows in self.rows.items()}
+        """Success in each level, for each policy; of a team, whether all robots arrived."""
+        return {name: [row.is_success for row in rows] for name, rows in self.rows.items()}
 
     @property
     def worst(self) -> dict[str, dict[str, float]]:
@@ -86,10 +90,15 @@ class Evaluation:
     @property
     def legend(self) -> str:
         """What columns of the tables mean, one line each."""
-        return legend(self.tables, [summary.success for summary in self.summaries])
+        name = "cooperative_success" if isinstance(self, TeamEvaluation) else "success"
+        return legend(self.tables, [getattr(summary, name) for summary in self.summaries])
 
     def __str__(self) -> str:
         return "\n".join([*map(table_text, self.tables), self.legend + "\n"])
+
+
+class TeamEvaluation(Evaluation):
+    """Results of several policies that each drove all robots."""
 
 
 def evaluate_policies(
@@ -101,52 +110,65 @@ def evaluate_policies(
     n_worlds: int = WORLDS,
     references: bool = True,
     folder: Path | None = None,
-) -> Evaluation | TeamEvaluation:
+) -> Evaluation:
     """Evaluate policies of single robots or of teams, and write tables, rows and figures; see ``irsim_gym.evaluate``.
 
     A policy that records the observations and actions of its training keeps them. All others observe and act as the
     task defines. Everything else follows from the task for all policies. All robots of a team share a policy, and
     reference policies that cannot drive all of them are left out, with a message.
     """
-    episodes = asked.episodes(max(1, min(n_worlds, levels)))
-    worlds = Perceived(episodes)
-    chosen, seeds = _named_policies(sources)
-    if references:
-        chosen |= _references(chosen, episodes, team=asked.team)
+    chosen, seeds, worlds = prepare(asked, sources, min(n_worlds, levels), references=references)
+    episodes = worlds.episodes
     figure = None if folder is None else TrajectoryFigure(episodes)
-    check_policies(chosen, worlds)
-    report_perceptions(chosen, worlds)
     follow: Callable[[str], Watcher | None] = (lambda name: None) if figure is None else figure.follow
-    rows = dict(play_policies(chosen, worlds, levels, split, team=asked.team, follow=follow))
-    played = played_levels(episodes.simulation, split, levels)
-    label, observes = episodes.simulation.scenario.label, observed_by(chosen, worlds)
-    found: Evaluation | TeamEvaluation
-    if asked.team:
-        found = TeamEvaluation(label, split, rows, summarize_teams(rows), played, seeds, observes)
-    else:
-        summaries = [summarize(name, rows[name]) for name in rows]
-        found = Evaluation(label, split, rows, summaries, played, seeds, observes)
+    found = play(chosen, seeds, worlds, levels, split, team=asked.team, follow=follow)
     if folder is not None and figure is not None:
-        _write(folder, found, (team_conditions if asked.team else conditions)(episodes, split, levels))
+        write_results(folder, found, episodes)
         robots = f" {episodes.n_agents} robots," if asked.team else ""
-        figure.draw(folder, f"{label}:{robots} {levels:,} {split} levels", _arrivals(found), levels)
+        figure.draw(folder, f"{found.scenario}:{robots} {levels:,} {split} levels", _arrivals(found), levels)
     return found
 
 
-def _write(folder: Path, found: Evaluation | TeamEvaluation, named: Mapping[str, object]) -> None:
-    """Write the rows, the summaries and the tables of an evaluation; ``named`` are its conditions."""
+def prepare(
+    asked: ScenarioRequest, sources: Sources, n_worlds: int, *, references: bool = False
+) -> tuple[dict[str, Policy], dict[str, list[str]], Perceived]:
+    """Return policies by name, the names of each method that has several, and worlds that all of them can play in."""
+    worlds = Perceived(asked.episodes(max(1, n_worlds)))
+    chosen, seeds = _named_policies(sources)
+    if references:
+        names = [name for name in (TEAM_SHOWN if asked.team else ALWAYS_SHOWN) if name not in chosen]
+        if asked.team:
+            chosen |= fitting_references(names, worlds.episodes, sys.stderr)
+        else:
+            chosen |= {name: load_policy(name) for name in names}
+    check_policies(chosen, worlds)
+    report_perceptions(chosen, worlds)
+    return chosen, seeds, worlds
+
+
+def write_results(folder: Path, found: Evaluation, episodes: Episodes, **more: object) -> dict[str, object]:
+    """Write the rows, the summaries and the tables of an evaluation, and return what ``summary.json`` holds.
+
+    Args:
+        episodes: The worlds in which it was played, for its conditions.
+        **more: Further entries of ``summary.json``.
+    """
     write_rows(folder / "episodes.csv", found.rows)
-    if isinstance(found, TeamEvaluation):
+    is_team = isinstance(found, TeamEvaluation)
+    if is_team:
         write_levels(folder / "levels.csv", found.rows)
-    named = {**named, **found.level_set.conditions()}
+    named = (team_conditions if is_team else conditions)(episodes, found.split, found.level_set.count)
+    named |= found.level_set.conditions()
     figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
-    write_json(folder / "summary.json", {**figures, "observes": found.observes})
+    summary = {**more, **figures, "observes": found.observes}
+    write_json(folder / "summary.json", summary)
     write_text(folder / "table.txt", str(found))
+    return summary
 
 
-def _arrivals(found: Evaluation | TeamEvaluation) -> dict[str, str]:
+def _arrivals(found: Evaluation) -> dict[str, str]:
     """Return a text about the success of each policy."""
-    if isinstance(found, Evaluation):
+    if not isinstance(found, TeamEvaluation):
         return {each.policy: f"{_rate_text(each.success)} arrive" for each in found.summaries}
     return {
         each.policy: f"all arrive in {_rate_text(each.cooperative_success)} of the levels, "
@@ -169,22 +191,9 @@ def _named_policies(sources: Sources) -> tuple[dict[str, Policy], dict[str, list
     return chosen, {method: several for method, several in names.items() if len(several) > 1}
 
 
-def _references(chosen: Mapping[str, Policy], episodes: Episodes, *, team: bool) -> dict[str, Policy]:
-    """Return the reference policies that are missing; for a team, say which ones cannot drive all robots."""
-    found = {}
-    for name in (name for name in (TEAM_SHOWN if team else ALWAYS_SHOWN) if name not in chosen):
-        policy = load_policy(name)
-        try:
-            if team and isinstance(policy, BehaviorPolicy):
-                policy.check(episodes)
-            found[name] = policy
-        except UnfitBehaviorError as problem:
-            print(f"without {name}: {problem}", file=sys.stderr)
-    return found
-
-
-def play_policies(
+def play(
     policies: Mapping[str, Policy],
+    seeds: dict[str, list[str]],
     worlds: Perceived,
     levels: int,
     split: str,
@@ -192,20 +201,24 @@ def play_policies(
     team: bool,
     follow: Callable[[str], Watcher | None] = lambda name: None,
     console: Console | None = None,
-) -> Iterator[tuple[str, list[Any]]]:
-    """Play the same levels with several policies, and show a progress bar; yield the rows of each when it is done.
+) -> Evaluation:
+    """Play the same levels with several policies, and show a progress bar.
 
     Args:
+        seeds: Names of the policies of each method that has several.
         levels: Number of levels of the split, from level 0.
         team: Whether each policy drives all robots.
         follow: Returns what observes the steps of a policy, by its name.
         console: Console of the progress bar; None for standard error.
     """
-    optima = Optima(split)
+    optima, rows, simulation = Optima(split), dict[str, list[Any]](), worlds.episodes.simulation
     evaluation: Any = evaluate_team if team else evaluate
     with progress_bar(console) as bar:
         for name, policy in policies.items():
-            line = bar.add_task(name, total=levels)
-            advance = partial(bar.advance, line)
+            advance = partial(bar.advance, bar.add_task(name, total=levels))
             how: dict[str, Any] = {"optima": optima, "on_episodes": advance, "watcher": follow(name)}
-            yield name, evaluation(policy, worlds.of(policy), levels, split, **how)
+            rows[name] = evaluation(policy, worlds.of(policy), levels, split, **how)
+    summaries: list[Any] = summarize_teams(rows) if team else [summarize(name, rows[name]) for name in rows]
+    level_set, observes = played_levels(simulation, split, levels), observed_by(policies, worlds)
+    kind = TeamEvaluation if team else Evaluation
+    return kind(simulation.scenario.label, split, rows, summaries, level_set, seeds, observes)

@@ -15,7 +15,6 @@ from stable_baselines3.common.torch_layers import CombinedExtractor, FlattenExtr
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
-from irsim_gym.envs.sb3_critic_parts import actor_observation_space, has_critic_parts, lone_name
 from irsim_gym.envs.sb3_memory import GruPolicy
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.array_network import Options
@@ -120,7 +119,7 @@ def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
 
 
 def _spaces(model: BaseAlgorithm) -> Mapping[str, Any]:
-    space = actor_observation_space(model.observation_space)
+    space = model.observation_space
     return space.spaces if isinstance(space, Dict) else {LONE: space}
 
 
@@ -130,8 +129,6 @@ def _parts(
     """Yield each part of the observation, with the steps that extract its features."""
     if isinstance(extractor, CombinedExtractor):
         each: Mapping[str, nn.Module] = dict(extractor.extractors.items())
-        if list(_spaces(model)) == [LONE]:  # the actor observes a single part
-            each = {LONE: next(iter(each.values()))}
     else:
         each = {LONE: extractor}
     for name, module in each.items():
@@ -148,12 +145,10 @@ def _normalized(name: str, space: Box, normalization: VecNormalize | None) -> li
     if normalization is None or not normalization.norm_obs:
         return []
     statistics: Any = normalization.obs_rms
-    whole = normalization.observation_space
-    part = lone_name(whole) if name == LONE and has_critic_parts(whole) else name
-    if part != LONE:
-        if part not in (normalization.norm_obs_keys or ()):
+    if name != LONE:
+        if name not in (normalization.norm_obs_keys or ()):
             return []
-        statistics = statistics[part]
+        statistics = statistics[name]
     if is_image_space(space):
         raise UnfitNetworkError("pictures that VecNormalize has normalised cannot be exported")
     options = {"kind": "standardize", "epsilon": normalization.epsilon, "clip": normalization.clip_obs}

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from irsim_gym import __version__
 from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.metrics import Summary
 from irsim_gym.evaluation.reference_policies import policy_kinds
@@ -21,18 +20,7 @@ from irsim_gym.evaluation.tables import plain, write_bytes, write_json
 from irsim_gym.outside_files import json_object, reading
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.term import Needs, needs_of
-from irsim_gym.training.cards import (
-    CardAction,
-    CardNetwork,
-    CardPart,
-    CardResult,
-    CardScenario,
-    CardTerm,
-    CardTraining,
-    PolicyCard,
-    card_file,
-    read_card,
-)
+from irsim_gym.training import cards
 from irsim_gym.training.checkpoint_files import POLICY, list_checkpoints, load_progress
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.exported_network import ExportedNetwork, export_network
@@ -42,6 +30,7 @@ from irsim_gym.training.results_files import SeedResults, read_results
 from irsim_gym.training.run import CONFIG_KIND, Settings, run_of
 from irsim_gym.training.scenario_request import request_of
 from irsim_gym.training.shelf import SUFFIX, ShelfPolicy, policy_arrays
+from irsim_gym.version import __version__
 
 MEASURED = "played by the exported policy"
 """Source of results that the export measures itself."""
@@ -87,13 +76,13 @@ def export(
     driver = ShelfPolicy(network.form, network.arrays)
     SavedPolicy(driver).check(episodes)
     content = _content(network)
-    card = PolicyCard(
+    card = cards.PolicyCard(
         name=name,
         scenario=scenario,
         observation=_terms(episodes),
         needs=_needs(episodes),
         action=_action(episodes),
-        network=CardNetwork(layers=network.layers, weights=network.weights),
+        network=cards.CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
         results=_given(found, scenario) or _evaluated(settings, own, driver, levels),
         weaknesses=tuple(weaknesses),
@@ -102,7 +91,7 @@ def export(
         exported_by=__version__,
     )
     write_bytes(target, content)
-    write_json(card_file(target), card.model_dump())
+    write_json(cards.card_file(target), card.model_dump())
     return target
 
 
@@ -131,10 +120,10 @@ def _check_name(name: str) -> None:
 
 def _check_target(target: Path, overwrite: bool) -> None:
     """Check that a policy and its card may be written: the card must never replace another kind of file."""
-    existing = [file for file in (target, card_file(target)) if file.exists()]
+    existing = [file for file in (target, cards.card_file(target)) if file.exists()]
     if existing and not overwrite:
         raise IrsimGymError(f"{existing[0]} exists: choose another name or folder, or replace it with --overwrite")
-    read_card(target)
+    cards.read_card(target)
 
 
 def _content(network: ExportedNetwork) -> bytes:
@@ -148,7 +137,7 @@ def _content(network: ExportedNetwork) -> bytes:
     return content.getvalue()
 
 
-def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, CardTraining]:
+def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, cards.CardTraining]:
     """Return the settings and the cost of a policy's training.
 
     Raises:
@@ -162,14 +151,14 @@ def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, Car
         )
     settings = Settings.from_plain(known["settings"])
     seeds = next((part.seeds for part in found if part.seeds), (settings.seed,))
-    return settings, CardTraining(
+    return settings, cards.CardTraining(
         algorithm=settings.algorithm,
         hyperparameters=settings.hyperparameters.to_plain(),
         seed=settings.seed,
         seeds=seeds,
         machine=known["machine"],
         mixture=tuple(
-            CardPart(name=_file_name(one.scenario), parameters=plain(dict(one.parameters)), share=one.share)
+            cards.CardPart(name=_file_name(one.scenario), parameters=plain(dict(one.parameters)), share=one.share)
             for one in settings.mixture
         ),
         **{name: known[name] for name in ("steps", "training_seconds", "cpu_seconds")},
@@ -204,9 +193,9 @@ def _own_settings(source: Path, settings: Settings) -> Settings:
     return run.own_settings() if run.exists() else settings
 
 
-def _scenario(source: Path, settings: Settings) -> CardScenario:
+def _scenario(source: Path, settings: Settings) -> cards.CardScenario:
     snapshot = run_of(policy_file(source)).snapshot() or settings.snapshot()
-    return CardScenario(
+    return cards.CardScenario(
         name=_file_name(settings.scenario),
         parameters=plain(dict(settings.parameters)),
         task=None if settings.task is None else _file_name(settings.task),
@@ -220,10 +209,10 @@ def _file_name(named: str) -> str:
     return Path(named).name
 
 
-def _terms(episodes: Episodes) -> tuple[CardTerm, ...]:
+def _terms(episodes: Episodes) -> tuple[cards.CardTerm, ...]:
     columns = {name: low.shape for name, low, _ in episodes.observation_terms}
     images = {name: image.shape[2:] for name, image in episodes.view.images.items()}
-    return tuple(CardTerm(name=name, shape=shape) for name, shape in {**columns, **images}.items())
+    return tuple(cards.CardTerm(name=name, shape=shape) for name, shape in {**columns, **images}.items())
 
 
 def _needs(episodes: Episodes) -> Needs | None:
@@ -232,20 +221,20 @@ def _needs(episodes: Episodes) -> Needs | None:
     return None if any(item.needs is None for item in kinds) else needs_of(kinds)
 
 
-def _action(episodes: Episodes) -> CardAction:
+def _action(episodes: Episodes) -> cards.CardAction:
     term = episodes.terms["action"][0]
     components = tuple(name for name, _ in term.components[0])
-    return CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
+    return cards.CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
 
 
-def _given(found: Sequence[SeedResults], scenario: CardScenario) -> tuple[CardResult, ...]:
+def _given(found: Sequence[SeedResults], scenario: cards.CardScenario) -> tuple[cards.CardResult, ...]:
     """Return the results that files contain, without the name of the card's own scenario."""
     own = Path(scenario.name).stem
     results = (part.result for part in found)
     return tuple(one.model_copy(update={"scenario": None}) if one.scenario == own else one for one in results)
 
 
-def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> tuple[CardResult, ...]:
+def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> tuple[cards.CardResult, ...]:
     """Evaluate the exported policy in each scenario that it was trained in, and return the results."""
     parts = zip(settings.parts(), place.parts(), strict=True)
     found = [_evaluate(part, where, driver, levels) for part, where in parts]
@@ -253,13 +242,13 @@ def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels:
     return tuple(one.model_copy(update={"scenario": None}) if one.scenario == first else one for one in found)
 
 
-def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> CardResult:
+def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> cards.CardResult:
     """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
     asked, name = request_of(place), _file_name(settings.scenario)
     found = evaluate_policies(asked, {name: driver}, levels=levels, references=False)
     figures: Any = found.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
-    return CardResult(
+    return cards.CardResult(
         split=found.split,
         levels=levels,
         level_hash=found.level_set.hash,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import TextIO
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.training.policies import UnfitPolicyError
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.policies import UnfitPolicyError, load_policy
 
 
 def check_policies(policies: Mapping[str, Policy], worlds: Perceived) -> None:
@@ -27,6 +30,20 @@ def check_policies(policies: Mapping[str, Policy], worlds: Perceived) -> None:
             problems.append(f"{name}: {error}")
     if problems:
         raise UnfitPolicyError("\n".join(problems))
+
+
+def fitting_references(names: Iterable[str], episodes: Episodes, file: TextIO) -> dict[str, Policy]:
+    """Return reference policies by name; a line in ``file`` names each that cannot drive all agents."""
+    fitting: dict[str, Policy] = {}
+    for name in names:
+        policy = load_policy(name)
+        try:
+            if isinstance(policy, BehaviorPolicy):
+                policy.check(episodes)
+            fitting[name] = policy
+        except UnfitBehaviorError as problem:
+            print(f"without {name}: {problem}", file=file)
+    return fitting
 
 
 def report_perceptions(policies: Mapping[str, Policy], worlds: Perceived) -> None:

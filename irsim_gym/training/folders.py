@@ -11,8 +11,9 @@ from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.jit.lock import sole
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.scenario.messages import show
-from irsim_gym.training.run import Run, Settings, scenario_name
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
 
 RESULTS = ("summary.json", "episodes.csv", "levels.csv", "table.txt")
@@ -47,34 +48,39 @@ def evaluation_folder(
     team: bool = False,
     *,
     overwrite: bool = False,
-    resume: bool = False,
     kind: str = "evaluation",
 ) -> Path:
     """Return the default folder of an evaluation or an arena.
 
-    This is the first numbered folder without results. With ``overwrite`` it is the first one, and with ``resume`` the
-    last one that holds results.
+    This is the first numbered folder without results; with ``overwrite`` the first one.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         parameters: Values that the user sets for the scenario's parameters.
         team: Whether whole teams are evaluated.
         overwrite: Replace existing results.
-        resume: Continue with existing results.
         kind: ``evaluation`` or ``arena``.
     """
     whose = "-team" if team else ""
-    first = last = Path("runs") / f"{kind}-{labelled(scenario, parameters)}{whose}-{split}"
-    for folder in _numbered(first):
-        if overwrite or not has_results(folder):
-            return last if resume else folder
-        last = folder
-    raise AssertionError("there is always another number")
+    first = Path("runs") / f"{kind}-{labelled(scenario, parameters)}{whose}-{split}"
+    return next(folder for folder in _numbered(first) if overwrite or not has_results(folder))
 
 
 def has_results(folder: Path) -> bool:
     """Return whether a folder holds results of an evaluation."""
     return any((folder / name).exists() for name in RESULTS)
+
+
+def check_no_results(folder: Path | None, overwrite: bool) -> None:
+    """Check that results may be written to a folder: it holds none, or they are replaced on purpose.
+
+    Raises:
+        IrsimGymError: If it holds results.
+    """
+    if folder is not None and has_results(folder) and not overwrite:
+        raise IrsimGymError(
+            f"{folder} holds results: choose another folder with --out, or replace them with --overwrite"
+        )
 
 
 def labelled(scenario: str, parameters: Mapping[str, object] | None = None) -> str:

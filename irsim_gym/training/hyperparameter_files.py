@@ -17,16 +17,7 @@ from irsim_gym.scenario.messages import choices, show
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.source import Place, Source
 from irsim_gym.scenario.validation import Report, read_field
-from irsim_gym.training.algorithm_options import (
-    ACTIVATIONS,
-    AUTOMATIC,
-    GIVEN_ELSEWHERE,
-    NOT_IN_FILES,
-    SCHEDULES,
-    AlgorithmKeys,
-    PolicyKeys,
-    RunKeys,
-)
+from irsim_gym.training import algorithm_options as declared
 from irsim_gym.training.algorithms import ALGORITHMS, Algorithm
 
 DEFAULT = "default"
@@ -109,7 +100,7 @@ def with_value(data: Mapping[str, Any], key: str, value: object) -> dict[str, An
 def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> dict[str, Any]:
     """Return the checked values of one entry."""
     if name != DEFAULT and not _ENTRY.fullmatch(name):
-        is_key = name in option_fields(RunKeys) or name in _arguments(algorithm)
+        is_key = name in option_fields(declared.RunKeys) or name in _arguments(algorithm)
         others = [DEFAULT, re.sub(r"-v\d+(?=/|$)", "-v0", name)] if "/" in name else [DEFAULT]
         hint = f" (it belongs below '{DEFAULT}:')" if is_key else suggestion(name, others)
         report.add(
@@ -120,16 +111,16 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
     if not isinstance(entry, Mapping):
         report.add((name,), f"must be a mapping of hyper-parameters, got {show(entry)}")
         return {}
-    own, arguments = option_fields(RunKeys), _arguments(algorithm)
+    own, arguments = option_fields(declared.RunKeys), _arguments(algorithm)
     values: dict[str, Any] = {}
     for key, value in entry.items():
         place: Place = (name, key)
         if key in own:
             values[key] = _own_value(key, value, place, report)
-        elif key in GIVEN_ELSEWHERE:
-            report.add(place, GIVEN_ELSEWHERE[key])
+        elif key in declared.GIVEN_ELSEWHERE:
+            report.add(place, declared.GIVEN_ELSEWHERE[key])
         elif key.endswith("_class"):
-            report.add(place, NOT_IN_FILES)
+            report.add(place, declared.NOT_IN_FILES)
         elif key == "policy_kwargs":
             values[key] = _policy(value, algorithm, place, report)
         elif key in arguments:
@@ -156,15 +147,14 @@ def _arguments(algorithm: Algorithm) -> tuple[str, ...]:
         found = inspect.signature(algorithm.load()).parameters
     except IrsimGymError:  # its package is missing
         return ()
-    return tuple(
-        name for name in found if name not in GIVEN_ELSEWHERE and name != "device" and not name.endswith("_class")
-    )
+    left_out = {*declared.GIVEN_ELSEWHERE, "device"}
+    return tuple(name for name in found if name not in left_out and not name.endswith("_class"))
 
 
 def _own_value(key: str, value: object, place: Place, report: Report) -> Any:
     if key == "normalize":
         return _normalize(value, place, report)
-    info = option_fields(RunKeys)[key]
+    info = option_fields(declared.RunKeys)[key]
     found = read_field(info, _whole(value) if info.annotation is int else value, place, report)
     if key == "device" and isinstance(found, str) and not _DEVICE.fullmatch(found):
         report.add(place, _no_device(found))
@@ -188,14 +178,14 @@ def _no_device(name: str) -> str:
 
 def _argument(key: str, value: object, algorithm: Algorithm, place: Place, report: Report) -> Any:
     """Return an argument of the algorithm, as plain data."""
-    info = option_fields(AlgorithmKeys).get(key)
+    info = option_fields(declared.AlgorithmKeys).get(key)
     if info is None:
         return value  # new in the library, or a mapping that the library checks itself
     if key == "train_freq":
         return _train_freq(value, place, report)
-    if isinstance(value, str) and key in SCHEDULES and evaluate(value) is None:
+    if isinstance(value, str) and key in declared.SCHEDULES and evaluate(value) is None:
         return _schedule(value, place, report)
-    if isinstance(value, str) and key in AUTOMATIC and evaluate(value) is None:
+    if isinstance(value, str) and key in declared.AUTOMATIC and evaluate(value) is None:
         return _automatic(key, value, algorithm, place, report)
     is_whole = info.annotation is int
     return read_field(info, _whole(value) if is_whole else _number(value), place, report)
@@ -275,21 +265,21 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
     if not isinstance(value, Mapping):
         report.add(place, f"must be a mapping of arguments of the policy, got {show(value)}")
         return {}
-    known, fields = _policy_arguments(algorithm), option_fields(PolicyKeys)
+    known, fields = _policy_arguments(algorithm), option_fields(declared.PolicyKeys)
     values: dict[str, Any] = {}
     for key, one in value.items():
         where = (*place, key)
         values[key] = one
         if key.endswith("_class"):
-            report.add(where, NOT_IN_FILES)
+            report.add(where, declared.NOT_IN_FILES)
         elif known and key not in known:
             report.add(where, f"unknown argument of the policy{suggestion(key, known) or f'; known: {_few(known)}'}")
         elif key == "net_arch":
             _check_layers(one, where, report)
         elif key == "activation_fn":
-            if one not in ACTIVATIONS:
-                near = suggestion(one, ACTIVATIONS) if isinstance(one, str) else ""
-                report.add(where, f"must be {choices(ACTIVATIONS)}, got {show(one)}{near}")
+            if one not in declared.ACTIVATIONS:
+                near = suggestion(one, declared.ACTIVATIONS) if isinstance(one, str) else ""
+                report.add(where, f"must be {choices(declared.ACTIVATIONS)}, got {show(one)}{near}")
         elif key.endswith("_kwargs"):
             values[key] = _numbers(one, where, report)
         elif key in fields:

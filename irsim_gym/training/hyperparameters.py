@@ -25,6 +25,8 @@ class Linear:
     The last rollout may exceed the end of the run. The remaining share is then negative, so the value is clipped.
     """
 
+    __module__ = "irsim_gym.training"  # as pickles name it, wherever the class is
+
     start: float
 
     def __call__(self, remaining: float) -> float:
@@ -136,11 +138,9 @@ def load_hyperparameters(
     algorithm: str,
     environment_id: str,
     *,
-    task: str | None = None,
     images: bool = False,
-    file: Path | None = None,
-    changes: Mapping[str, object] | None = None,
     overrides: Mapping[str, object] | None = None,
+    **layers: Any,
 ) -> Hyperparameters:
     """Read the hyper-parameters of an algorithm for an environment.
 
@@ -148,19 +148,17 @@ def load_hyperparameters(
         algorithm: Name of the algorithm, e.g. ``"ppo"``.
         environment_id: Id of the environment, e.g. ``"irsim_gym/cluttered_room-v0"``. Without an entry in the file, it
             gets the defaults.
-        task: Name of the task, which may have an entry of its own; None for the scenario's own task.
         images: Whether observations contain images. The shipped file is then ``ALGORITHM_images.yaml``, if there is
             one, and ``device`` defaults to ``"auto"``.
-        file: Path of a hyper-parameter file that is laid over the shipped one; None for none.
-        changes: Single changes to both, as text by key, see ``change_hyperparameters``.
         overrides: Values that replace all others.
+        **layers: ``task``, ``file`` and ``changes`` of ``stated_hyperparameters``.
 
     Raises:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
         UnknownNameError: If there is no such algorithm.
         IrsimGymError: If the algorithm is not installed.
     """
-    stated = stated_hyperparameters(algorithm, environment_id, task=task, images=images, file=file, changes=changes)
+    stated = stated_hyperparameters(algorithm, environment_id, images=images, **layers)
     usual = {"device": "auto"} if images else {}
     return Hyperparameters.from_plain({**usual, **stated, **(overrides or {})})
 
@@ -181,7 +179,7 @@ def stated_hyperparameters(
         task: Name of the task, whose entry overrides both; None for the scenario's own.
         images: Whether observations contain images.
         file: Path of a hyper-parameter file that is laid over the shipped one; None for none.
-        changes: Single changes to both, as text by key.
+        changes: Single changes to both, as text by key, see ``change_hyperparameters``.
     """
     chosen = find_algorithm(algorithm)
     chosen.load()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -9,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from irsim_gym.errors import IrsimGymError, report_together, several
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.certificate_measures import is_disc
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.optimum import Optima
@@ -25,6 +25,7 @@ from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import LevelSet, set_hash
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
+from irsim_gym.training.fitting import fitting_references
 from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.scenario_request import ScenarioRequest
@@ -106,16 +107,8 @@ def _fitting(episodes: Episodes) -> dict[str, Policy]:
     """Return the default reference policies that are available and can drive the agents."""
     model, agents = episodes.simulation.model, episodes.simulation.agents.tolist()
     needs_poses = any(model.drive[body] == ACKERMANN or not is_disc(model, body) for body in agents)
-    fitting: dict[str, Policy] = {}
-    for name in filter(is_named_policy, (*REFERENCES, POSES) if needs_poses else REFERENCES):
-        policy = load_policy(name)
-        try:
-            if isinstance(policy, BehaviorPolicy):
-                policy.check(episodes)
-            fitting[name] = policy
-        except UnfitBehaviorError as problem:
-            print(f"without {name}: {problem}")
-    return fitting
+    names = filter(is_named_policy, (*REFERENCES, POSES) if needs_poses else REFERENCES)
+    return fitting_references(names, episodes, sys.stdout)
 
 
 def _summary(made: Certificate) -> Iterator[str]:

@@ -28,7 +28,7 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Outcome, load_task
 from irsim_gym.training.inputs import check_inputs
 from irsim_gym.training.policies import load_policy
-from irsim_gym.training.recorder import Recorder, check_demonstrations
+from irsim_gym.training.recorder import RecordedStep, Recorder, check_demonstrations
 from irsim_gym.training.scenario_request import ScenarioRequest
 
 if TYPE_CHECKING:
@@ -181,8 +181,8 @@ class Player:
         self._seen, reward, terminated, truncated, info = self._env.step(action)
         self._return, self._steps = self._return + float(reward), self._steps + 1
         if self._recorder is not None:
-            by_hand = self._auto is None
-            self._recorder.add(action, self._seen, reward, terminated, truncated, info["outcome"], by_hand=by_hand)
+            ends = terminated, truncated, info["outcome"]
+            self._recorder.add(RecordedStep(action, self._seen, float(reward), *ends, by_hand=self._auto is None))
         if terminated or truncated:
             self._ended_at = time.perf_counter()
             self._outcomes[Outcome(info["outcome"]).name.lower()] += 1

@@ -16,22 +16,13 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.envs.sb3_critic_parts import has_critic_parts
 from irsim_gym.envs.sb3_mirror import checked_mirror
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.outside_files import reading
-from irsim_gym.sb3 import AsymmetricPolicy, LearnabilityCallback, MirrorCallback, buffers_for
+from irsim_gym.sb3 import LearnabilityCallback, MirrorCallback, buffers_for
 from irsim_gym.training import checkpoint as files
+from irsim_gym.training import checkpoint_files as stored
 from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.checkpoint_files import (
-    NORMALIZATION,
-    POLICY,
-    REPLAY_BUFFER,
-    STATE,
-    RunProgress,
-    load_progress,
-    newest_checkpoint,
-)
 from irsim_gym.training.environment import build_environment, restore_worlds
 from irsim_gym.training.run import Run, Settings
 
@@ -92,8 +83,6 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     env = build_environment(settings)
     suffix = find_algorithm(settings.algorithm).policy_suffix
     policy: Any = f"{network_kind(env.observation_space)}{suffix}Policy"
-    if has_critic_parts(env.observation_space) and not suffix:
-        policy = AsymmetricPolicy
     if network_kind(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = dict_policy_arguments(arguments["policy_kwargs"])
     if settings.is_team:
@@ -140,7 +129,8 @@ def check_finite(run: Run, settings: Settings, model: BaseAlgorithm) -> None:
     deviations = [part for one in logarithms for part in (one.exp(), (-one).exp())]
     if all(bool(torch.isfinite(one).all()) for one in (*model.policy.parameters(), *deviations)):
         return
-    newest, rate = newest_checkpoint(run.checkpoints), settings.hyperparameters.arguments.get("learning_rate")
+    newest = stored.newest_checkpoint(run.checkpoints)
+    rate = settings.hyperparameters.arguments.get("learning_rate")
     kept = f"the newest checkpoint is kept, --from {newest} starts there" if newest else "there is no checkpoint yet"
     raise IrsimGymError(
         f"the training has diverged after {model.num_timesteps:,} steps, its networks are not finite: take a smaller "
@@ -161,28 +151,28 @@ def mirror_callback(settings: Settings) -> MirrorCallback | None:
     return MirrorCallback(seed=settings.seed) if settings.hyperparameters.mirror else None
 
 
-def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, RunProgress]:
+def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, stored.RunProgress]:
     """Return the model of a checkpoint, with its worlds within their episodes, and the progress of the run.
 
     Raises:
         UnreadableFileError: If a file of the checkpoint is damaged, or another version has written it.
     """
-    state, progress = files.load_state(newest), load_progress(newest)
-    normalization = newest / NORMALIZATION
+    state, progress = files.load_state(newest), stored.load_progress(newest)
+    normalization = newest / stored.NORMALIZATION
     device = resolve_device(settings.hyperparameters.device)
     with reading(normalization, "file of statistics of VecNormalize"):
         env = build_environment(settings, normalization if normalization.is_file() else None)
-    with reading(newest / STATE, "state that this version can resume"):
+    with reading(newest / stored.STATE, "state that this version can resume"):
         env = restore_worlds(env, state["worlds"])
     kind: Any = algorithm_class(settings)
     buffers = {} if settings.hyperparameters.team is None else buffers_for(kind, env)
-    with reading(newest / POLICY, "policy of Stable-Baselines3"):
-        model: BaseAlgorithm = kind.load(newest / POLICY, env=env, device=device, force_reset=False, **buffers)
+    with reading(newest / stored.POLICY, "policy of Stable-Baselines3"):
+        model: BaseAlgorithm = kind.load(newest / stored.POLICY, env=env, device=device, force_reset=False, **buffers)
     if isinstance(model, OffPolicyAlgorithm):
-        with reading(newest / REPLAY_BUFFER, "replay buffer"):
-            model.load_replay_buffer(newest / REPLAY_BUFFER, truncate_last_traj=False)
+        with reading(newest / stored.REPLAY_BUFFER, "replay buffer"):
+            model.load_replay_buffer(newest / stored.REPLAY_BUFFER, truncate_last_traj=False)
     _check_mirror(model, settings)
-    with reading(newest / STATE, "state that this version can resume"):
+    with reading(newest / stored.STATE, "state that this version can resume"):
         files.restore_memories(model, state)
         files.restore_random(model, state)
     return model, progress

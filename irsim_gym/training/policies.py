@@ -17,7 +17,6 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.sb3_critic_parts import actor_observation_space, for_actor, has_critic_parts, lone_name
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, UnknownPerceptionWarning, warn_caller
 from irsim_gym.evaluation.perception import Perception, perception_from
@@ -65,7 +64,7 @@ class SavedPolicy:
     perception: Perception | None = None
 
     def __init__(self, model: BaseAlgorithm | ShelfPolicy, normalization: VecNormalize | None = None) -> None:
-        self.model, self.normalization = model, for_actor(normalization)
+        self.model, self.normalization = model, normalization
         self._shape = memory_shape(model)
         if isinstance(model, ShelfPolicy):
             self.perception = None if model.perception is None else perception_from(model.perception)
@@ -103,7 +102,7 @@ class SavedPolicy:
         model = self.model
         observed, acted = observation_space(episodes), action_space(episodes)
         for what, learnt, here in (
-            ("observations", actor_observation_space(model.observation_space), observed),
+            ("observations", model.observation_space, observed),
             ("actions", model.action_space, acted),
         ):
             if form_of(learnt) not in (form_of(here), form_of(channels_first(here))):
@@ -116,9 +115,7 @@ class SavedPolicy:
         """Return the actions for one batch of observations, padded to ``CHUNK`` rows, and update the memory."""
         count = len(slots)
         if self.normalization is not None:
-            space = self.normalization.observation_space
-            is_lone = has_critic_parts(space) and not isinstance(seen, dict)
-            seen = self.normalization.normalize_obs({lone_name(space): seen} if is_lone else seen)
+            seen = self.normalization.normalize_obs(seen)
         if self._shape is None:
             with torch_threads(self.model):
                 return self.model.predict(seen, deterministic=True)[0][:count]

@@ -3,34 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
 from rich.console import Console
 
 import irsim_gym
-from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.observations import concatenated
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.envs.worlds import ScenarioSource
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.progress_bars import progress_bar
-from irsim_gym.tasks import Outcome
-from irsim_gym.training.demonstrations import (
-    FORMAT,
-    DemonstrationError,
-    Demonstrations,
-    Observations,
-    describe_space,
-    load_demonstrations,
-    save_demonstrations,
-)
+from irsim_gym.training import demonstrations
 
 SAME = ("scenario", "parameters", "task", "robot", "observation_space", "action_space", "step_time")
 """Properties of the environment that all episodes of a file share."""
 SUFFIX = ".npz"
+
+
+class RecordedStep(NamedTuple):
+    """A step of an episode: the action, and what ``env.step`` returned for it.
+
+    Attributes:
+        action: The action.
+        observation: The observation after it.
+        reward: The reward.
+        terminated: Whether the task has ended.
+        truncated: Whether the time limit has ended the episode.
+        outcome: The outcome of the episode so far.
+        by_hand: Whether a person chose the action.
+    """
+
+    action: object
+    observation: demonstrations.Observations
+    reward: float
+    terminated: bool
+    truncated: bool
+    outcome: int
+    by_hand: bool = False
+
+
+@dataclass
+class _Episode:
+    """The steps of one episode, and its observations, one more than steps."""
+
+    level: int
+    seen: list[demonstrations.Observations]
+    steps: list[RecordedStep] = field(default_factory=list)
 
 
 class Recorder:
@@ -47,7 +69,7 @@ class Recorder:
     def __init__(self, env: gymnasium.Env[Any, Any], path: Path) -> None:
         check_demonstrations(path)
         self.path, self.about = path, _about(env)
-        self._earlier = load_demonstrations(path) if path.exists() else None
+        self._earlier = demonstrations.load_demonstrations(path) if path.exists() else None
         if self._earlier is not None:
             self._check(self._earlier.about)
         self._episodes: list[_Episode] = []
@@ -56,29 +78,20 @@ class Recorder:
     @property
     def n_episodes(self) -> int:
         """Number of episodes in the file after saving. The current episode counts once it has a step."""
-        under_way = self._current is not None and len(self._current.rewards) > 0
+        under_way = self._current is not None and len(self._current.steps) > 0
         return len(self._episodes) + under_way + (0 if self._earlier is None else self._earlier.n_episodes)
 
-    def begin(self, observation: Observations, level: int) -> None:
+    def begin(self, observation: demonstrations.Observations, level: int) -> None:
         """Begin an episode with its first observation."""
         self._close()
         self._current = _Episode(level, [observation])
 
-    def add(
-        self,
-        action: object,
-        observation: Observations,
-        reward: float,
-        terminated: bool,
-        truncated: bool,
-        outcome: int,
-        *,
-        by_hand: bool = False,
-    ) -> None:
-        """Add a step: the action, the observation after it, and further results of ``env.step``."""
+    def add(self, step: RecordedStep) -> None:
+        """Add a step."""
         assert self._current is not None
-        self._current.add(action, observation, reward, terminated, truncated, outcome, by_hand)
-        if terminated or truncated:
+        self._current.seen.append(step.observation)
+        self._current.steps.append(step._replace(action=np.array(step.action)))
+        if step.terminated or step.truncated:
             self._close()
 
     def discard(self) -> None:
@@ -89,24 +102,24 @@ class Recorder:
         """Write all episodes. The current one is truncated. Without new episodes, nothing is written."""
         self._close()
         if self._episodes:
-            save_demonstrations(self.path, self._all())
+            demonstrations.save_demonstrations(self.path, self._all())
 
     def _close(self) -> None:
-        if self._current is not None and self._current.rewards:
+        if self._current is not None and self._current.steps:
             self._episodes.append(self._current)
         self._current = None
 
-    def _all(self) -> Demonstrations:
+    def _all(self) -> demonstrations.Demonstrations:
         parts = [*([] if self._earlier is None else [self._earlier]), _demonstrations(self._episodes, self.about)]
-        names = [name for name in Demonstrations.__dataclass_fields__ if name != "about"]
+        names = [name for name in demonstrations.Demonstrations.__dataclass_fields__ if name != "about"]
         joined = {name: concatenated([getattr(part, name) for part in parts]) for name in names}
-        return Demonstrations(**joined, about=self.about)
+        return demonstrations.Demonstrations(**joined, about=self.about)
 
     def _check(self, about: Mapping[str, object]) -> None:
         pairs = {key: (about.get(key), self.about[key]) for key in SAME}
         other = [f"{key} {then!r} (now: {now!r})" for key, (then, now) in pairs.items() if then != now]
         if other:
-            raise DemonstrationError(
+            raise demonstrations.DemonstrationError(
                 f"{self.path} holds demonstrations of another environment: {'; '.join(other)}. Name another file."
             )
 
@@ -122,7 +135,7 @@ def record_demonstrations(
     console: Console | None = None,
     strict: bool = True,
     **parameters: Any,
-) -> Demonstrations:
+) -> demonstrations.Demonstrations:
     """Play levels with a policy, and write the demonstrations to a file.
 
     Args:
@@ -163,12 +176,14 @@ def record_demonstrations(
                 while not ended:
                     action = driver.act(world.worlds.episodes, first)[0]
                     observation, reward, terminated, truncated, info = env.step(action)
-                    recorder.add(action, observation, float(reward), terminated, truncated, info["outcome"])
+                    recorder.add(
+                        RecordedStep(action, observation, float(reward), terminated, truncated, int(info["outcome"]))
+                    )
                     ended = terminated or truncated
     finally:
         recorder.save()
         env.close()
-    return load_demonstrations(path)
+    return demonstrations.load_demonstrations(path)
 
 
 def _check_demonstrator(env: WorldEnv, policy: object) -> None:
@@ -180,59 +195,30 @@ def _check_demonstrator(env: WorldEnv, policy: object) -> None:
     episodes = env.worlds.episodes
     worlds = Perceived(episodes)
     if worlds.of(policy) is not episodes:
-        raise DemonstrationError(
+        raise demonstrations.DemonstrationError(
             f"the policy observes {', '.join(worlds.observed_by(policy) or ())}, and demonstrations hold what task "
             f"'{episodes.task.name}' observes: pass the task that it was trained with"
         )
 
 
-class _Episode:
-    """The steps of one episode."""
-
-    def __init__(self, level: int, observations: list[Observations]) -> None:
-        self.level, self.observations, self.outcome = level, observations, int(Outcome.RUNNING)
-        self.actions: list[Any] = []
-        self.rewards: list[float] = []
-        self.by_hand: list[bool] = []
-        self.terminated = self.truncated = False
-
-    def add(
-        self,
-        action: object,
-        observation: Observations,
-        reward: float,
-        terminated: bool,
-        truncated: bool,
-        outcome: int,
-        by_hand: bool,
-    ) -> None:
-        self.actions.append(np.array(action))
-        self.observations.append(observation)
-        self.rewards.append(reward)
-        self.by_hand.append(by_hand)
-        self.terminated, self.truncated, self.outcome = terminated, truncated, int(outcome)
-
-    def marked(self, place: int, flag: bool = True) -> Flags:
-        """Return flags for all steps, False except for the given one at index ``place``."""
-        row = np.zeros(len(self.rewards), np.bool_)
-        row[place] = flag
-        return row
-
-
-def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> Demonstrations:
+def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> demonstrations.Demonstrations:
     """Return episodes as arrays. Episodes that have not ended are truncated."""
     discrete = about["action_space"]["kind"] == "Discrete"
-    return Demonstrations(
-        observations=concatenated([concatenated(one.observations[:-1], np.stack) for one in episodes]),
-        actions=np.concatenate([one.actions for one in episodes]).astype(np.int64 if discrete else np.float32),
-        rewards=np.concatenate([one.rewards for one in episodes]).astype(np.float64),
-        terminations=np.concatenate([one.marked(-1, one.terminated) for one in episodes]),
-        truncations=np.concatenate([one.marked(-1, not one.terminated) for one in episodes]),
-        episode_starts=np.concatenate([one.marked(0) for one in episodes]),
-        by_hand=np.concatenate([one.by_hand for one in episodes]).astype(np.bool_),
-        final_observations=concatenated([one.observations[-1] for one in episodes], np.stack),
+    steps = [step for one in episodes for step in one.steps]
+    is_last = np.zeros(len(steps), np.bool_)
+    is_last[np.cumsum([len(one.steps) for one in episodes]) - 1] = True
+    terminated = is_last & np.array([step.terminated for step in steps], np.bool_)
+    return demonstrations.Demonstrations(
+        observations=concatenated([seen for one in episodes for seen in one.seen[:-1]], np.stack),
+        actions=np.stack([np.asarray(step.action) for step in steps]).astype(np.int64 if discrete else np.float32),
+        rewards=np.array([step.reward for step in steps], np.float64),
+        terminations=terminated,
+        truncations=is_last & ~terminated,
+        episode_starts=np.roll(is_last, 1),
+        by_hand=np.array([step.by_hand for step in steps], np.bool_),
+        final_observations=concatenated([one.seen[-1] for one in episodes], np.stack),
         levels=np.array([one.level for one in episodes], np.int64),
-        outcomes=np.array([one.outcome for one in episodes], np.int64),
+        outcomes=np.array([one.steps[-1].outcome for one in episodes], np.int64),
         about=about,
     )
 
@@ -243,14 +229,14 @@ def _about(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
     assert isinstance(world, WorldEnv)
     worlds = world.worlds
     return {
-        "format": FORMAT,
+        "format": demonstrations.FORMAT,
         "scenario": worlds.scenario.name,
         "parameters": dict(worlds.scenario.parameters),
         "task": worlds.task.name,
         "robot": worlds.agent_names[0],
         "step_time": worlds.scenario.world.step_time,
-        "observation_space": describe_space(world.observation_space),
-        "action_space": describe_space(world.action_space),
+        "observation_space": demonstrations.describe_space(world.observation_space),
+        "action_space": demonstrations.describe_space(world.action_space),
     }
 
 
@@ -261,4 +247,4 @@ def check_demonstrations(path: Path) -> None:
         DemonstrationError: If it does not.
     """
     if path.suffix != SUFFIX:
-        raise DemonstrationError(f"demonstrations must be {SUFFIX} files, got '{path.name}'")
+        raise demonstrations.DemonstrationError(f"demonstrations must be {SUFFIX} files, got '{path.name}'")

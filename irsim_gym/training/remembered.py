@@ -10,10 +10,11 @@ from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import is_named_policy
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.cards import CardScenario
-from irsim_gym.training.run import Run, lasting, run_of, scenario_name
+from irsim_gym.training.run import Run, lasting, run_of
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.shelf import card_of
 from irsim_gym.training.snapshot import differences, listed, take_snapshot

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import os
-import platform
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from irsim_gym import __version__
-from irsim_gym.errors import IrsimGymError, UnreadableFileError
+from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.perception import Perception, perception_of
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.outside_files import checked, json_object, reading, remove
-from irsim_gym.scenario.ids import IDS
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.engines import Engine
 from irsim_gym.training.hyperparameters import Hyperparameters
+from irsim_gym.training.machine import machine
 from irsim_gym.training.mixture import MixturePart
 from irsim_gym.training.snapshot import Snapshot, differences, read_snapshot, snapshot_of
 
@@ -269,18 +266,6 @@ def run_of(policy: str | Path) -> Run:
     return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
 
 
-def scenario_name(scenario: str) -> str:
-    """Return the shipped name or the path of a scenario, which may be given by an environment id.
-
-    Raises:
-        IrsimGymError: If the id stands for plain data, from which a run could not be resumed.
-    """
-    found = IDS.scenario(scenario)
-    if not isinstance(found, str | Path):
-        raise IrsimGymError(f"'{scenario}' is plain data: save it to a file and name the file")
-    return str(found)
-
-
 def environment_id(scenario: str) -> str:
     """Return the environment id of a scenario, as hyper-parameter files use it."""
     return f"irsim_gym/{Path(scenario_name(scenario)).stem}-v0"
@@ -289,32 +274,3 @@ def environment_id(scenario: str) -> str:
 def lasting(source: str) -> str:
     """Return the absolute path of a file, so that a run can be resumed from another folder; return names unchanged."""
     return str(Path(source).resolve()) if Path(source).suffix in (*SUFFIXES, ".npz") else source
-
-
-def machine() -> dict[str, Any]:
-    """Return the machine and the versions of packages, on which results depend besides the settings."""
-    names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch", "ray")
-    return {
-        "processor": _processor(),
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "versions": {"irsim_gym": __version__, **{name: found for name in names if (found := _installed(name))}},
-    }
-
-
-def _installed(name: str) -> str:
-    """Return the version of a package; an empty string if it is not installed."""
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return ""
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor()

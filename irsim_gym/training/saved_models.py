@@ -23,17 +23,23 @@ def load_model(path: Path) -> tuple[BaseAlgorithm, VecNormalize | None]:
         UnreadableFileError: If a file is damaged, or the first is not a policy of Stable-Baselines3.
     """
     with reading(path, "policy of Stable-Baselines3"):
-        model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
+        objects = harmless_objects(path)
+        model = _algorithm(path, objects.get("policy_class")).load(path, device="cpu", custom_objects=objects)
     statistics = path.parent / NORMALIZATION
     with reading(statistics, "file of statistics of VecNormalize"):
         return model, _normalization(statistics)
 
 
-def _algorithm(path: Path) -> type[BaseAlgorithm]:
-    """Return the class of the algorithm that wrote a file."""
+def _algorithm(path: Path, policy: object) -> type[BaseAlgorithm]:
+    """Return the class of the algorithm that wrote a file.
+
+    Args:
+        path: The file.
+        policy: The class of its policy; None for a class that is not known to be harmless.
+    """
     data = read_data(path)
     module = str(data["policy_class"].get("__module__", ""))
-    if module == GruPolicy.__module__:
+    if policy is GruPolicy:
         return find_algorithm("gru_ppo").load()
     if "recurrent" in module:
         raise IrsimGymError(f"{path}: policies of sb3-contrib's recurrent PPO are not read; take gru_ppo")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
 
 from rich.console import Console
 
@@ -69,7 +71,7 @@ def score_run(
             screen.print(f"scoring {count} on {levels:,} dev levels", highlight=False)
         with progress_bar(screen) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
-                policy, figures = load_policy(path / "policy.zip"), _team_figures if settings.is_team else _figures
+                policy, figures = load_policy(path / "policy.zip"), partial(_figures, team=settings.is_team)
                 found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
                 point = _point(load_progress(path), combined(found))
                 points[int(point["steps"])] = point
@@ -146,46 +148,29 @@ def _point(progress: RunProgress, figures: Point) -> Point:
     return {**{name: getattr(progress, name) for name in PROGRESS}, **figures}
 
 
-def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
-    rows = evaluate(policy, episodes, levels, "dev", optima=optima)
-    summary = summarize("", rows)
+def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima, *, team: bool) -> Point:
+    """Return the scores of a checkpoint. Of a team, ``success`` is that of whole teams, other rates are per robot."""
+    summary: Any
+    if team:
+        levels_played = evaluate_team(policy, episodes, levels, "dev", optima=optima)
+        summary = summarize_team("", levels_played)
+        agents = [agent for level in levels_played for agent in level.agents]
+        rows, speeds = [agent.episode for agent in agents], [agent.top_speed for agent in agents]
+        success, each = summary.cooperative_success, {"individual_success": summary.individual_success.value}
+        waits = {"deadlocked": summary.deadlocked.value, "makespan": summary.makespan}
+    else:
+        rows = evaluate(policy, episodes, levels, "dev", optima=optima)
+        summary, speeds = summarize("", rows), [top_speed(episodes, 0, 0)] * len(rows)
+        success, each, waits = summary.success, {}, {}
     return {
-        "levels": summary.episodes,
-        "success": summary.success.value,
-        "success_low": summary.success.low,
-        "success_high": summary.success.high,
-        "collision": summary.collision.value,
-        "timeout": summary.timeout.value,
-        "left_world": summary.left_world.value,
+        "levels": levels,
+        **{"success": success.value, "success_low": success.low, "success_high": success.high},
+        **each,
+        **{name: getattr(summary, name).value for name in ("collision", "timeout", "left_world")},
+        **waits,
         "spl": summary.spl,
-        **failures(rows, [top_speed(episodes, 0, 0)] * len(rows), _limit(episodes)),
+        **failures(rows, speeds, episodes.task.max_steps * float(episodes.simulation.model.step_time[0])),
     }
-
-
-def _team_figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
-    """Return the scores of a team. ``success`` is the share of levels that all robots solve; rates are per robot."""
-    teams = evaluate_team(policy, episodes, levels, "dev", optima=optima)
-    summary = summarize_team("", teams)
-    agents = [agent for team in teams for agent in team.agents]
-    return {
-        "levels": summary.levels,
-        "success": summary.cooperative_success.value,
-        "success_low": summary.cooperative_success.low,
-        "success_high": summary.cooperative_success.high,
-        "individual_success": summary.individual_success.value,
-        "collision": summary.collision.value,
-        "timeout": summary.timeout.value,
-        "left_world": summary.left_world.value,
-        "deadlocked": summary.deadlocked.value,
-        "makespan": summary.makespan,
-        "spl": summary.spl,
-        **failures([agent.episode for agent in agents], [agent.top_speed for agent in agents], _limit(episodes)),
-    }
-
-
-def _limit(episodes: Episodes) -> float:
-    """Return the time limit of an episode [s]."""
-    return episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
 
 
 def _write(run: Run, points: list[Point]) -> None:

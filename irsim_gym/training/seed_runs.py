@@ -11,6 +11,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError, report_together
 from irsim_gym.evaluation.tables import figure_table, print_table, write_text
 from irsim_gym.outside_files import json_object
+from irsim_gym.training import seed_summary
 from irsim_gym.training.checkpoint_files import list_checkpoints
 from irsim_gym.training.commands import run_training
 from irsim_gym.training.evaluate import evaluate_policies
@@ -21,15 +22,6 @@ from irsim_gym.training.remembered import report_changes
 from irsim_gym.training.request_checks import check_level_files, check_request
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.scenario_request import request_of
-from irsim_gym.training.seed_summary import (
-    Figures,
-    markdown_table,
-    named_as_runs,
-    said_of_seeds,
-    seed_cells,
-    summarize_seeds,
-    write_seeds,
-)
 from irsim_gym.training.snapshot import listed
 from irsim_gym.training.training_request import TrainingRequest
 
@@ -146,12 +138,12 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     is_team, places = settings.is_team, [run.folder for run in runs]
     method = settings.algorithm
     found = evaluate_policies(request_of(settings), {method: list(places)}, levels=levels, folder=folder / TEST)
-    test = named_as_runs(json_object(folder / TEST / "summary.json"), places)
-    summary = summarize_seeds(test["conditions"]["scenario"], places, [test], part)
+    test = seed_summary.named_as_runs(json_object(folder / TEST / "summary.json"), places)
+    summary = seed_summary.summarize_seeds(test["conditions"]["scenario"], places, [test], part)
     line = _summary_line(summary, found.worst[method])
-    head, rows = seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
-    write_seeds(folder, RESULTS, summary, called=found.scenario)
-    write_text(folder / f"{RESULTS}.md", "\n".join([*markdown_table(head, rows), "", line, ""]))
+    head, rows = seed_summary.seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
+    seed_summary.write_seeds(folder, RESULTS, summary, called=found.scenario)
+    write_text(folder / f"{RESULTS}.md", "\n".join([*seed_summary.markdown_table(head, rows), "", line, ""]))
     title = f"{found.scenario}: {method.upper()}, {levels:,} test levels, {found.level_set}"
     print_table(figure_table(title, head, rows))
     print(
@@ -159,10 +151,10 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     )
 
 
-def _summary_line(summary: Figures, worst: Mapping[str, float]) -> str:
+def _summary_line(summary: seed_summary.Figures, worst: Mapping[str, float]) -> str:
     """Return the median and the interquartile mean of the seeds, and their success on the worst levels."""
     if "median_test_csr" in summary:
         rows = [next(iter(seed["test"].values()))["cooperative_success"] for seed in summary["seeds"]]
     else:
         rows = [seed["test"]["success"] for seed in summary["seeds"]]
-    return said_of_seeds([row["value"] for row in rows], worst)
+    return seed_summary.said_of_seeds([row["value"] for row in rows], worst)

@@ -17,15 +17,8 @@ from irsim_gym.evaluation.tables import PLAIN, remove_leftovers, write_bytes, wr
 from irsim_gym.extras import require
 from irsim_gym.sb3 import LogCallback
 from irsim_gym.training import checkpoint as files
-from irsim_gym.training.checkpoint_files import (
-    NORMALIZATION,
-    REPLAY_BUFFER,
-    RunProgress,
-    list_checkpoints,
-    load_progress,
-    newest_checkpoint,
-    remove_partial,
-)
+from irsim_gym.training import checkpoint_files as stored
+from irsim_gym.training import models
 from irsim_gym.training.cloning import clone_behavior
 from irsim_gym.training.engine_checks import check_engine
 from irsim_gym.training.environment import compile_kernels
@@ -33,14 +26,6 @@ from irsim_gym.training.fine_tuning import copy_weights
 from irsim_gym.training.folders import check_replaceable, setting_differences, sole_writer
 from irsim_gym.training.inputs import check_folder
 from irsim_gym.training.interruption import stopped_at_end, stopped_early
-from irsim_gym.training.models import (
-    check_finite,
-    curriculum_of,
-    mirror_callback,
-    new_model,
-    resolve_device,
-    restored_model,
-)
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.ray_session import prepare
 from irsim_gym.training.run import FILES, Run, Settings
@@ -95,7 +80,7 @@ def train(
             _remove_leftovers(run)
             return run
         used = run.own_settings() if resumed else settings
-        newest = newest_checkpoint(run.checkpoints) if resumed else None
+        newest = stored.newest_checkpoint(run.checkpoints) if resumed else None
         _check_engine(used, address)
         model, progress = _model(used, newest, device, screen)
         _begin(run, settings, now, resumed=resumed)
@@ -153,7 +138,7 @@ def _check_run(run: Run, settings: Settings, now: Snapshot, resume: bool, screen
     ways = "choose another folder with --out, or replace the run with --overwrite"
     if found:
         raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
-    if not resume and not run.finished() and list_checkpoints(run.checkpoints):
+    if not resume and not run.finished() and stored.list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
     if changed:
         message = f"the scenario has changed since this run began ({listed(changed)}); it uses its copy, {run.copy}"
@@ -162,43 +147,43 @@ def _check_run(run: Run, settings: Settings, now: Snapshot, resume: bool, screen
 
 def _model(
     settings: Settings, newest: Path | None, device: str | None, screen: Console
-) -> tuple[BaseAlgorithm, RunProgress]:
+) -> tuple[BaseAlgorithm, stored.RunProgress]:
     """Return the model to train, which is new or restored from a checkpoint, and the progress of the run."""
     if device is not None:
         settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
     torch.set_num_threads(settings.hyperparameters.torch_threads)
-    resolve_device(settings.hyperparameters.device)
+    models.resolve_device(settings.hyperparameters.device)
     compile_kernels(settings)
     if newest is not None and settings.engine is None:
-        return restored_model(settings, newest)
-    model = new_model(settings)
+        return models.restored_model(settings, newest)
+    model = models.new_model(settings)
     if newest is not None:
-        return model, load_progress(newest)
+        return model, stored.load_progress(newest)
     if settings.origin is not None:
         copy_weights(model, settings)
     if settings.hyperparameters.clone is None:
-        return model, RunProgress()
+        return model, stored.RunProgress()
     seconds, cpu_seconds = clone_behavior(model, settings, screen)
-    return model, RunProgress(training_seconds=seconds, cpu_seconds=cpu_seconds)
+    return model, stored.RunProgress(training_seconds=seconds, cpu_seconds=cpu_seconds)
 
 
 def _learn(
     run: Run,
     settings: Settings,
     model: BaseAlgorithm,
-    progress: RunProgress,
+    progress: stored.RunProgress,
     newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], object] | None,
 ) -> None:
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases."""
-    curriculum = curriculum_of(settings, newest)
+    curriculum = models.curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
-    remove_partial(run.checkpoints)
+    stored.remove_partial(run.checkpoints)
     model.set_logger(tensorboard_logger(run))
 
     def save() -> Path:
-        check_finite(run, settings, model)
+        models.check_finite(run, settings, model)
         levels = None if curriculum is None else curriculum.levels
         return files.save_checkpoint(run.checkpoints, model, progress, levels)
 
@@ -211,7 +196,8 @@ def _learn(
                 raise StopLearningError
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
-    callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [curriculum, mirror_callback(settings)])]
+    mirrored = models.mirror_callback(settings)
+    callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [curriculum, mirrored])]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps
@@ -221,21 +207,21 @@ def _learn(
             if stop.signal is not None:
                 raise stopped_early(progress.steps, stop.signal) from None
         except (ValueError, RuntimeError):
-            check_finite(run, settings, model)
+            models.check_finite(run, settings, model)
             raise
         finally:
             watch.finish()
             model.logger.close()
         last = save()
         watch.print_line()
-        if (last / NORMALIZATION).is_file():
-            write_bytes(run.folder / NORMALIZATION, (last / NORMALIZATION).read_bytes())
+        if (last / stored.NORMALIZATION).is_file():
+            write_bytes(run.folder / stored.NORMALIZATION, (last / stored.NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)
-        (last / REPLAY_BUFFER).unlink(missing_ok=True)
+        (last / stored.REPLAY_BUFFER).unlink(missing_ok=True)
     if stop.signal is not None:
         raise stopped_at_end(progress.steps, stop.signal)
 
 
-def _write_log(run: Run, progress: RunProgress) -> None:
+def _write_log(run: Run, progress: stored.RunProgress) -> None:
     rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
     write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)

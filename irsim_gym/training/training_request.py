@@ -10,6 +10,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.perception import perception_differences
 from irsim_gym.families import ACTIONS
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.term import IsImage
@@ -19,9 +20,9 @@ from irsim_gym.training.engines import RLLIB, Engine
 from irsim_gym.training.folders import as_name, default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.hyperparameter_files import change_hyperparameters
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
-from irsim_gym.training.mixture import MixturePart
+from irsim_gym.training.mixture import Mixture, MixturePart
 from irsim_gym.training.policies import policy_names
-from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
+from irsim_gym.training.run import Run, Settings, environment_id, lasting
 from irsim_gym.training.snapshot import listed
 
 MAX_MARKS = 2
@@ -70,6 +71,18 @@ class TrainingRequest:
     engine: Engine | None = None
     changes: Mapping[str, object] | None = None
     until: float | None = None
+
+    def with_mixture(self, mixture: Mixture) -> TrainingRequest:
+        """Return a request to train a mixture. What this one states replaces what the mixture's file states."""
+        return replace(
+            self,
+            scenario=mixture.parts[0].scenario,
+            algorithm=self.algorithm or mixture.algorithm,
+            task=self.task or mixture.task,
+            hyperparameters=self.hyperparameters or mixture.hyperparameters,
+            mixture=mixture.parts,
+            mixture_name=mixture.name,
+        )
 
     @property
     def overrides(self) -> dict[str, Any]:
@@ -126,9 +139,6 @@ class TrainingRequest:
         loaded = load_scenario(named, self.parameters, strict=self.strict, warn=False)
         learned = load_task(loaded, self.task)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
-        chosen.check_critic(learned.critic_observations)
-        if self.engine is not None and learned.critic_observations:
-            raise IrsimGymError("--engine rllib has no critic_observations: take a task without them, or leave it out")
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
             "task": self.task_name,

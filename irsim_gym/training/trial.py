@@ -262,7 +262,7 @@ def main(folder: Path) -> None:
         (folder / "results").open("w", encoding="utf-8") as results,
     ):
         faulthandler.enable(crash, all_threads=False)
-        from irsim_gym.cli_tools import import_modules
+        from irsim_gym.imports import import_modules
 
         import_modules(list(reading.modules))
         for file in plan["files"]:

@@ -27,13 +27,9 @@ HARMLESS: dict[str, frozenset[str]] = {
         "gymnasium.spaces.discrete": "Discrete",
         "gymnasium.spaces.multi_binary": "MultiBinary",
         "gymnasium.spaces.multi_discrete": "MultiDiscrete",
-        "irsim_gym.envs.sb3_asymmetric": "AsymmetricPolicy",
-        "irsim_gym.envs.sb3_buffers": "MaskedReplayBuffer MaskedDictReplayBuffer MaskedRolloutBuffer "
-        "MaskedDictRolloutBuffer",
-        "irsim_gym.envs.sb3_gru": "SequenceBuffer DictSequenceBuffer",
-        "irsim_gym.envs.sb3_memory": "GruPolicy",
-        "irsim_gym.envs.sb3_normalize": "MaskedVecNormalize",
-        "irsim_gym.training.hyperparameters": "Linear",
+        "irsim_gym.sb3": "DictSequenceBuffer GruPolicy MaskedDictReplayBuffer MaskedDictRolloutBuffer "
+        "MaskedReplayBuffer MaskedRolloutBuffer MaskedVecNormalize SequenceBuffer",
+        "irsim_gym.training": "Linear",
         "numpy": "dtype ndarray",
         "numpy.core.multiarray": "_reconstruct scalar",
         "numpy._core.multiarray": "_reconstruct scalar",
@@ -63,6 +59,16 @@ HARMLESS: dict[str, frozenset[str]] = {
 }
 """Names that a pickle may use, by module: creating these objects runs no code from the file."""
 
+FORMER = {
+    f"irsim_gym.{former}": f"irsim_gym.{now}"
+    for now, places in {
+        "sb3": "envs.sb3_buffers envs.sb3_gru envs.sb3_memory envs.sb3_normalize",
+        "training": "training.hyperparameters",
+    }.items()
+    for former in places.split()
+}
+"""Where classes were in files of version 0.1, and where they are."""
+
 NEEDED = frozenset({"action_space", "observation_space", "policy_class", "policy_kwargs", "train_freq"})
 """Objects that a policy needs to act. Only the training needs the others."""
 
@@ -81,6 +87,7 @@ class HarmlessUnpickler(pickle.Unpickler):
         Raises:
             UnpicklingError: If it is not known to be harmless.
         """
+        module = FORMER.get(module, module)
         if name in HARMLESS.get(module, ()):
             return super().find_class(module, name)
         raise pickle.UnpicklingError(f"{module}.{name}")

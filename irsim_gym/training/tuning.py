@@ -274,7 +274,7 @@ def _run_processes(task: bytes, n_processes: int) -> None:
 
 def work_apart(tuning: Tuning, folder: Path) -> None:
     """Run enqueued trials in a process of its own, in the working folder of the command."""
-    from irsim_gym.cli_tools import import_modules
+    from irsim_gym.imports import import_modules
 
     os.chdir(folder)
     import_modules(tuning.modules)

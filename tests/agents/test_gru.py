@@ -48,13 +48,12 @@ TWO_ROBOTS: dict[str, Any] = {
     "task": {"name": "blank", "observations": ["goal"], "rewards": ["arrival"], "endings": ["arrived"]},
 }
 """The first robot arrives in its first step, and waits for the other one."""
-CRITIC: list[Any] = ["route", {"name": "nearest_bodies", "count": 2}]
 
 
 @pytest.fixture
 def task(tmp_path: Path) -> str:
-    path = tmp_path / "sees_more.yaml"
-    path.write_text(yaml.safe_dump({"name": "navigation", "max_steps": 20, "critic_observations": CRITIC}))
+    path = tmp_path / "short.yaml"
+    path.write_text(yaml.safe_dump({"name": "navigation", "max_steps": 20}))
     return str(path)
 
 
@@ -245,14 +244,14 @@ def test_a_rollout_in_which_nobody_acted_has_no_minibatches(batch_size: int | No
     ("scenario", "own"),
     [
         ("cluttered_room", {}),
-        ("cluttered_room", {"normalize": True, "critic": True}),
+        ("cluttered_room", {"normalize": True}),
         ("random_swap", {"team": "episode", "normalize": True}),
     ],
 )
 def test_a_resumed_run_equals_an_uninterrupted_one(
-    scenario: str, own: dict[str, Any], task: str, tmp_path: Path, interrupt: Callable[[int, int], None]
+    scenario: str, own: dict[str, Any], tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
-    asked = settings(scenario, task if own.pop("critic", False) else None, **own)
+    asked = settings(scenario, **own)
     whole = train(asked, tmp_path / "whole", console=QUIET)
     assert torch.equal(weights(whole), weights(in_parts(asked, tmp_path / "parts", interrupt)))
 
@@ -288,7 +287,7 @@ def weights(run: Run) -> torch.Tensor:
 
 @pytest.mark.parametrize("own", [{}, {"normalize": True}])
 def test_it_drives_from_its_run_and_from_the_shelf(own: dict[str, Any], task: str, tmp_path: Path) -> None:
-    """The shelf's network remembers as PyTorch's does, and nothing that only the critic sees is needed."""
+    """The shelf's network remembers as PyTorch's does."""
     run = train(settings(task=task, **own), tmp_path / "run", console=QUIET)
     policy = load_policy(run.folder)
     assert isinstance(policy, SavedPolicy)
@@ -357,13 +356,10 @@ def test_a_sequence_has_a_whole_number_of_steps(length: float) -> None:
         new_model(settings(rollout_buffer_kwargs={"sequence_length": length}))
 
 
-def test_a_critic_that_sees_more_shares_no_extractor(task: str) -> None:
-    """It is refused if it is asked for, as by ``AsymmetricPolicy``; others may share it or not."""
-    kwargs = {**GRU["policy_kwargs"], "share_features_extractor": True}
-    with pytest.raises(IrsimGymError, match="share_features_extractor must be false"):
-        new_model(settings(task=task, policy_kwargs=kwargs))
-    assert new_model(settings(policy_kwargs=kwargs)).policy.share_features_extractor
-    assert not new_model(settings(task=task)).policy.share_features_extractor
+def test_actor_and_critic_may_share_the_extractor() -> None:
+    for shared in (True, False):
+        kwargs = {**GRU["policy_kwargs"], "share_features_extractor": shared}
+        assert new_model(settings(policy_kwargs=kwargs)).policy.share_features_extractor is shared
 
 
 def test_a_run_becomes_a_file_of_the_shelf(task: str, tmp_path: Path) -> None:

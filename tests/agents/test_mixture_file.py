@@ -10,8 +10,7 @@ from command_line import run as command
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.suite.members import shipped_suite
-from irsim_gym.training.mixture import MixturePart
-from irsim_gym.training.mixture_file import mixture_file, read_mixture, requested_mixture
+from irsim_gym.training.mixture import MixturePart, mixture_file, read_mixture, requested_mixture
 from irsim_gym.training.training_request import TrainingRequest
 
 TEXT = """
@@ -41,7 +40,7 @@ def test_a_file_says_what_the_command_line_says(tmp_path: Path) -> None:
         MixturePart("crowd_nav", {"goal_change": 0.5}, 2.0),
         MixturePart(str(tmp_path / "rooms/mine.yaml")),
     )
-    asked = found.request(TrainingRequest(str(file), seed=3))
+    asked = TrainingRequest(str(file), seed=3).with_mixture(found)
     assert (asked.scenario, asked.seed, asked.mixture) == ("cluttered_room", 3, found.parts)
     assert (asked.task, asked.algorithm, asked.hyperparameters) == (
         "general_navigation",
@@ -52,7 +51,7 @@ def test_a_file_says_what_the_command_line_says(tmp_path: Path) -> None:
 
 def test_options_replace_what_the_file_states(tmp_path: Path) -> None:
     given = TrainingRequest("both.yaml", "ppo", task="navigation", hyperparameters=Path("slow.yaml"))
-    asked = read_mixture(write(tmp_path)).request(given)
+    asked = given.with_mixture(read_mixture(write(tmp_path)))
     assert (asked.task, asked.algorithm, asked.hyperparameters) == ("navigation", "ppo", Path("slow.yaml"))
 
 
@@ -60,10 +59,10 @@ def test_the_same_mixture_by_names_and_by_a_file_has_the_same_settings(tmp_path:
     text = (
         "mixture: [maze, {scenario: crowd_nav, share: 2, parameters: {goal_change: 0.5}}]\ntask: general_navigation\n"
     )
-    by_file = read_mixture(write(tmp_path, text)).request(TrainingRequest("both.yaml"))
+    by_file = TrainingRequest("both.yaml").with_mixture(read_mixture(write(tmp_path, text)))
     named = requested_mixture(["maze", "crowd_nav:share=2:goal_change=0.5"], is_mixture=True)
     assert named is not None
-    by_names = named.request(TrainingRequest("maze", task="general_navigation"))
+    by_names = TrainingRequest("maze", task="general_navigation").with_mixture(named)
     assert by_file.settings() == by_names.settings()
     assert by_file.folder(by_file.settings()).name == "both-ppo-general_navigation-0"
     assert by_names.folder(by_names.settings()).name.startswith("maze_crowd_nav-share=2-goal_change=0.5-ppo")
@@ -106,7 +105,7 @@ def test_the_mixture_general_is_all_of_core_with_one_robot() -> None:
     core = {(one.scenario, *sorted(one.parameters.items())) for one in single}
     found = read_mixture(mixture_file("general"))  # type: ignore[arg-type]
     assert {(one.scenario, *sorted(one.parameters.items())) for one in found.parts} == core
-    settings = found.request(TrainingRequest("general")).settings()
+    settings = TrainingRequest("general").with_mixture(found).settings()
     assert len(settings.mixture) == 6
 
 
@@ -116,7 +115,7 @@ def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() 
         (one.scenario, one.parameters) for one in careful.parts
     ]
     for mixture, task, steps in ((first, "crowded", 8_000_000), (careful, "careful", 12_000_000)):
-        settings = mixture.request(TrainingRequest("rl_rvo")).settings()
+        settings = TrainingRequest("rl_rvo").with_mixture(mixture).settings()
         assert settings.task == f"{task}_team_navigation"
         assert settings.hyperparameters.n_timesteps == steps
         assert settings.is_team

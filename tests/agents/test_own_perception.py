@@ -180,8 +180,7 @@ def test_the_suite_takes_them(folder: Path, tmp_path: Path, monkeypatch: pytest.
 def test_the_arena_takes_them(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     asked = ["arena", folder / "yard.yaml", "--levels", LEVELS, "--replays", 8, "--out", "arena"]
-    assert command(monkeypatch, *asked, folder / "seen", "dash") == 0
-    assert command(monkeypatch, *asked, folder / "choices", "--resume") == 0
+    assert command(monkeypatch, *asked, folder / "seen", "dash", folder / "choices") == 0
     summary = json.loads(Path("arena/summary.json").read_text())["arena"]
     assert [policy.get("observes") for policy in summary["policies"]] == [
         ["scan", "way_on_seen_map", "trail"],
@@ -194,19 +193,6 @@ def test_the_arena_takes_them(folder: Path, tmp_path: Path, monkeypatch: pytest.
         assert steps == [row.steps for row in alone(folder, name, own)]
     assert page["left"]["unlike"] == 0  # played again, each episode ends as before
     assert page["episodes"]
-
-
-def test_an_arena_of_an_earlier_version_goes_on(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    chosen: dict[str, Any] = {"levels": 2, "replays": 0}
-    irsim_gym.arena(folder / "yard.yaml", folder / "seen", tmp_path / "arena", **chosen)
-    file = tmp_path / "arena" / "summary.json"
-    told = json.loads(file.read_text())
-    del told["arena"]["policies"][0]["observes"]
-    file.write_text(json.dumps(told))
-    again = irsim_gym.arena(folder / "yard.yaml", "dash", tmp_path / "arena", **chosen, resume=True)
-    assert list(again.rows) == ["seen", "dash"]
 
 
 def test_policies_of_teams_perceive_by_their_own_tasks(folder: Path, tmp_path: Path) -> None:

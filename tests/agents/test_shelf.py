@@ -18,7 +18,6 @@ import pytest
 from command_line import run
 
 import irsim_gym
-from irsim_gym.arenas.entrants import load_entrants
 from irsim_gym.byte_planes import from_planes
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError, UnknownNameError
@@ -353,8 +352,7 @@ def test_names_on_the_shelf_are_policies(tmp_path: Path, monkeypatch: pytest.Mon
         "cluttered_room-2",
         "dash",
     ]
-    (entrant,) = load_entrants(["cluttered_room"])
-    assert entrant.sha256 == policy_digest("cluttered_room") == card("cluttered_room").sha256
+    assert policy_digest("cluttered_room") == card("cluttered_room").sha256
     with pytest.raises(IrsimGymError, match="no policy named 'cluttered_rom' \\(did you mean 'cluttered_room'"):
         load_policy("cluttered_rom")
     with pytest.raises(UnknownNameError, match="no policy named 'dash' on the shelf"):

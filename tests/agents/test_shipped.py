@@ -13,7 +13,7 @@ import yaml
 
 from irsim_gym.scenario.library import scenario_names
 from irsim_gym.training.commands import run_evaluation, run_training
-from irsim_gym.training.evaluate_teams import TeamEvaluation
+from irsim_gym.training.evaluate import TeamEvaluation
 from irsim_gym.training.scenario_request import ScenarioRequest
 from irsim_gym.training.training_request import TrainingRequest
 

@@ -15,13 +15,14 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.scenario.ids import scenario_name
 from irsim_gym.training.checkpoint import load_state
 from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress, newest_checkpoint
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.interruption import TrainingInterruptedError
 from irsim_gym.training.models import algorithm_class
 from irsim_gym.training.policies import SavedPolicy, load_policy
-from irsim_gym.training.run import Run, Settings, environment_id, scenario_name
+from irsim_gym.training.run import Run, Settings, environment_id
 from irsim_gym.training.train import train
 
 PPO: dict[str, Any] = {"n_steps": 16, "batch_size": 32, "n_epochs": 2, "learning_rate": "lin_3e-3"}

@@ -1,4 +1,4 @@
-"""Arenas: comparisons worked out by hand, what is on disk, and how one that was interrupted goes on."""
+"""Arenas: comparisons worked out by hand, and what is on disk."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from irsim_gym.arenas.page_file import read_page
 from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
 from irsim_gym.arenas.standings import stand, strata_of_peers, strata_of_quarters
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation import protocol
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.paired import compare_pairs
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
 from irsim_gym.levels.certificate import Certificate
 from irsim_gym.levels.played import PlayedLevels
+from irsim_gym.training.evaluate import Evaluation
 
 ROOM: dict[str, Any] = {
     "world": {"height": 4, "width": 6, "step_time": 0.25},
@@ -109,10 +109,11 @@ def test_certified_levels_are_easy_or_hard_by_their_certificate() -> None:
     )
     rows = {"a": [row(i, x) for i, x in enumerate("tsts")], "b": [row(i, x) for i, x in enumerate("stts")]}
     levels = PlayedLevels(4, "", "", certificate)
-    found = stand(rows, team=False, level_set=levels)
+    played = Evaluation("room", "test", rows, [], levels, {})
+    found = stand(played)
     assert found.strata_by == "by how many of dash fail, in quarters"
     assert [[share.count for share in each.success] for each in found.strata] == [[1, 0], [1, 1], [0, 0], [0, 1]]
-    bare = stand(rows, team=False, level_set=replace(levels, certificate=None))
+    bare = stand(replace(played, level_set=replace(levels, certificate=None)))
     assert bare.strata_by == "by how many of the other policies fail"
 
 
@@ -142,43 +143,27 @@ def team(level: int, letters: str) -> TeamRow:
     return TeamRow(level, 3.0, agents)
 
 
-class Interrupted:
-    """A policy that somebody stops."""
-
-    def begin(self, *_: Any) -> None:
-        raise KeyboardInterrupt
-
-    def act(self, *_: Any) -> np.ndarray:
-        raise AssertionError
-
-
-def test_an_interrupted_arena_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It plays what is missing, and leaves the same files as one that was not interrupted."""
-    whole = irsim_gym.arena(ROOM, ["dash", "random"], tmp_path / "whole", levels=6, replays=4)
-    with pytest.raises(KeyboardInterrupt):
-        irsim_gym.arena(ROOM, {"dash": "dash", "stopped": Interrupted()}, tmp_path / "cut", levels=6)
-    assert not json.loads((tmp_path / "cut" / "summary.json").read_text())["finished"]
-    played: list[str] = []
-    known = protocol.evaluate
-    name = "irsim_gym.training.evaluate.evaluate"
-    monkeypatch.setattr(name, lambda policy, *a, **k: played.append(str(policy)) or known(policy, *a, **k))
-    resumed = irsim_gym.arena(ROOM, "random", tmp_path / "cut", levels=6, replays=4, resume=True)
-    names = sorted(path.name for path in (tmp_path / "whole").iterdir())
+def test_the_files_of_an_arena(tmp_path: Path) -> None:
+    """They are those of an evaluation, with the comparison beside its figures, and a page that says the same."""
+    found = irsim_gym.arena(ROOM, ["dash", "random"], tmp_path / "arena", levels=6, replays=4)
+    names = sorted(path.name for path in (tmp_path / "arena").iterdir())
     assert names == ["arena.html", "episodes.csv", "summary.json", "table.txt"]
-    assert names == sorted(path.name for path in (tmp_path / "cut").iterdir())
-    for name in names:
-        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "cut" / name).read_bytes(), name
-    assert resumed.rows == whole.rows
-    assert len(played) == 1
-    assert "RandomPolicy" in played[0]
-    with pytest.raises(IrsimGymError, match=r"levels 6, asked for: 7"):
-        irsim_gym.arena(ROOM, "dash", tmp_path / "cut", levels=7, resume=True)
-    board, page = Board.of(whole.rows), read_page(whole.page)
+    played = irsim_gym.evaluate(ROOM, ["dash", "random"], levels=6, references=False, folder=tmp_path / "same")
+    for name in ("episodes.csv", "table.txt"):
+        assert (tmp_path / "arena" / name).read_bytes() == (tmp_path / "same" / name).read_bytes(), name
+    summary, same = (json.loads((tmp_path / folder / "summary.json").read_text()) for folder in ("arena", "same"))
+    assert {name: summary[name] for name in same} == same
+    assert set(summary) - set(same) == {"arena", "pairs", "difficulty"}
+    assert [policy["source"] for policy in summary["arena"]["policies"]] == ["dash", "random"]
+    assert found.rows == played.rows
+    board, page = Board.of(found.rows), read_page(found.page)
     assert page["outcomes"] == ["".join(map(str, line)) for line in board.outcome.tolist()]
     assert (page["left"]["failures"], page["left"]["unlike"]) == (int((~board.success).sum()), 0)
     assert len(page["episodes"]) == len(page["replays"]) <= 4
     for episode, told in zip(page["episodes"], page["replays"], strict=True):
         assert episode["count"] == board.steps[told["policy"], told["level"]] + 1
+    with pytest.raises(IrsimGymError, match="holds results"):
+        irsim_gym.arena(ROOM, "dash", tmp_path / "arena", levels=6)
 
 
 @pytest.mark.parametrize(
@@ -189,11 +174,8 @@ def test_an_interrupted_arena_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
             "no policy named 'dsh' (did you mean 'dash'?)\nno policy named 'orcs' (did you mean 'orca'?)\n  ",
         ),
         ([], "an arena needs policies\n"),
-        (["dash", "dash"], "an arena plays each policy once, but dash is given more than once"),
-        (["dash", "--resume", "--overwrite"], "pass only one of them"),
         (["dash", "--split", "tset"], "no split named 'tset'"),
         (["dash", "--out", "full"], "full holds results: choose another folder with --out"),
-        (["dash", "--out", "full", "--resume"], "full holds no arena that could be resumed"),
     ],
 )
 def test_bad_calls(
@@ -221,5 +203,5 @@ def test_the_page_in_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert run(monkeypatch, "arena", "--help") == 0
     shown = capsys.readouterr().out
     asked = {word for line in text.splitlines() if line.startswith("irsim-gym arena") for word in line.split()}
-    assert {"--levels", "--resume"} <= asked
+    assert {"--levels", "--team"} <= asked
     assert all(word in shown for word in asked if word.startswith("--"))

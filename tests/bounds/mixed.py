@@ -241,7 +241,6 @@ def some_task(rng: Random, robots: list[dict[str, Any]]) -> dict[str, Any]:
         "team_reward": rng.choice((0.0, 0.5)),
         "action": some_options(rng, families.ACTIONS, action),
         "observations": some_terms(rng, families.OBSERVATIONS, names, 0.3) or ["velocity"],
-        "critic_observations": some_terms(rng, families.OBSERVATIONS, names, 0.03),
         "rewards": some_terms(rng, families.REWARDS, rewards, 0.4),
         "endings": [some_options(rng, families.ENDINGS, name) for name in endings],
     }

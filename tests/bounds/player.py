@@ -13,7 +13,7 @@ from irsim_gym.envs.vector import WorldVectorEnv
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.families import OBSERVATIONS
-from irsim_gym.live import load
+from irsim_gym.live.world import load
 from irsim_gym.render import Renderer
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.tasks.observations import route, seen_grid

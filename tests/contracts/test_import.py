@@ -84,4 +84,3 @@ def test_a_name_that_is_elsewhere_is_told():
         irsim_gym.WrapToPi  # noqa: B018
     with pytest.raises(AttributeError, match=r"'make_vek' \(did you mean 'make_vec'\?\)"):
         irsim_gym.make_vek  # noqa: B018
-    assert set(irsim_gym._OF_IRSIM) == set(irsim_gym.irsim.__all__) - {"make"}

@@ -137,14 +137,6 @@ def test_choices_and_dicts() -> None:
     check_rows(model, env)
 
 
-def test_a_critic_that_sees_more() -> None:
-    task = {"name": "navigation", "critic_observations": ["route", {"name": "nearest_bodies", "count": 2}]}
-    env = sb3.make_vec_env(ROOM, 8, seed=0, task=task, critic=True)
-    model = Kept(sb3.AsymmetricPolicy, env, **HOW)
-    model.learn(128, callback=Before())
-    check_rows(model, env)
-
-
 def test_images_are_mirrored_as_stable_baselines3_stores_them() -> None:
     task = {"observations": [{"name": "occupancy_image", "pixels": 36}, {"name": "goal"}]}
     env = VecTransposeImage(sb3.make_vec_env(ROOM, 2, seed=0, task={"name": "blank", **task}))

@@ -44,7 +44,7 @@ def test_either_may_come_first(order):
     script = f"import {order}\n{SEEN}"
     done = subprocess.run([sys.executable, "-W", "error", "-c", script], capture_output=True, text=True, check=False)
     count = sum(one.startswith("irsim_gym/") for one in gymnasium.registry)
-    assert done.stdout.split() == [str(count), "irsim_gym.envs.parallel:parallel_env"], done.stderr
+    assert done.stdout.split() == [str(count), "irsim_gym:parallel_env"], done.stderr
 
 
 def test_an_id_of_each_team():

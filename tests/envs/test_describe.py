@@ -52,7 +52,6 @@ EVERYTHING: dict[str, Any] = {
         "route",
         "position",
         "heading",
-        "goal_position",
         {"name": "trail", "sectors": 9},
         {"name": "occupancy_image", "pixels": 40, "metres": 8, "edge": False},
         {"name": "seen_map_image", "pixels": 40},
@@ -78,18 +77,9 @@ def test_every_shipped_kind_describes_itself() -> None:
     assert shown == {entry.name for entry in OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")}
 
 
-GOAL_FORM = {
-    "name": "blank",
-    "observation_form": "goal",
-    "observations": ["scan", "velocity", "position", "drive"],
-    "endings": ["arrived", "collided"],
-    "rewards": ["arrival"],
-}
-
-
-@pytest.mark.parametrize("form", ["flat", "dict", "goal"])
+@pytest.mark.parametrize("form", ["flat", "dict"])
 def test_columns_add_up_to_the_space(form: str) -> None:
-    env = irsim_gym.make(YARD, task=GOAL_FORM).unwrapped if form == "goal" else yard(observation_form=form)
+    env = yard(observation_form=form)
     description: Description = env.describe()
     ends = dict.fromkeys(env.observation_space, 0)
     for block in description.blocks:
@@ -108,7 +98,6 @@ def test_columns_add_up_to_the_space(form: str) -> None:
     assert {key: np.atleast_1d(end).tolist() for key, end in ends.items()} == {
         key: list(space.shape) for key, space in env.observation_space.items()
     }
-    assert form != "goal" or "goal_position in desired_goal" in str(description)
 
 
 def test_directions_are_true() -> None:

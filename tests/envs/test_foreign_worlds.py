@@ -14,7 +14,7 @@ import pytest
 import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.errors import IgnoredKeyWarning, ScenarioError, ScenarioWarning
-from irsim_gym.live import World
+from irsim_gym.live.world import World
 from irsim_gym.tasks import Outcome
 
 DIFF = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}

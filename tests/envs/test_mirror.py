@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym import sb3
 from irsim_gym.envs.mirror import Mirror
 from irsim_gym.errors import IrsimGymError, KindError
 from irsim_gym.plugins import KINEMATICS, OBSERVATIONS, Mirrored, kind
@@ -49,7 +48,7 @@ SCENE: dict[str, Any] = {
         },
     ],
 }
-IN_WORLD = {"position", "heading", "goal_position"}
+IN_WORLD = {"position", "heading"}
 ROUGH = {"seen_map_image", "occupancy_image", "trail", "route"}
 ROUGH |= {"way_on_seen_map", "yielding_way"}
 """Observations with cells or pixels, at whose edges a rounding may decide."""
@@ -200,18 +199,6 @@ def test_observations_as_a_dict() -> None:
     assert apart.mean() < 0.02 * np.abs(here["occupancy_image"].astype(float) - there["occupancy_image"]).mean()
 
 
-def test_what_the_critic_alone_observes() -> None:
-    task = {"name": "blank", "observations": ["scan"], "critic_observations": ["goal_heading", "occupancy_image"]}
-    batch = sb3.make_vec_env(scene_of(), 2, critic=True, task=task)
-    mirror, seen = batch.env_method("mirror")[0], batch.reset()
-    assert set(mirror.vectors) | set(mirror.images) == set(seen) == {"vector", "critic", "critic_occupancy_image"}
-    changed = mirror.observation(seen)
-    np.testing.assert_array_equal(changed["critic"], seen["critic"] * [1, -1])
-    np.testing.assert_array_equal(changed["critic_occupancy_image"][:, :, ::-1], seen["critic_occupancy_image"])
-    alone = sb3.make_vec_env(scene_of(), 2, task=task).env_method("mirror")[0]
-    assert set(alone.vectors) == {""}  # nobody asked for what the critic observes
-
-
 @pytest.fixture
 def sway() -> Iterator[Any]:
     """Register an observation of two numbers whose mirror a test chooses."""
@@ -279,11 +266,6 @@ def test_a_kind_that_does_not_say_what_it_becomes(sway: Any) -> None:
 REFUSED: dict[str, Any] = {
     "the observation 'heading' is in the frame of the world": ({}, ["heading"]),
     "'occupancy_image' is in the frame of the world": ({}, [{"occupancy_image": {"rotated": False}}]),
-    "here: 'observation_form: goal' gives positions in the frame of the world$": (
-        {},
-        ["scan"],
-        {"observation_form": "goal"},
-    ),
     "the observation 'scan' has beams on the borders of its sectors": (
         {"sensors": [{**LIDAR, "number": 90}]},
         ["scan"],
@@ -307,9 +289,9 @@ REFUSED: dict[str, Any] = {
 
 @pytest.mark.parametrize("message", REFUSED)
 def test_what_has_no_mirror_is_refused(message: str) -> None:
-    robot, observed, *task = REFUSED[message]
+    robot, observed = REFUSED[message]
     with pytest.raises(IrsimGymError, match=message):
-        make(scene_of(**robot), *observed, **(task[0] if task else {})).unwrapped.mirror()
+        make(scene_of(**robot), *observed).unwrapped.mirror()
 
 
 def test_every_reason_is_named() -> None:

@@ -21,7 +21,7 @@ from irsim_gym.envs.single import WorldEnv
 from irsim_gym.envs.vector import WorldVectorEnv
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import ScenarioError, UnknownNameError
-from irsim_gym.live import World
+from irsim_gym.live.world import World
 from irsim_gym.scenario.parameters import ARGUMENTS
 
 FILE = """

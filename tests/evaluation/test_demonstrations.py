@@ -13,7 +13,7 @@ import irsim_gym
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Outcome
 from irsim_gym.training.demonstrations import DemonstrationError, describe_space
-from irsim_gym.training.recorder import Recorder
+from irsim_gym.training.recorder import RecordedStep, Recorder
 
 ROBOT = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "state": [1, 5, 0]}
 SCENARIO: dict[str, Any] = {
@@ -90,7 +90,9 @@ def test_an_episode_that_is_left_is_kept_as_cut_off_or_dropped(tmp_path: Path) -
         recorder.begin(seen, level)
         for _ in range(2):
             seen, reward, terminated, truncated, info = env.step(action)
-            recorder.add(action, seen, float(reward), terminated, truncated, info["outcome"], by_hand=True)
+            recorder.add(
+                RecordedStep(action, seen, float(reward), terminated, truncated, info["outcome"], by_hand=True)
+            )
         if level == 1:
             recorder.discard()
     assert recorder.n_episodes == 2

@@ -104,16 +104,6 @@ def test_every_action_comes_back_as_it_was(name: str) -> None:
     assert perceived_task(scenario, load_task(scenario, PLAYED), perception_of(task)).action == task.action
 
 
-def test_the_goal_form_leaves_rewards_alone_that_no_other_goal_could_be_paid_by() -> None:
-    scenario = load_scenario(ROOM)
-    goal = perception({"name": "blank", "observations": ["velocity"], "observation_form": "goal"})
-    assert goal.names == ["velocity", "heading", "position", "goal_position"]
-    played = load_task(scenario, {**PLAYED, "rewards": [{"name": "progress", "weight": 1.0}]})
-    found = perceived_task(scenario, played, goal)
-    assert found.observation_form == "goal"
-    assert found.rewards == played.rewards
-
-
 @pytest.mark.parametrize("n_worlds", [1, 3, 8])
 def test_policies_drive_as_each_would_alone_with_its_own_observations(n_worlds: int) -> None:
     def alone(function: Any, task: dict[str, Any]) -> list[Any]:

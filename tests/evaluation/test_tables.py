@@ -13,17 +13,17 @@ from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.metrics import EpisodeRow, summarize
 from irsim_gym.evaluation.progress_bars import progress_bar
 from irsim_gym.evaluation.tables import (
-    check_levels,
     figure_table,
     legend,
     plain,
-    read_episodes,
     summary_table,
     table_text,
     write_bytes,
     write_episodes,
     write_json,
 )
+from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.suite.row_files import read_rows, write_rows
 
 ROWS = [
     EpisodeRow(0, "success", "", 20, 2.0, 5.0, 4.0, 0.25),
@@ -107,32 +107,29 @@ def test_titles_and_names_that_look_like_markup_are_text() -> None:
 
 def edited(file: Path, *edits: tuple[str, str]) -> str:
     """Return what is told of a file of rows after some edits of its text."""
-    write_episodes(file, {"dash": [replace(ROWS[k % 2], level=k) for k in range(4)]})
+    robots = [AgentRow("robot_0", replace(ROWS[k % 2], level=k), 4.0, 1.0, False) for k in range(4)]
+    write_rows(file, [TeamRow(k, 30.0, (robot,)) for k, robot in enumerate(robots)])
     text = file.read_text()
     for old, new in edits:
         assert old in text
         text = text.replace(old, new, 1)
     file.write_text(text)
     with pytest.raises(UnreadableFileError) as told:
-        check_levels(file, read_episodes(file), 4)
+        read_rows(file, 4)
     return str(told.value).replace(str(file), "rows.csv")
 
 
 def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
     file = tmp_path / "rows.csv"
-    line = "dash,2,success,,20,2.0,5.0,4.0,0.25,,,,,,,,,0.8,,1.25\n"
+    line = "2,success,,20,2.0,5.0,4.0,0.25,,,,,,,,,robot_0,4.0,1.0,False,30.0\n"
     why = "a row before it is missing, or this one is there twice"
     assert edited(file, (line, "")) == f"rows.csv:4 is no row of an episode: level must be 2, got 3: {why}"
-    assert edited(file, (line, line + line)) == f"rows.csv:5 is no row of an episode: level must be 3, got 2: {why}"
-    assert edited(file, ("dash,2,", "dash,7,")) == f"rows.csv:4 is no row of an episode: level must be 2, got 7: {why}"
-    assert edited(file, ("dash,3,", "bash,3,")).startswith("rows.csv:5 is no row of an episode: level must be 0, got 3")
-    last = "dash,3,collision,obstacle,7,0.7,1.0,inf,0.0,,,,,,,,,0.0,,\n"
-    told = "rows.csv is no table of episodes: its rows of 'dash' must be those of 4 levels, got 3"
+    assert edited(file, (line, line + line)) == "rows.csv:5 is no row of an episode: 'robot_0' has two rows in level 2"
+    assert edited(file, ("\n2,", "\n7,")) == f"rows.csv:4 is no row of an episode: level must be 2, got 7: {why}"
+    last = "3,collision,obstacle,7,0.7,1.0,inf,0.0,,,,,,,,,robot_0,4.0,1.0,False,30.0\n"
+    told = "rows.csv is no table of episodes: its rows must be those of 4 levels, got 3"
     assert edited(file, (last, "")) == told
-    assert (
-        edited(file, ("dash,2,", "dash,-2,"))
-        == "rows.csv:4 is no row of an episode: level must be a number >= 0, got -2"
-    )
+    assert edited(file, ("\n2,", "\n-2,")) == "rows.csv:4 is no row of an episode: level must be a number >= 0, got -2"
     told = (
         "rows.csv:3 is no row of an episode: outcome must be one of success, collision, timeout, left_world, deadlock, "
     )
@@ -142,7 +139,7 @@ def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
         == "rows.csv:2 is no row of an episode: time must be a number, got 'two'"
     )
     assert edited(file, (",2.0,5.0,", ",2.0,")).startswith(
-        "rows.csv:2 is no row of an episode: a row must have 20 cells"
+        "rows.csv:2 is no row of an episode: a row must have 21 cells"
     )
     assert (
         edited(file, ("outcome", "outcom")) == "rows.csv:1 is no table of episodes: no column outcome of this version"

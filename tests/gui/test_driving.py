@@ -13,7 +13,7 @@ import pytest
 from screen import Screen
 
 import irsim_gym
-from irsim_gym.live import World
+from irsim_gym.live.world import World
 
 ROBOT = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "vel_max": [2, 2]}
 Make = Callable[..., World]

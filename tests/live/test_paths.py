@@ -8,7 +8,7 @@ import imageio.v3 as iio
 import numpy as np
 
 import irsim_gym
-from irsim_gym.live import World
+from irsim_gym.live.world import World
 
 SHOWN = {"show_trajectory": True, "show_trail": True, "trail_freq": 5}
 TURNING = {

@@ -14,12 +14,10 @@ from damage import Random, broken_archive, broken_bytes, broken_json, broken_tex
 
 import irsim_gym
 from irsim_gym.arenas import page_data
-from irsim_gym.arenas.archive import SUMMARY, Archive
 from irsim_gym.arenas.page_file import read_page
 from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import check_levels, read_episodes, write_episodes, write_json
+from irsim_gym.evaluation.tables import write_json
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.evaluation.team_tables import read_agents, write_agents
 from irsim_gym.levels.barn import import_barn
 from irsim_gym.levels.certificate import read_certificate
 from irsim_gym.levels.jaxnav import import_jaxnav
@@ -36,7 +34,7 @@ from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint_files import PROGRESS, load_progress
 from irsim_gym.training.demonstrations import Demonstrations, save_demonstrations
 from irsim_gym.training.hyperparameter_files import read_hyperparameters
-from irsim_gym.training.mixture_file import read_mixture
+from irsim_gym.training.mixture import read_mixture
 from irsim_gym.training.results_files import read_results
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import read_curve
@@ -133,18 +131,6 @@ TEAMS = [
 ]
 
 
-def read_arena_rows(file: Path) -> object:
-    rows = read_episodes(file)
-    check_levels(file, rows, 4)
-    return rows
-
-
-def read_team_rows(file: Path) -> object:
-    rows = read_agents(file, 30.0)
-    check_levels(file, rows, 4)
-    return rows
-
-
 def suite_record(file: Path) -> None:
     conditions = {"levels": 4, "split": "test", "agents": ["robot_0"], "level_hash": "0", "level_file": None}
     member = {
@@ -158,17 +144,6 @@ def suite_record(file: Path) -> None:
     runs = {"maze": {"dash": [{"file": "rows/maze/dash-0.csv", "seconds": 1.0}]}}
     data = {"split": "test", "levels": 4, "members": {"maze": member}, "methods": {"dash": [{"source": "dash"}]}}
     write_json(file, {**data, "runs": runs, "figures": {}, "overall": {}, "machine": {}})
-
-
-def arena_summary(file: Path) -> None:
-    policies = [{"name": "dash", "source": "dash", "sha256": None}]
-    write_json(file, {"finished": False, "arena": {"scenario": "maze", "levels": 4, "policies": policies}})
-
-
-def read_arena(file: Path) -> object:
-    archive = Archive(file.parent, False, 30.0, 4)
-    told = archive.told()
-    return archive.go_on({"scenario": "maze", "levels": 4, "policies": told["policies"]})
 
 
 def run_config(file: Path) -> None:
@@ -257,11 +232,8 @@ KINDS = {
     ),
     "replay page": Kind("x.html", replay, read_html, TEXT),
     "arena page": Kind("a.html", arena_page, read_page, TEXT),
-    "rows of episodes": Kind("e.csv", lambda file: write_episodes(file, {"dash": EPISODES}), read_arena_rows, TEXT),
-    "rows of teams": Kind("t.csv", lambda file: write_agents(file, {"dash": TEAMS}), read_team_rows, TEXT),
     "rows of the suite": Kind("s.csv", lambda file: write_rows(file, TEAMS), lambda file: read_rows(file, 4), TEXT),
     "suite record": Kind("summary.json", suite_record, lambda file: read_record(file.parent), DATA),
-    "arena summary": Kind(SUMMARY, arena_summary, read_arena, DATA),
     "settings of a run": Kind("config.json", run_config, read_run, DATA),
     "progress": Kind(
         PROGRESS, text_of('{"steps": 3, "history": [{"steps": 1}]}'), lambda file: load_progress(file.parent), DATA

@@ -13,10 +13,8 @@ import numpy as np
 import pytest
 from command_line import run as command
 
-from irsim_gym.arenas.archive import Archive
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import write_bytes, write_episodes
+from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.outside_files import remove
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.video import write_video
@@ -94,22 +92,6 @@ def test_one_process_trains_into_a_folder(tmp_path: Path) -> None:
     with sole_writer(folder), pytest.raises(IrsimGymError, match="--out"), sole_writer(folder):
         pass
     assert list(tmp_path.iterdir()) == []
-
-
-def test_an_arena_replaces_nothing_behind_a_link(tmp_path: Path) -> None:
-    mine, folder = tmp_path / "mine", tmp_path / "arena"
-    write_episodes(mine / "0000.csv", {"dash": [EpisodeRow(0, "success", "", 5, 1.0, 1.0, 1.0, 0.1)]})
-    content = (mine / "0000.csv").read_bytes()
-    for begin in (Archive.begin, Archive.go_on):
-        folder.mkdir(exist_ok=True)
-        (folder / "parts").symlink_to(mine, target_is_directory=True)
-        archive = Archive(folder, False, 10.0, 1)
-        begin(archive, {"policies": []})
-        archive.keep("random", [EpisodeRow(0, "timeout", "", 5, 1.0, 1.0, 1.0, 0.1)])
-        archive.finish(["random"], {})
-        assert [file.name for file in mine.iterdir()] == ["0000.csv"]
-        assert (mine / "0000.csv").read_bytes() == content
-        (folder / "summary.json").write_text('{"arena": {"policies": []}}')
 
 
 def test_of_a_link_the_link_goes(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.live import World
+from irsim_gym.live.world import World
 from irsim_gym.render import Renderer
 
 WAYS = ("frame", "figure")

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from irsim_gym.live import load
+from irsim_gym.live.world import load
 from irsim_gym.render.scene import Scene
 from irsim_gym.scenario.option_tables import option_rows
 from irsim_gym.scenario.plot_spec import ObjectPlot

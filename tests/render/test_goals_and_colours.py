@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from irsim_gym.live import World, load
+from irsim_gym.live.world import World, load
 from irsim_gym.scenario.plot_spec import CYCLE
 
 WHITE = (255, 255, 255)

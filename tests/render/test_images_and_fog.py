@@ -15,7 +15,7 @@ import irsim_gym
 from irsim_gym import compile
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.live import World, load
+from irsim_gym.live.world import World, load
 from irsim_gym.render import Renderer
 from irsim_gym.render.images import LONGEST_SIDE, load_image
 from irsim_gym.scenario import library, load_scenario

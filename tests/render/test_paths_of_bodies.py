@@ -9,7 +9,7 @@ import pytest
 from pixels import WAYS, of_world
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.live import load
+from irsim_gym.live.world import load
 
 STEPS = 70
 POINT = 100.0 / 72.0

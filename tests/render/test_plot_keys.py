@@ -25,7 +25,7 @@ from pixels import WAYS, of_world
 from plot_cases import BOX, CASES, GOAL, RADIUS, START, TOLERANCE, Case, Moment
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.live import load
+from irsim_gym.live.world import load
 from irsim_gym.render.frame_layout import Layout
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 

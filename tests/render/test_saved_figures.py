@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from irsim_gym.errors import ScenarioError
-from irsim_gym.live import load
+from irsim_gym.live.world import load
 
 PAPER, RED = (246, 247, 249), (255, 0, 0)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pixels import WAYS, of_world
 
-from irsim_gym.live import load
+from irsim_gym.live.world import load
 from irsim_gym.render import vocabulary
 from irsim_gym.render.primitives import Figure, Ink, Pen, Primitive, Shape
 from irsim_gym.render.replay_page import read_html

@@ -45,7 +45,6 @@ EVERYTHING: list[Any] = [
     "own_body",
     "position",
     "heading",
-    "goal_position",
 ]
 OTHERWISE: list[Any] = [
     {"name": "scan", "sectors": 90, "code": "linear"},

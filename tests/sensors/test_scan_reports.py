@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import irsim_gym as ig
+from irsim_gym.envs.moment import BodyMoment
 from irsim_gym.errors import ScenarioError, UnknownNameError
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
@@ -26,7 +27,7 @@ def square(x: float, y: float, **more: Any) -> dict[str, Any]:
 
 def test_a_report_has_ir_sims_keys() -> None:
     sensor = {"number": 3, "angle_range": 1.0, "range_min": 0.5, "range_max": 4.1, "scan_time": 0.2}
-    report = simulation([sensor], [square(5, 5)]).scan_report(0, 0)
+    report = BodyMoment(simulation([sensor], [square(5, 5)]), 0).scan()
     angles = ["angle_min", "angle_max", "angle_increment"]
     band = ["time_increment", "scan_time", "range_min", "range_max"]
     assert list(report) == [*angles, *band, "ranges", "intensities", "velocity", "valid"]
@@ -65,39 +66,39 @@ def test_a_colour_has_a_name() -> None:
 
 
 def test_a_single_beam_has_no_increment() -> None:
-    report = simulation([{"number": 1}], []).scan_report(0, 0)
+    report = BodyMoment(simulation([{"number": 1}], []), 0).scan()
     assert (report["angle_min"], report["angle_max"], report["angle_increment"]) == (0.0, 0.0, 0.0)
 
 
 def test_what_is_too_near_blocks_and_is_not_valid() -> None:
     sim = simulation([{"number": 1, "range_min": 3.3}], [square(5, 5)])
-    report = sim.scan_report(0, 0)
+    report = BodyMoment(sim, 0, 0).scan()
     assert (report["ranges"].tolist(), report["valid"].tolist()) == ([3.3], [False])
-    assert sim.points(0, 0) is None
+    assert BodyMoment(sim, 0, 0).scan_points() is None
 
 
 def test_points_are_in_the_frame_of_the_sensor() -> None:
     # The sensor looks to the left from 0.5 m ahead of the body: it is at (2.5, 5), the square begins 1.5 m off.
     sensor = {"number": 3, "angle_range": "pi", "offset": [0.5, 0, "pi / 2"], "range_max": 5}
-    points = simulation([sensor], [square(2.5, 7)]).points(0, 0)
+    points = BodyMoment(simulation([sensor], [square(2.5, 7)]), 0).scan_points()
     assert points == pytest.approx(np.array([[1.5], [0.0]]), abs=1e-6)
 
 
 def test_points_near_the_end_of_the_range_are_left_out() -> None:
     sim = simulation([{"number": 1, "range_max": 2.51}], [square(5, 5)])
-    assert sim.scan_report(0, 0)["valid"].tolist() == [True]
-    assert sim.points(0, 0) is None
+    assert BodyMoment(sim, 0, 0).scan()["valid"].tolist() == [True]
+    assert BodyMoment(sim, 0, 0).scan_points() is None
 
 
 def test_reports_are_copies() -> None:
     sensors = [{"number": 3, "has_velocity": True}, {"name": "fmcw_lidar2d", "number": 3}]
     sim = simulation(sensors, [square(5, 5)])
     for index in range(2):
-        first = sim.scan_report(0, 0, index)
-        for value in first.values():
+        group, member = sim.scan(0, index) or pytest.fail("no sensor")
+        for value in group.kind.report(group, member, 0).values():
             if isinstance(value, np.ndarray):
                 value[:] = 7
-        assert sim.scan_report(0, 0, index)["ranges"][1] == pytest.approx(2.5)
+        assert BodyMoment(sim, 0).scan(index)["ranges"][1] == pytest.approx(2.5)
 
 
 def test_sensors_are_counted_in_the_order_of_the_file() -> None:
@@ -106,17 +107,17 @@ def test_sensors_are_counted_in_the_order_of_the_file() -> None:
     robots = [{**DIFF, "state": [2, 2 * y, 0], "sensors": order} for y, order in ((1, [near, far]), (3, [far, near]))]
     sim = ig.compile(ig.load_scenario({"robot": robots}))
     sim.reset()
-    assert [[sim.scan_report(0, b, i)["range_max"] for i in range(2)] for b in range(2)] == [[1, 9], [9, 1]]
-    assert len(sim.scan_report(0, 1)["ranges"]) == 5
+    assert [[BodyMoment(sim, b, 0).scan(i)["range_max"] for i in range(2)] for b in range(2)] == [[1, 9], [9, 1]]
+    assert len(BodyMoment(sim, 1, 0).scan()["ranges"]) == 5
 
 
 def test_sensors_that_do_not_exist_are_told() -> None:
     sim = simulation([{"number": 3}], [square(5, 5)])
     for body, index, name in ((0, 1, "robot_0"), (0, -1, "robot_0"), (1, 0, "obstacle_1")):
         with pytest.raises(UnknownNameError, match=f"'{name}' has no range sensor number {index}"):
-            sim.scan_report(0, body, index)
+            BodyMoment(sim, body, 0).scan(index)
         with pytest.raises(UnknownNameError, match=f"'{name}' has no range sensor number {index}"):
-            sim.points(0, body, index)
+            BodyMoment(sim, body, 0).scan_points(index)
 
 
 def test_velocities_of_what_is_hit() -> None:
@@ -131,19 +132,19 @@ def test_velocities_of_what_is_hit() -> None:
     ]
     sim = simulation(sensors, obstacles, n_worlds=2)
     sim.step([0.4, 0])
-    velocity = sim.scan_report(1, 0, 0)["velocity"]
+    velocity = BodyMoment(sim, 0, 1).scan(0)["velocity"]
     assert velocity == pytest.approx(np.array([[0, 0, 0, 0, 0], [0, 0, 0.5, 0, 0]]))
     # The robot drives at 0.4 m/s towards the square, past the wall: positive values go away.
-    radial = sim.scan_report(1, 0, 1)["radial_velocity"]
+    radial = BodyMoment(sim, 0, 1).scan(1)["radial_velocity"]
     assert radial == pytest.approx([0, 0, -0.4, 0, 0], abs=1e-12)
-    compensated = sim.scan_report(1, 0, 2)["radial_velocity"]
+    compensated = BodyMoment(sim, 0, 1).scan(2)["radial_velocity"]
     assert compensated == pytest.approx([0, 0, 0.5 * np.sin(0.1), 0, 0], abs=1e-12)
 
 
 def test_radial_velocities_of_invalid_beams_are_zero() -> None:
     sim = simulation([{"name": "fmcw_lidar2d", "number": 1, "range_min": 3}], [square(5, 5)])
     sim.step([0.4, 0])
-    report = sim.scan_report(0, 0)
+    report = BodyMoment(sim, 0, 0).scan()
     assert (report["valid"].tolist(), report["radial_velocity"].tolist()) == ([False], [0.0])
 
 
@@ -165,5 +166,5 @@ def test_what_is_hit_below_range_min_is_the_nearest(noise: dict[str, Any], wall:
     group, member = sim.scan(0)
     hit = group.arrays["hit"][0, member, 0]
     assert hit == (1 if name == "obstacle_1" else sim.model.map_frame[0].body)
-    report = sim.scan_report(0, 0)
+    report = BodyMoment(sim, 0, 0).scan()
     assert (report["ranges"].tolist(), report["valid"].tolist()) == ([1.0], [False])

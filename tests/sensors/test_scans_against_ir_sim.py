@@ -10,6 +10,7 @@ import pytest
 from ir_sim_peer import ir_sim_world
 
 import irsim_gym as ig
+from irsim_gym.envs.moment import BodyMoment
 
 STEPS = 4
 SENSORS: list[dict[str, Any]] = [
@@ -57,7 +58,7 @@ def both(data: dict[str, Any], folder: Path) -> list[tuple[dict[str, Any], dict[
             sim.step()
         sensors = world.robot.sensors
         theirs = [(sensor.get_scan(), sensor.get_points()) for sensor in sensors]
-    ours = [(sim.scan_report(0, 0, i), sim.points(0, 0, i)) for i in range(len(sensors))]
+    ours = [(BodyMoment(sim, 0).scan(i), BodyMoment(sim, 0).scan_points(i)) for i in range(len(sensors))]
     return [(mine[0], other[0], mine[1], other[1]) for mine, other in zip(ours, theirs, strict=True)]
 
 
@@ -91,7 +92,7 @@ def test_ranges_to_discs_agree_within_the_depth_of_a_64_gon(tmp_path: Path) -> N
     sim.reset()
     with ir_sim_world(data, tmp_path) as world:
         theirs = world.robot.lidar.get_scan()["ranges"]
-    ours, table = sim.scan_report(0, 0)["ranges"], sim.sensors[0].arrays
+    ours, table = BodyMoment(sim, 0, 0).scan()["ranges"], sim.sensors[0].arrays
     x, y, heading = sim.state.pose[0, 0]
     for beam, b in enumerate(table["hit"][0, 0]):
         if b < 0:

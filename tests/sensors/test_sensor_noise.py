@@ -14,6 +14,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import irsim_gym as ig
+from irsim_gym.envs.moment import BodyMoment
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
 WALL = {"shape": {"name": "linestring", "vertices": [[8, 0], [8, 10]]}}
@@ -67,7 +68,7 @@ def test_only_beams_that_hit_are_blurred_and_all_stay_in_the_band() -> None:
     assert 3 <= cut.sum() <= 18
     assert ((ahead > 2.8) | cut).all()
     for w in range(30):
-        report = sim.scan_report(w, 0)
+        report = BodyMoment(sim, 0, w).scan()
         assert report["valid"][4] == (not cut[w])
         assert not report["valid"][0]
         assert cut[w] == (report["ranges"][4] == 2.8)
@@ -75,7 +76,7 @@ def test_only_beams_that_hit_are_blurred_and_all_stay_in_the_band() -> None:
 
 def test_what_noise_pushes_out_of_the_band_is_free_and_not_valid() -> None:
     sim = simulation(60, {"number": 1, "std": 2.0, "angle_std": 0, "range_max": 3.5})
-    reports = [sim.scan_report(w, 0) for w in range(60)]
+    reports = [BodyMoment(sim, 0, w).scan() for w in range(60)]
     beyond = [bool(report["ranges"][0] == 3.5) for report in reports]
     near = [bool(report["ranges"][0] == 0.0) for report in reports]
     assert 12 <= sum(beyond) <= 36  # 40 % of the readings
@@ -83,7 +84,7 @@ def test_what_noise_pushes_out_of_the_band_is_free_and_not_valid() -> None:
     assert [bool(report["valid"][0]) for report in reports] == [
         not (far or at_zero) for far, at_zero in zip(beyond, near, strict=True)
     ]
-    assert [sim.points(w, 0) is None for w in range(60)] == [
+    assert [BodyMoment(sim, 0, w).scan_points() is None for w in range(60)] == [
         not report["valid"][0] or report["ranges"][0] >= 3.48 for report in reports
     ]
 
@@ -104,10 +105,10 @@ def test_directions_are_cast_aside_but_reported_as_they_were() -> None:
     assert np.abs(table["ranges"][:, 0] - 3.0 / np.cos(table["cast_angles"])).max() < 1e-5
     assert abs(turned.mean()) < 4 * JITTER / np.sqrt(turned.size)
     assert abs(turned.var() / JITTER**2 - 1) < 4 * np.sqrt(2 / turned.size)
-    report = sim.scan_report(3, 0)
+    report = BodyMoment(sim, 0, 3).scan()
     assert (report["angle_min"], report["angle_max"]) == (pytest.approx(-0.6), pytest.approx(0.6))
     assert report["angle_increment"] == pytest.approx(0.04)
-    points = sim.points(3, 0)
+    points = BodyMoment(sim, 0, 3).scan_points()
     assert points is not None
     assert np.arctan2(points[1], points[0]) == pytest.approx(np.linspace(-0.6, 0.6, 31))
     sim.step()

@@ -326,7 +326,7 @@ def test_a_task_file_that_is_missing_is_told_where_it_is_named(tmp_path: Path) -
         ({"name": 3}, "task.name: must be the name or the file of a task, got 3"),
         ({"observations": ["velocity", "velocity"]}, "task.observations[1]: observation 'velocity' is given twice"),
         ({"observations": [7]}, "task.observations[0]: must be a mapping such as {name: scan}, got 7"),
-        ({"observation_form": "list"}, "task.observation_form: must be 'flat', 'dict' or 'goal', got 'list'"),
+        ({"observation_form": "list"}, "task.observation_form: must be 'flat' or 'dict', got 'list'"),
     ],
 )  # fmt: skip
 def test_mistakes_of_meaning(section: dict[str, Any], message: str) -> None:

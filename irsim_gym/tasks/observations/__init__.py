@@ -6,7 +6,6 @@ from irsim_gym.tasks.observations.exact_free_travel import ExactFreeTravel
 from irsim_gym.tasks.observations.free_travel import FreeTravel
 from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
-from irsim_gym.tasks.observations.goal_position import GoalPosition
 from irsim_gym.tasks.observations.goal_record import GoalRecord
 from irsim_gym.tasks.observations.has_arrived import HasArrived
 from irsim_gym.tasks.observations.heading import Heading
@@ -47,6 +46,5 @@ OBSERVATIONS.register("route", Route)
 OBSERVATIONS.register("trail", Trail)
 OBSERVATIONS.register("position", Position)
 OBSERVATIONS.register("heading", Heading)
-OBSERVATIONS.register("goal_position", GoalPosition)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
 OBSERVATIONS.register("seen_map_image", SeenMapImage)

@@ -13,7 +13,7 @@ from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions, shorten, way_columns
 from irsim_gym.tasks.observations.nearest_bodies import span
-from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encode, range_code
+from irsim_gym.tasks.observations.ranges import EncodesDepths, RangeCode, code_problems, encode, range_code
 from irsim_gym.tasks.term import Bound, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.world.rows import row_of
@@ -50,27 +50,19 @@ class Directions(Struct):
 
 
 @kind
-class ExactFreeTravel:
+class ExactFreeTravel(EncodesDepths):
     """``free_travel`` for agents without a range sensor, computed from outlines and the map.
 
     It sees through walls and in all directions, but not bodies that are ``unobstructed``.
     """
 
-    needs_goal: ClassVar[bool] = False
     needs: ClassVar[Needs] = ("bodies",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-    code: Code = option("inverse", meaning="How to encode a distance; see scan, with horizon for range_max.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
-    )
-    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
 
-    def problems(self) -> list[tuple[str, str]]:
-        """Return key and message of conflicting options."""
-        return code_problems(self)
+    problems = code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Directions:
         """Return the directions in the body frame and the radii of the discs around the agents."""

@@ -12,7 +12,7 @@ from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
-    Code,
+    EncodesDepths,
     RangeCode,
     code_problems,
     encode,
@@ -55,29 +55,21 @@ class Ways(Struct):
 
 
 @kind
-class FreeTravel:
+class FreeTravel(EncodesDepths):
     """Encoded distance that a disc around the agent can travel, in directions evenly spaced over a full turn.
 
     The obstacles are the points that the beams hit. Unlike in a pooled scan, a gap that is too narrow for the agent
     appears closed, even with few directions. The codes are those of ``scan``.
     """
 
-    needs_goal: ClassVar[bool] = False
     needs: ClassVar[Needs] = ("scan",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-    code: Code = option("inverse", meaning="How to encode a distance; see scan.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
-    )
-    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
-    def problems(self) -> list[tuple[str, str]]:
-        """Return key and message of conflicting options."""
-        return code_problems(self)
+    problems = code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
         """Return live ranges, each agent's row in them, the beams in the body frame, the directions and the radii."""
@@ -170,11 +162,8 @@ def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> Non
     column = term.column
     for w in worlds:
         for a in range(ways.members.shape[0]):
-            row, far, radius = (
-                episode.observation[w, a, column : column + ways.ahead_x.shape[0]],
-                ways.far[a],
-                ways.radius[a],
-            )
+            row = episode.observation[w, a, column : column + ways.ahead_x.shape[0]]
+            far, radius = ways.far[a], ways.radius[a]
             row[:] = far
             scan = ways.ranges[w, ways.members[a]]
             # A point that limits a way of at most ``far`` is within ``far`` + radius of the body, and within that plus

@@ -12,7 +12,7 @@ from irsim_gym.engine import Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.tasks.mirrored import Mirrored, signed
-from irsim_gym.tasks.observations.ranges import Code, RangeCode, code_problems, encoded, range_code
+from irsim_gym.tasks.observations.ranges import EncodesDepths, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, State, Struct, Term, kernel, kind, option, row_of
@@ -41,7 +41,7 @@ class Nearest(Struct):
 
 
 @kind
-class NearestBodies:
+class NearestBodies(EncodesDepths):
     """The nearest other bodies, nearest first, five numbers each.
 
     The numbers are cosine and sine of the direction of the body's nearest point in the agent's frame; the gap between
@@ -50,22 +50,14 @@ class NearestBodies:
     body reads 0, 0, the code of ``range``, 0, 0.
     """
 
-    needs_goal: ClassVar[bool] = False
     needs: ClassVar[Needs] = ("bodies",)
 
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
     moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start, and the map.")
     speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
-    code: Code = option("inverse", meaning="How to encode a gap; see scan, with range for range_max.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the gap at which the slope is half its maximum."
-    )
-    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (gap + near) that becomes 0.")
 
-    def problems(self) -> list[tuple[str, str]]:
-        """Return key and message of conflicting options."""
-        return code_problems(self)
+    problems = code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Nearest:
         """Return scratch memory."""
@@ -94,11 +86,8 @@ class NearestBodies:
             Columns("nearest body: speed ahead", pace),
             Columns("nearest body: speed to the left", pace),
         ]
-        others = WIDTH * (self.count - 1)
-        columns += (
-            [Columns(f"the same five of each of the {self.count - 1} next nearest", count=others)] if others else []
-        )
-        return columns
+        rest = Columns(f"the same five of each of the {self.count - 1} next nearest", count=WIDTH * (self.count - 1))
+        return [*columns, rest] if self.count > 1 else columns
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
@@ -234,12 +223,8 @@ def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Neares
     Reads: nearest (body, distance, way_x, way_y).
     Writes: nearest (body, distance, way_x, way_y).
     """
-    distance, way_x, way_y, bodies = (
-        nearest.distance[slot],
-        nearest.way_x[slot],
-        nearest.way_y[slot],
-        nearest.body[slot],
-    )
+    distance, way_x = nearest.distance[slot], nearest.way_x[slot]
+    way_y, bodies = nearest.way_y[slot], nearest.body[slot]
     k = distance.shape[0] - 1
     if gap >= distance[k]:
         return

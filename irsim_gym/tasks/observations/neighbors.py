@@ -72,11 +72,8 @@ class Neighbors:
             Columns("nearest other robot: its reach", over),
             Columns("nearest other robot: 1 if there is one, else 0, and all its other numbers 0"),
         ]
-        others = WIDTH * (self.count - 1)
-        columns += (
-            [Columns(f"the same six of each of the {self.count - 1} next nearest", count=others)] if others else []
-        )
-        return columns
+        rest = Columns(f"the same six of each of the {self.count - 1} next nearest", count=WIDTH * (self.count - 1))
+        return [*columns, rest] if self.count > 1 else columns
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""

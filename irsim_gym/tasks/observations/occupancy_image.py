@@ -10,15 +10,14 @@ from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
-from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.painting import (
     Canvas,
     Paints,
+    SquareImage,
     View,
     add_body,
     add_cells,
     add_outside,
-    around,
     clear,
     image_column,
     image_row,
@@ -42,7 +41,7 @@ class Tools(Struct):
 
 
 @kind
-class OccupancyImage:
+class OccupancyImage(SquareImage):
     """A square image with the agent in the middle: 0 for free space, 255 for obstacles, with smooth edges.
 
     It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows occupied space, or, with ``from_scan``, the
@@ -50,23 +49,12 @@ class OccupancyImage:
     ``goal_channel`` one with a disc at the goal, or at the border if the goal is farther away.
     """
 
-    pixels: int = option(
-        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
-    )
-    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
-    rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
     bodies: bool = option(True, meaning="Show other bodies.")
     map: bool = option(True, meaning="Show the occupied cells of an obstacle map.")
     edge: bool = option(True, meaning="Space outside the world counts as occupied.")
     robot_channel: bool = option(False, meaning="Show other robots in a separate channel instead of the first.")
-    goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
     from_scan: bool = option(False, meaning="Show the latest scan of the range sensor instead of the actual obstacles.")
     without_sensor: str | tuple[str, ...] = option("", meaning="With from_scan, as without_sensor of scan.")
-
-    @property
-    def needs_goal(self) -> bool:
-        """Whether it needs a goal: if it shows one."""
-        return self.goal_channel
 
     @property
     def needs(self) -> Needs:
@@ -93,15 +81,6 @@ class OccupancyImage:
         if self.goal_channel:
             channels.append(Columns("the next goal", "255 where it is, at the border where it is farther away"))
         return channels
-
-    @property
-    def view(self) -> str:
-        """Description of the image's area and orientation."""
-        return around(self.metres, self.pixels, self.rotated)
-
-    def mirrored(self, term: Term) -> Mirrored | str:
-        """Return the columns of pixels from right to left; a reason if the axes of the world point up and right."""
-        return sectors_exchanged(self.pixels) if self.rotated else IN_WORLD
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -77,10 +77,8 @@ def write_own_body(worlds: Ints, agents: Ints, column: int, model: Model, episod
     """
     for w in worlds:
         low, high = model.velocity_min[row_of(model.velocity_min, w)], model.velocity_max[row_of(model.velocity_max, w)]
-        limit, reach = (
-            model.acceleration_limit[row_of(model.acceleration_limit, w)],
-            model.reach[row_of(model.reach, w)],
-        )
+        limit = model.acceleration_limit[row_of(model.acceleration_limit, w)]
+        reach = model.reach[row_of(model.reach, w)]
         for a in range(agents.shape[0]):
             b, row = agents[a], episode.observation[w, a, column : column + WIDTH]
             row[0] = share_of(reach[b], HALF_RADIUS)

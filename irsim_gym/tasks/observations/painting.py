@@ -15,12 +15,39 @@ from irsim_gym.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Point, 
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
-from irsim_gym.tasks.terms import Model, Simulation, State, Struct, kernel, row_of
+from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
+from irsim_gym.tasks.terms import Model, Simulation, State, Struct, Term, kernel, kind, option, row_of
 
 CORNER = 1.42
 """Upper bound of the ratio of the distances of a square's corner and side from its centre."""
 LINE = 1.5
 """Thickness of shapes without thickness, such as walls [pixel]."""
+
+
+@kind
+class SquareImage:
+    """What square images around an agent have in common."""
+
+    pixels: int = option(
+        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
+    )
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
+    rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
+    goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
+
+    @property
+    def needs_goal(self) -> bool:
+        """Whether it needs a goal: if it shows one."""
+        return self.goal_channel
+
+    @property
+    def view(self) -> str:
+        """Description of the image's area and orientation."""
+        return around(self.metres, self.pixels, self.rotated)
+
+    def mirrored(self, term: Term) -> Mirrored | str:
+        """Return the columns of pixels from right to left; a reason if the axes of the world point up and right."""
+        return sectors_exchanged(self.pixels) if self.rotated else IN_WORLD
 
 
 class View(NamedTuple):
@@ -116,12 +143,8 @@ def add_side(canvas: Canvas, a: Point, b: Point) -> None:
 def add_wall(canvas: Canvas, a: Point, b: Point) -> None:
     """Add a line from a to b [m] to a sheet, with thickness ``LINE`` and slightly extended ends."""
     sheet, box, view = canvas
-    px, py, qx, qy = (
-        image_column(view, a[0], a[1]),
-        image_row(view, a[0], a[1]),
-        image_column(view, b[0], b[1]),
-        image_row(view, b[0], b[1]),
-    )
+    px, py = image_column(view, a[0], a[1]), image_row(view, a[0], a[1])
+    qx, qy = image_column(view, b[0], b[1]), image_row(view, b[0], b[1])
     dx, dy = qx - px, qy - py
     length = np.sqrt(dx * dx + dy * dy)
     if length > 0.0:
@@ -175,18 +198,10 @@ def add_rectangle(canvas: Canvas, lower_left: Point, upper_right: Point) -> None
     half_x, half_y = 0.5 * (right - left), 0.5 * (high - low)
     if not is_near(canvas, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
         return
-    ax, ay, bx, by = (
-        image_column(view, left, low),
-        image_row(view, left, low),
-        image_column(view, right, low),
-        image_row(view, right, low),
-    )
-    cx, cy, dx, dy = (
-        image_column(view, right, high),
-        image_row(view, right, high),
-        image_column(view, left, high),
-        image_row(view, left, high),
-    )
+    ax, ay = image_column(view, left, low), image_row(view, left, low)
+    bx, by = image_column(view, right, low), image_row(view, right, low)
+    cx, cy = image_column(view, right, high), image_row(view, right, high)
+    dx, dy = image_column(view, left, high), image_row(view, left, high)
     # One note for all four sides, in place of one for each as ``add_edge`` makes.
     note(sheet, box, min(ax, bx, cx, dx), min(ay, by, cy, dy), max(ax, bx, cx, dx), max(ay, by, cy, dy))
     scan_edge(sheet, box, bx, by, ax, ay)

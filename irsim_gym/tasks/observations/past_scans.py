@@ -13,7 +13,7 @@ from irsim_gym.tasks.graph import RobotValues, Value, sector_flags
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
-    Code,
+    EncodesDepths,
     RangeCode,
     code_problems,
     encode,
@@ -60,7 +60,7 @@ class Memory(Struct):
 
 
 @kind
-class PastScans:
+class PastScans(EncodesDepths):
     """Earlier scans, transformed to the agent's current pose: free depth in sectors, encoded as in ``scan``.
 
     The points that were hit are transformed by the agent's own motion since then. Standing obstacles therefore read as
@@ -68,16 +68,10 @@ class PastScans:
     the age of a scan, its first scan is used.
     """
 
-    needs_goal: ClassVar[bool] = False
     needs: ClassVar[Needs] = ("scan", "odometry")
 
     ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="Ages of the scans.")
     sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first begins straight behind.")
-    code: Code = option("inverse", meaning="How to encode a depth; see scan.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the depth at which the slope is half its maximum."
-    )
-    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:

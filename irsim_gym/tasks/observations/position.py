@@ -36,7 +36,9 @@ class Position:
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
-        return place_graph(model, robot.pose)
+        low, high = model.bounds[:2], model.bounds[2:]
+        place = robot.pose.columns(0, 2) - 0.5 * (low + high)
+        return (place / (0.5 * float(np.max(high - low)))).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -49,12 +51,6 @@ def place_scale(axis: str, model: Model) -> str:
     x_min, y_min, x_max, y_max = model.bounds.tolist()
     middle = 0.5 * (x_min + x_max) if axis == "x" else 0.5 * (y_min + y_max)
     return f"({axis} - {middle:g} m) / {0.5 * max(x_max - x_min, y_max - y_min):g} m"
-
-
-def place_graph(model: Model, place: Value) -> Value:
-    """Return what ``write_place`` writes, of places ``(batch, 3)``."""
-    low, high = model.bounds[:2], model.bounds[2:]
-    return ((place.columns(0, 2) - 0.5 * (low + high)) / (0.5 * float(np.max(high - low)))).cast(np.float32)
 
 
 @kernel

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, Self, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
 from irsim_gym.tasks.graph import Value
 from irsim_gym.tasks.observations.blind_sensor import blind_sensors
-from irsim_gym.tasks.terms import Ints, Rays, Simulation, kernel, option
+from irsim_gym.tasks.terms import Ints, Rays, Simulation, kernel, kind, option
 from irsim_gym.world.group import Group
 
 Code = Literal["inverse", "linear"]
@@ -19,6 +19,23 @@ WITHOUT_SENSOR = option(
     meaning="If a learner has no sensor: an observation, or a list, to use instead, with their defaults; 'nothing' "
     "keeps this one, as a sensor without beams shows it.",
 )
+
+
+@kind
+class EncodesDepths:
+    """The options of observations whose numbers are encoded distances.
+
+    For a distance ``d``, ``inverse`` is ``(1 / (d + near) - zero) / (1 / near - zero)``: 1 in contact, steep at small
+    distances, and about 0 at ``1 / zero``. ``linear`` is 1 in contact and 0 at the farthest distance.
+    """
+
+    needs_goal: ClassVar[bool] = False
+
+    code: Code = option("inverse", meaning="How to encode a distance; see scan.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
+    )
+    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (d + near) that becomes 0.")
 
 
 class RangeCode(NamedTuple):
@@ -53,7 +70,7 @@ def code_number(code: str) -> int:
     return get_args(Code).index(code)
 
 
-def code_problems(options: Any) -> list[tuple[str, str]]:
+def code_problems(options: EncodesDepths) -> list[tuple[str, str]]:
     """Return key and message of conflicts between ``code``, ``near`` and ``zero``."""
     if options.code == "inverse" and options.zero * options.near > 0.5:
         return [("zero", f"must be <= 0.5 / near = {0.5 / options.near:g}, got {options.zero:g}")]

@@ -13,10 +13,10 @@ from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Grid, Search, centre
 from irsim_gym.paths.spread import PARENT
-from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_direction
+from irsim_gym.tasks.observations.way_columns import ObservesWay, way_columns, write_direction
 from irsim_gym.tasks.scaling import diagonal, unit
 from irsim_gym.tasks.term import Bound, Needs, Term, forget
-from irsim_gym.tasks.terms import EpisodeState, Mirrored, Model, Shard, Simulation, State, Struct, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.rows import row_of
 
@@ -54,7 +54,7 @@ class RouteWays(Struct):
 
 
 @kind
-class Route:
+class Route(ObservesWay):
     """Direction of a point ahead on the shortest path to the next goal, as cosine and sine, and the path's length.
 
     The path avoids everything that never moves, with clearance for the agent's reach, on free cells; it is computed
@@ -62,7 +62,6 @@ class Route:
     those of the straight line.
     """
 
-    needs_goal: ClassVar[bool] = True
     needs: ClassVar[Needs] = ("map_frame", "bodies")
 
     ahead: float = option(1.0, gt=0.0, unit="m", meaning="Distance of the point along the path.")
@@ -87,19 +86,11 @@ class Route:
             blocks=np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
         )
 
-    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
-        """Return the bounds of the three elements."""
-        return way_bounds()
-
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1"
         return way_columns(point, "length s of the shortest path to the next goal", scaled)
-
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the columns; what is positive to the left changes its sign."""
-        return way_mirrored()
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -132,10 +123,8 @@ def find_ways(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            obstacles, radius = (
-                Obstacles(model, state, w, blocks, cells, None),
-                model.reach[row_of(model.reach, w), own],
-            )
+            obstacles = Obstacles(model, state, w, blocks, cells, None)
+            radius = model.reach[row_of(model.reach, w), own]
             search_ways(obstacles, radius, (goal_x, goal_y), ways.grid, Search(blocked, field, queue))
             known = field.reshape(-1)
             for k in range(known.shape[0]):

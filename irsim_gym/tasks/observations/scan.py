@@ -12,7 +12,7 @@ from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
-    Code,
+    EncodesDepths,
     RangeCode,
     code_problems,
     encode,
@@ -53,27 +53,19 @@ class Sectors(Struct):
 
 
 @kind
-class Scan:
+class Scan(EncodesDepths):
     """Free depth in sectors of equal angle: the encoded minimum range beyond the agent's own outline.
 
     For the depth ``m`` of a sector, ``inverse`` is ``(1 / (m + near) - zero) / (1 / near - zero)``: 1 in contact, steep
     at small depths, and about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
     """
 
-    needs_goal: ClassVar[bool] = False
     needs: ClassVar[Needs] = ("scan",)
 
     sectors: int = option(36, ge=1, meaning="Number of sectors; at most the number of beams.")
-    code: Code = option("inverse", meaning="How to encode a depth.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the depth at which the slope is half its maximum."
-    )
-    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
-    def problems(self) -> list[tuple[str, str]]:
-        """Return key and message of conflicting options."""
-        return code_problems(self)
+    problems = code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Sectors:
         """Return the live ranges with each agent's row, the sectors' beams and the agents' own extents."""

@@ -10,14 +10,13 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Ints, Labels
 from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
-from irsim_gym.tasks.mirrored import IN_WORLD, Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.occupancy_image import paint_goal, view_of
-from irsim_gym.tasks.observations.painting import Paints, around
+from irsim_gym.tasks.observations.painting import Paints, SquareImage
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
 from irsim_gym.tasks.term import Bound, Needs, Term
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
 """Value of a pixel by the state of its cell."""
@@ -39,7 +38,7 @@ class SeenPicture(Struct):
 
 
 @kind
-class SeenMapImage:
+class SeenMapImage(SquareImage):
     """A square image of what the agent's own scans have shown so far: 0 free, 255 hit, 127 not seen.
 
     It is uint8 ``(pixels, pixels, n_channels)`` with the agent in the middle; each pixel shows the cell at its centre.
@@ -51,20 +50,9 @@ class SeenMapImage:
 
     needs: ClassVar[Needs] = ("scan", "odometry", "grid")
 
-    pixels: int = option(
-        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
-    )
-    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
-    rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
-    goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
     cell: float | None = CELL
     every: int = EVERY
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
-
-    @property
-    def needs_goal(self) -> bool:
-        """Whether it needs a goal: if it shows one."""
-        return self.goal_channel
 
     @property
     def image_shape(self) -> tuple[int, int, int]:
@@ -87,15 +75,6 @@ class SeenMapImage:
         if self.goal_channel:
             channels.append(Columns("the next goal", "255 where it is, at the border where it is farther away"))
         return channels
-
-    @property
-    def view(self) -> str:
-        """Description of the image's area and orientation."""
-        return around(self.metres, self.pixels, self.rotated)
-
-    def mirrored(self, term: Term) -> Mirrored | str:
-        """Return the columns of pixels from right to left; a reason if the axes of the world point up and right."""
-        return sectors_exchanged(self.pixels) if self.rotated else IN_WORLD
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

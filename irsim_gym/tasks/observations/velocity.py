@@ -93,10 +93,8 @@ def write_velocity(
     Writes: episode (observation).
     """
     for w in worlds:
-        slowest, fastest = (
-            model.velocity_min[row_of(model.velocity_min, w)],
-            model.velocity_max[row_of(model.velocity_max, w)],
-        )
+        slowest = model.velocity_min[row_of(model.velocity_min, w)]
+        fastest = model.velocity_max[row_of(model.velocity_max, w)]
         for a in range(agents.shape[0]):
             b = agents[a]
             if model.drive[b] == OMNI_WORLD:

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from irsim_gym.arraytypes import Point, Rays
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.terms import Columns, kernel
+from irsim_gym.tasks.terms import Columns, Model, Term, kernel, kind
 
 
-def way_bounds() -> tuple[Rays, Rays]:
-    """Return the least and the greatest values, shapes ``(3,)``."""
-    return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+@kind
+class ObservesWay:
+    """What observations of a way have in common."""
+
+    needs_goal: ClassVar[bool] = True
+
+    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
+        """Return the bounds of the three elements."""
+        return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the columns; what is positive to the left changes its sign."""
+        return signed(1.0, -1.0, 1.0)
 
 
 def way_columns(direction: str, length: str, scaled: str) -> list[Columns]:
@@ -28,11 +40,6 @@ def way_columns(direction: str, length: str, scaled: str) -> list[Columns]:
         Columns(f"sine {direction}", "1 to the left, -1 to the right"),
         Columns(length, scaled),
     ]
-
-
-def way_mirrored() -> Mirrored:
-    """Return the columns in a mirrored world; what is positive to the left changes its sign."""
-    return signed(1.0, -1.0, 1.0)
 
 
 @kernel

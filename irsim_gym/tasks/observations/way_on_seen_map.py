@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.arraytypes import Ints
 from irsim_gym.geometry.angles import turned
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen, note_all, shared_map
 from irsim_gym.tasks.observations.seen_ways import SeenWays, clear_levels, narrow_ways, way_ahead
-from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored, write_way
+from irsim_gym.tasks.observations.way_columns import ObservesWay, way_columns, write_way
 from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Bound, Needs, Term
-from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Model, Shard, Simulation, State, kernel, kind, option
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
 
 
 @kind
-class WayOnSeenMap:
+class WayOnSeenMap(ObservesWay):
     """Direction and length of the shortest path to the next goal on the map from the agent's own scans.
 
     Unknown space counts as free (Koenig and Smirnov 1996). The direction, as cosine and sine, is that of the last point
@@ -27,7 +27,6 @@ class WayOnSeenMap:
     reach, too.
     """
 
-    needs_goal: ClassVar[bool] = True
     needs: ClassVar[Needs] = ("scan", "odometry", "grid")
 
     cell: float | None = option(
@@ -56,19 +55,11 @@ class WayOnSeenMap:
         """Share the map of an earlier observation, if possible."""
         term.arrays.seen = shared_map(term.arrays.seen, earlier)
 
-    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
-        """Return the bounds of the three elements."""
-        return way_bounds()
-
     def columns(self, term: Term, model: Model, agent: int) -> Sequence[Columns]:
         """Return the meaning of the columns."""
         point = "of the direction of the shortest way to the next goal on what its scans have shown"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none"
         return way_columns(point, "length s of that way", scaled)
-
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the columns; what is positive to the left changes its sign."""
-        return way_mirrored()
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.arraytypes import Ints
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, forget_seen, note_all
 from irsim_gym.tasks.observations.seen_ways import clear_levels, narrow_ways
 from irsim_gym.tasks.observations.standing_aside import write_asides
 from irsim_gym.tasks.observations.team_ways import TeamWays, skip_robots, write_own_ways
-from irsim_gym.tasks.observations.way_columns import way_bounds, way_columns, way_mirrored
+from irsim_gym.tasks.observations.way_columns import ObservesWay, way_columns
 from irsim_gym.tasks.scaling import diagonal
 from irsim_gym.tasks.term import Needs
-from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Model, Shard, Simulation, State, Term, kind, option
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Term, kind, option
 
 
 @kind
-class YieldingWay:
+class YieldingWay(ObservesWay):
     """Direction and length of the way that the agent should take, if the robots of a team tell each other their ways.
 
     On its way it is the shortest one to the next goal on the map from the agent's own scans, as in
@@ -33,7 +33,6 @@ class YieldingWay:
     lengths are counted in cells: along the diagonals of the grid they are up to 1.4 times as long.
     """
 
-    needs_goal: ClassVar[bool] = True
     needs: ClassVar[Needs] = ("scan", "odometry", "grid", "messages")
 
     cell: float | None = CELL
@@ -46,19 +45,11 @@ class YieldingWay:
         """Return the maps, the ways, and scratch memory."""
         return TeamWays.over(self, simulation, agents, "yielding_way")
 
-    def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
-        """Return the bounds of the three elements."""
-        return way_bounds()
-
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         point = "of the direction of its way, to the goal as if there were no robots or out of the ways of others"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none; 0 to stay"
         return way_columns(point, "length s of that way", scaled)
-
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the columns; what is positive to the left changes its sign."""
-        return way_mirrored()
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -89,10 +89,8 @@ def draw_fields(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            obstacles, radius = (
-                Obstacles(model, state, w, blocks, cells, None),
-                model.reach[row_of(model.reach, w), own],
-            )
+            obstacles = Obstacles(model, state, w, blocks, cells, None)
+            radius = model.reach[row_of(model.reach, w), own]
             distance_field(obstacles, radius, (goal_x, goal_y), grid, Search(blocked, field, queue))
             here = field_at(field, grid, x, y)
             dx, dy = goal_x - x, goal_y - y
