@@ -17,6 +17,7 @@ from irsim_gym import cli_options as opt
 from irsim_gym.cli_arena import arena
 from irsim_gym.cli_levels import levels
 from irsim_gym.cli_policies import policies as shelf
+from irsim_gym.cli_robot import export
 from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_start import doctor, new, options, schema
 from irsim_gym.cli_suite import suite
@@ -100,6 +101,7 @@ app.command()(options)
 app.command()(schema)
 app.command()(train)
 app.command()(tune)
+app.command()(export)
 
 
 @app.command()

@@ -92,7 +92,7 @@ def place_of(kind: type[Any], method: str = "") -> str:
 
 def has_member(kind: type[Any], name: str) -> bool:
     """Return whether a class has an option, an attribute or a method of this name."""
-    return name in getattr(kind, "__pydantic_fields__", ()) or inspect.getattr_static(kind, name, None) is not None
+    return name in getattr(kind, "__pydantic_fields__", ()) or hasattr(kind, name)
 
 
 def check_method(kind: type[Any], name: str, protocol: type[Any], *, required: bool) -> Iterator[str]:

@@ -13,6 +13,7 @@ EXTRAS = MappingProxyType(
         "contrib": ("torch", "stable_baselines3", "tensorboard", "sb3_contrib"),
         "tune": ("torch", "stable_baselines3", "tensorboard", "optuna"),
         "rllib": ("torch", "stable_baselines3", "tensorboard", "ray"),
+        "robot": ("onnx", "onnxruntime", "rosbags"),
         "play": ("pynput",),
     }
 )

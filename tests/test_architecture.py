@@ -55,7 +55,19 @@ ALLOWED: dict[str, set[str]] = {
     "maps": KIND | {"PIL"},
     "paths": {"jit", "structs", "geometry", "world"},
     "engine": {"scenario", "world", "geometry", "paths", "jit", "rng", "structs", "replay"},
-    "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "structs", "pydantic", "pydantic_core"},
+    "tasks": {
+        "engine",
+        "world",
+        "geometry",
+        "scenario",
+        "paths",
+        "jit",
+        "rng",
+        "structs",
+        "pydantic",
+        "pydantic_core",
+        "onnx",
+    },
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich", "scipy"},
     "levels": {"evaluation", "tasks", "engine", "world", "paths", "scenario", "render", "rich", "shapely"},
@@ -78,7 +90,7 @@ ALLOWED: dict[str, set[str]] = {
     "rllib": {"envs", "gymnasium", "ray"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
-COMPOSERS = {"training", "arenas", "suite", "cli", "__main__", "__init__", "irsim", "plugins", "face"}
+COMPOSERS = {"robot", "training", "arenas", "suite", "cli", "__main__", "__init__", "irsim", "plugins", "face"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",
@@ -103,6 +115,8 @@ HEAVY = {
     "rich",
     "PIL",
     "scipy",
+    "onnx",
+    "onnxruntime",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
 RENDER_FROM = {"envs", "levels", "live", "controls", "training", "arenas", "cli"}

@@ -16,7 +16,18 @@ from irsim_gym.errors import IrsimGymError, MissingExtraError
 from irsim_gym.training.doctor import OPTIONAL
 
 ROOT = Path(__file__).parents[1]
-HIDDEN = ("torch", "stable_baselines3", "sb3_contrib", "tensorboard", "optuna", "ray", "pynput")
+HIDDEN = (
+    "torch",
+    "stable_baselines3",
+    "sb3_contrib",
+    "tensorboard",
+    "optuna",
+    "ray",
+    "pynput",
+    "onnx",
+    "onnxruntime",
+    "rosbags",
+)
 HIDE = f"import sys\nsys.modules.update(dict.fromkeys({HIDDEN}))\n"
 WORKS = """
 import numpy as np

@@ -145,6 +145,7 @@ def _card(card: PolicyCard) -> str:
         ("task", card.scenario.task or "of the scenario"),
         ("parameters", ", ".join(f"{key} = {value}" for key, value in card.scenario.parameters.items()) or "none"),
         ("observation", observed),
+        ("needed on a robot", ", ".join(card.needs or ()) or "nothing"),
         ("action", f"{card.action.name} ({'; '.join(card.action.components)})"),
         ("network", "; ".join(card.network.layers)),
         ("weights", f"{card.network.weights:,}, {card.size / 1000:.0f} kB"),

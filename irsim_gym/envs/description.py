@@ -16,7 +16,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.envs.spaces import action_space, observation_space, observed
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.term import IsImage, Term
+from irsim_gym.tasks.term import NEEDS, IsImage, Needs, Term
 from irsim_gym.tasks.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
 
 STATE_NAMES = {"is_success": "success"}
@@ -68,6 +68,7 @@ class Block:
         name: Its name in the task.
         key: Key of the array that holds it, in an observation that is a dict; empty where it is one array.
         summary: What it is, in a sentence.
+        needs: What a robot must have for it, see ``tasks.term.NEEDS``; None where a plugin does not say.
         shape: Of the numbers that it contributes.
         parts: Its columns, or the channels of its picture, in order.
         is_image: It is a picture: an array of its own, uint8.
@@ -77,6 +78,7 @@ class Block:
     name: str
     key: str
     summary: str
+    needs: Needs | None
     shape: tuple[int, ...]
     parts: tuple[Part, ...]
     is_image: bool = False
@@ -199,6 +201,12 @@ class Description:
         plain: dict[str, Any] = _plain(asdict(self))
         return plain
 
+    @property
+    def needs(self) -> Needs:
+        """What a robot must have to observe all of it, as far as the observations say."""
+        known = {need for block in self.blocks for need in block.needs or ()}
+        return tuple(need for need in NEEDS if need in known)
+
     def block(self, name: str) -> Block:
         """Return the block of an observation; KeyError where the task has none of that name."""
         return {block.name: block for block in self.blocks}[name]
@@ -257,18 +265,18 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     blocks: list[Block] = []
     held: Counter[str] = Counter()
     for key, term in observed(episodes):
-        summary, (low, high) = first_sentence(type(term.options)), term.bounds
+        said, (low, high) = (first_sentence(type(term.options)), term.options.needs), term.bounds
         columns = _columns_of(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
             parts = _parts(columns, np.ones(sum(one.count for one in columns), np.bool_), (0.0, 255.0), 0)
-            blocks.append(Block(term.name, key, summary, term.image.shape[2:], parts, True, view))
+            blocks.append(Block(term.name, key, *said, term.image.shape[2:], parts, True, view))
             continue
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
         kept = used if own else np.ones(low.size, np.bool_)
         if kept.any():
             width = int(kept.sum())
-            blocks.append(Block(term.name, key, summary, (width,), _parts(columns, kept, (low, high), held[key])))
+            blocks.append(Block(term.name, key, *said, (width,), _parts(columns, kept, (low, high), held[key])))
             held[key] += width
     return tuple(blocks)
 

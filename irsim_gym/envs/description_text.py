@@ -98,7 +98,15 @@ def headlines(description: Description) -> list[str]:
         f"time limit: {said.max_steps} steps of {said.step_time:g} s = {seconds:g} s",
         f"observation: {said.observation_space}, {said.form}",
         f"action: {said.action.space}",
+        f"needed on a robot: {_needed(said)}",
     ]
+
+
+def _needed(description: Description) -> str:
+    """Return what a robot must have, and which observations of plugins do not say."""
+    unsaid = [block.name for block in description.blocks if block.needs is None]
+    unknown = [f"not said by {', '.join(unsaid)} (declare 'needs')"] if unsaid else []
+    return "; ".join([", ".join(description.needs) or "nothing", *unknown])
 
 
 def _some(names: Sequence[str]) -> str:

@@ -16,7 +16,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored, command_exchanged, signed
-from irsim_gym.tasks.term import IsImage, Term
+from irsim_gym.tasks.term import IsImage, Term, needs_of
 from irsim_gym.tasks.term_contract import checked_mirrored
 from irsim_gym.world.kinds import KeepsSymmetry
 from irsim_gym.world.model import OMNI_WORLD
@@ -163,7 +163,7 @@ def _has_even_limits(episodes: Episodes, body: int, command: Mirrored) -> bool:
 
 def _of_bodies(episodes: Episodes) -> Iterator[str]:
     """Yield what is not symmetrical about the learners' bodies and range sensors."""
-    is_read = any(term.options.needs_scan for term in episodes.terms["observations"])
+    is_read = "scan" in needs_of(term.options for term in episodes.terms["observations"])
     for name, b in zip(episodes.agent_names, episodes.task.agents, strict=True):
         shape = episodes.simulation.scenario.bodies[b].shape
         outline = shape.outline()

@@ -14,7 +14,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.plugins.functions import answer, registering
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
-from irsim_gym.tasks.term import Role, Term
+from irsim_gym.tasks.term import Need, Needs, Role, Term
 from irsim_gym.world.names import Floats, Ints, Model, Rays, State, kind, option
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -130,7 +130,7 @@ class FunctionObservation(FunctionTerm):
     """A part of the observation written as a function."""
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs | None] = None
     size: ClassVar[int] = 1
     low: ClassVar[Any] = -1.0
     high: ClassVar[Any] = 1.0
@@ -210,7 +210,7 @@ def observation(
     low: float | Sequence[float] = -1.0,
     high: float | Sequence[float] = 1.0,
     needs_goal: bool = False,
-    needs_scan: bool = False,
+    needs: Sequence[Need] | None = None,
 ) -> Callable[[F], F]:
     """Register a function as a part of the observation, to be used in ``observations:`` of a task.
 
@@ -224,13 +224,16 @@ def observation(
         low: Least value of each, or of all, within [-1, 1].
         high: Greatest value of each, or of all, within [-1, 1].
         needs_goal: It means nothing for an agent without a goal.
-        needs_scan: It needs a range sensor.
+        needs: What a robot must have for it: some of ``"scan"``, ``"odometry"``, ``"map_frame"``, ``"grid"``,
+            ``"bodies"`` and ``"messages"``, or ``()`` for nothing. None leaves it unsaid: descriptions show that, and
+            policies that observe it cannot be exported to a robot.
 
     Raises:
         TypeError: The function's parameters are not as above.
         IrsimGymError: The name is taken.
     """
-    given = {"size": size, "low": low, "high": high, "needs_goal": needs_goal, "needs_scan": needs_scan}
+    given = {"size": size, "low": low, "high": high, "needs_goal": needs_goal}
+    given["needs"] = None if needs is None else tuple(needs)
     return registering(families.OBSERVATIONS, name, FunctionObservation, ("ego",), **given)
 
 

@@ -104,7 +104,7 @@ def _with_substitutes(
     given = [type(item) for _, item in observations]
     fitting = []
     for place, item in observations:
-        for fit in _substitutes(place, item, bodies, report) if item.needs_scan else [item]:
+        for fit in _substitutes(place, item, bodies, report) if "scan" in (item.needs or ()) else [item]:
             if fit is item or type(fit) not in given:
                 fitting.append((place, fit))
                 given.append(type(fit))
@@ -180,7 +180,7 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
             f"'{without[0]}' has no range sensor: add one, or a substitute such as 'without_sensor: nearest_bodies'",
         )
         return [item]
-    blind = [name for name in wanted if OBSERVATIONS.entry(name).kind.needs_scan]
+    blind = [name for name in wanted if "scan" in (OBSERVATIONS.entry(name).kind().needs or ())]
     for name in blind:
         report.add((*place, "without_sensor"), f"'{name}' needs a range sensor itself")
     return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in wanted]

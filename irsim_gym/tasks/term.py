@@ -6,7 +6,7 @@ Each kind is called with the same five arguments: its ``Term``, the ``Model``, t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Protocol, runtime_checkable
@@ -140,6 +140,17 @@ class MindsClearance(Protocol):
         """Clearance up to which values must be exact [m]; larger ones may be any value not below it."""
 
 
+Need = Literal["scan", "odometry", "map_frame", "grid", "bodies", "messages"]
+Needs = tuple[Need, ...]
+NEEDS: dict[Need, str] = {
+    "scan": "a range sensor",
+    "odometry": "its pose and velocity, in a frame that may drift",
+    "map_frame": "its pose in the fixed frame of the world",
+    "grid": "a map that it keeps of its own scans",
+    "bodies": "the true state of other bodies",
+    "messages": "what its team mates tell it",
+}
+"""What a robot must have, to observe what a kind observes."""
 NeedsGoal = Annotated[bool, "True if it means nothing for an agent without a goal, else False"]
 Weight = Annotated[float, "write 'weight: float = option(1.0, ge=0.0, meaning=...)'"]
 
@@ -171,11 +182,19 @@ class ObservationKind(Protocol):
     """One part of an observation: a row of numbers (``HasBounds``) or an image (``IsImage``)."""
 
     needs_goal: ClassVar[NeedsGoal]
-    needs_scan: ClassVar[Annotated[bool, "True if it needs a range sensor, else False"]]
+    needs: ClassVar[
+        Annotated[Needs | None, f"what a robot must have for it, a tuple of some of {', '.join(NEEDS)}; None: not said"]
+    ]
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the columns of ``episode.observation`` from ``term.column`` on, or ``term.image``."""
+
+
+def needs_of(observations: Iterable[Any]) -> Needs:
+    """Return what a robot must have for some observations, in the order of ``NEEDS``; without those that do not say."""
+    known = {need for item in observations for need in item.needs or ()}
+    return tuple(need for need in NEEDS if need in known)
 
 
 class RewardKind(Protocol):

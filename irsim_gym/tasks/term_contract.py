@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.contract import Contract, check_method, has_member, refuse
+from irsim_gym.tasks.graph import HasGraph
 from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.term import (
     ActionKind,
@@ -44,7 +45,9 @@ def _reward(kind: type[Any]) -> Iterator[str]:
 
 
 ACTION = Contract(ActionKind, (HasArrays, Remembers, TellsActions))
-OBSERVATION = Contract(ObservationKind, (HasArrays, Remembers, HasUnused, HasMirrored, TellsColumns), _observation)
+OBSERVATION = Contract(
+    ObservationKind, (HasArrays, Remembers, HasUnused, HasMirrored, TellsColumns, HasGraph), _observation
+)
 REWARD = Contract(RewardKind, (HasArrays, Remembers, TellsWhen), _reward)
 ENDING = Contract(EndingKind, (HasArrays, Remembers, TellsWhen))
 

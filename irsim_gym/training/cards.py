@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 from irsim_gym.outside_files import reading
+from irsim_gym.tasks.term import Needs
 
 
 class _Fixed(BaseModel):
@@ -167,6 +168,7 @@ class PolicyCard(_Fixed):
         name: Name of the policy.
         scenario: The scenario that it was trained in.
         observation: Terms of its observation, in order.
+        needs: What a robot must have to observe that, see ``tasks.term.NEEDS``; None where a plugin does not say.
         action: Its action.
         network: Its network.
         training: How it was trained, and at what cost.
@@ -180,6 +182,7 @@ class PolicyCard(_Fixed):
     name: str
     scenario: CardScenario
     observation: tuple[CardTerm, ...]
+    needs: Needs | None = None
     action: CardAction
     network: CardNetwork
     training: CardTraining

@@ -28,6 +28,7 @@ OPTIONAL = {
     "contrib": "train --algorithm tqc",
     "tune": "tune",
     "rllib": "train --engine rllib, tune --address",
+    "robot": "export",
     "play": "play, faster keys",
 }
 """Commands that need an extra, by extra."""

@@ -19,6 +19,7 @@ from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.evaluation.tables import plain, write_bytes, write_json
 from irsim_gym.outside_files import json_object, reading
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.term import Needs, needs_of
 from irsim_gym.training import cards
 from irsim_gym.training.checkpoint_files import POLICY, list_checkpoints, load_progress
 from irsim_gym.training.evaluate import evaluate_policies
@@ -79,6 +80,7 @@ def export(
         name=name,
         scenario=scenario,
         observation=_terms(episodes),
+        needs=_needs(episodes),
         action=_action(episodes),
         network=cards.CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
@@ -211,6 +213,12 @@ def _terms(episodes: Episodes) -> tuple[cards.CardTerm, ...]:
     columns = {name: low.shape for name, low, _ in episodes.observation_terms}
     images = {name: image.shape[2:] for name, image in episodes.view.images.items()}
     return tuple(cards.CardTerm(name=name, shape=shape) for name, shape in {**columns, **images}.items())
+
+
+def _needs(episodes: Episodes) -> Needs | None:
+    """Return what a robot must have to observe what a policy observes; None where a plugin does not say."""
+    kinds = [term.options for term in episodes.terms["observations"]]
+    return None if any(item.needs is None for item in kinds) else needs_of(kinds)
 
 
 def _action(episodes: Episodes) -> cards.CardAction:

@@ -50,6 +50,12 @@ class ShelfPolicy:
         perception: The observations with their options, and the action, in the words of a task; None where the file
             does not say.
         card: What is known of it; None without a card.
+        parts: The steps that each part of an observation goes through first, by its name.
+        part_arrays: Their arrays.
+        trunk: The steps after them, from all parts side by side to the action.
+        trunk_arrays: Their arrays.
+        memory: The arrays of a GRU before the trunk; None for a policy without memory.
+        output: How an action is made of the last numbers, one of ``OUTPUTS``.
 
     Raises:
         IrsimGymError: The network has a step, or makes actions in a way, that is not known here.
@@ -62,16 +68,16 @@ class ShelfPolicy:
         self.perception: Mapping[str, Any] | None = form.get("perception")
         self.observation_space = _observation_space(form["observation"], arrays)
         self.action_space = _action_space(form["action"], arrays)
-        self._output: str = form["output"]
-        self._parts: dict[str, Sequence[Options]] = form["parts"]
-        self._trunk: Sequence[Options] = form["trunk"]
-        for steps in (*self._parts.values(), self._trunk):
+        self.output: str = form["output"]
+        self.parts: dict[str, Sequence[Options]] = form["parts"]
+        self.trunk: Sequence[Options] = form["trunk"]
+        for steps in (*self.parts.values(), self.trunk):
             check_steps(steps)
-        if self._output not in OUTPUTS:
-            raise IrsimGymError(f"output must be one of {', '.join(OUTPUTS)}, got '{self._output}'")
-        self._arrays = {name: _arrays_of(f"part/{name}", steps, arrays) for name, steps in self._parts.items()}
-        self._trunk_arrays = _arrays_of("trunk", self._trunk, arrays)
-        self._memory = _arrays_of("memory", [form["memory"]], arrays)[0] if "memory" in form else None
+        if self.output not in OUTPUTS:
+            raise IrsimGymError(f"output must be one of {', '.join(OUTPUTS)}, got '{self.output}'")
+        self.part_arrays = {name: _arrays_of(f"part/{name}", steps, arrays) for name, steps in self.parts.items()}
+        self.trunk_arrays = _arrays_of("trunk", self.trunk, arrays)
+        self.memory = _arrays_of("memory", [form["memory"]], arrays)[0] if "memory" in form else None
 
     def predict(
         self,
@@ -99,10 +105,10 @@ class ShelfPolicy:
         given = _parts(observation, self.observation_space)
         batches = {name: _batch(given[name], space) for name, space in _spaces(self.observation_space).items()}
         rows = {name: rows for name, (rows, _) in batches.items()}
-        parts = [apply_steps(steps, self._arrays[name], rows[name]) for name, steps in self._parts.items()]
+        parts = [apply_steps(steps, self.part_arrays[name], rows[name]) for name, steps in self.parts.items()]
         seen = np.concatenate(parts, axis=1)
-        if self._memory is not None:
-            known = gru_cell(seen, self._before(len(seen), state, episode_start), self._memory)
+        if self.memory is not None:
+            known = gru_cell(seen, self._before(len(seen), state, episode_start), self.memory)
             seen, state = np.concatenate([seen, known], axis=1), (known[None],)
         actions = self._actions(seen)
         return (actions if all(several for _, several in batches.values()) else actions[0]), state
@@ -110,7 +116,7 @@ class ShelfPolicy:
     @property
     def memory_shape(self) -> tuple[int, int, int] | None:
         """Arrays of its state, layers and numbers of each; None for a policy without memory."""
-        return None if self._memory is None else (1, 1, self._memory["weight_hh"].shape[1])
+        return None if self.memory is None else (1, 1, self.memory["weight_hh"].shape[1])
 
     def _before(
         self, n: int, state: tuple[NDArray[Any], ...] | None, episode_start: NDArray[Any] | None
@@ -131,7 +137,7 @@ class ShelfPolicy:
         return memory
 
     def _actions(self, seen: NDArray[Any]) -> NDArray[Any]:
-        found: NDArray[Any] = apply_steps(self._trunk, self._trunk_arrays, seen)
+        found: NDArray[Any] = apply_steps(self.trunk, self.trunk_arrays, seen)
         space = self.action_space
         wanted = int(space.n if isinstance(space, Discrete) else np.prod(space.shape))
         if found.shape[1:] != (wanted,):
@@ -139,7 +145,7 @@ class ShelfPolicy:
         if isinstance(space, Discrete):
             return np.asarray(found.argmax(axis=1))
         low, high = space.low.astype(np.float64), space.high.astype(np.float64)
-        if self._output == "squash":
+        if self.output == "squash":
             found = low + 0.5 * (np.tanh(found) + 1.0) * (high - low)
         return np.asarray(np.clip(found, low, high), np.float32).reshape(-1, *low.shape)
 

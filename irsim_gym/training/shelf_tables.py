@@ -17,13 +17,13 @@ from irsim_gym.training.shelf import SUFFIX, shelf_file, shelf_files, shelf_fold
 def print_shelf() -> None:
     """Print a row for each shipped policy, with its success under the parameters of its training."""
     table = titled_table(f"policies in {shelf_folder()}")
-    for head in ("policy", "trained in", "task", "success [%]", "levels", "CPU s", "kB"):
+    for head in ("policy", "trained in", "task", "success [%]", "levels", "needs", "CPU s", "kB"):
         table.add_column(Text(head), no_wrap=head == "policy", justify="right" if head in ("CPU s", "kB") else "left")
     for file in shelf_files().values():
         card = _card(file)
         shown = [one for one in card.results if _is_of_training(one, card)] or card.results
         figures = percent(shown[0].success), f"{shown[0].levels:,} {shown[0].split}"
-        cells = (card.name, _trained_in(card, briefly=True), card.scenario.task or "its own", *figures)
+        cells = (card.name, _trained_in(card, briefly=True), card.scenario.task or "its own", *figures, _needed(card))
         table.add_row(*map(Text, (*cells, f"{card.training.cpu_seconds:.0f}", f"{card.size / 1000:.0f}")))
     print_table(table)
     print(legend([table]))
@@ -66,6 +66,7 @@ def _lines(card: PolicyCard) -> list[str]:
         f"{card.name}: {training.algorithm.upper()}, trained in {_trained_in(card)}",
         f"task: {card.scenario.task or 'of the scenario'}; hash of scenario and task {card.scenario.sha256[:12]}",
         f"observation: {observed}",
+        f"needed on a robot: {_needed(card)}",
         f"action: {action.name} ({'; '.join(action.components)}){choices}",
         *(f"network, {layers}" for layers in card.network.layers),
         f"weights: {card.network.weights:,}; {card.size / 1000:.0f} kB; sha256 {card.sha256[:12]}",
@@ -75,6 +76,10 @@ def _lines(card: PolicyCard) -> list[str]:
         *(f"success: {_told(result)}" for result in card.results),
         *(f"weakness: {sentence}" for sentence in card.weaknesses),
     ]
+
+
+def _needed(card: PolicyCard) -> str:
+    return "not said" if card.needs is None else ", ".join(card.needs) or "nothing"
 
 
 def _versions(versions: Mapping[str, str]) -> str:

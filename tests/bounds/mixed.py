@@ -226,7 +226,7 @@ def some_terms(rng: Random, family: Any, names: Iterable[str], share: float) -> 
 def some_task(rng: Random, robots: list[dict[str, Any]]) -> dict[str, Any]:
     """Return a task of random terms."""
     has_sensors = all(body.get("sensors") for body in robots)
-    names = [entry.name for entry in families.OBSERVATIONS if has_sensors or not entry.kind.needs_scan]
+    names = [entry.name for entry in families.OBSERVATIONS if has_sensors or "scan" not in entry.kind().needs]
     endings = [name for name in families.ENDINGS.names() if rng.random() < 0.6]
     paid = {"deadlock": "deadlocked", "collision": "collided", "left_world": "left_world", "arrival": "arrived"}
     rewards = [name for name in families.REWARDS.names() if paid.get(name, "") in ("", *endings)]

@@ -182,7 +182,7 @@ MISSING = {
     "MAPS": ["'is_random'", "outline()", "occupied(width, height, name, find)"],
     "SENSORS": ["'reading'", "group_key()", "prepare(group, outlines, model, n_slots)", "sense("],
     "ACTIONS": ["'n_choices'", "act("],
-    "OBSERVATIONS": ["'needs_goal'", "'needs_scan'", "write(", "'image_shape'"],
+    "OBSERVATIONS": ["'needs_goal'", "'needs'", "write(", "'image_shape'"],
     "REWARDS": ["'role'", "'outcome'", "'needs_goal'", "'needs_ending'", "'weight'", "pay("],
     "ENDINGS": ["'outcome'", "'needs_goal'", "ends("],
 }

@@ -206,7 +206,7 @@ def sway() -> Iterator[Any]:
     @kind
     class Sway:
         needs_goal: ClassVar[bool] = False
-        needs_scan: ClassVar[bool] = False
+        needs: ClassVar[tuple[str, ...]] = ()
         answer: ClassVar[Any] = None
 
         def bounds(self, term: Any, model: Any) -> Any:

@@ -37,7 +37,7 @@ class Mine:
 OBSERVATION = f"""{HEAD}@kind
 class Mine:
     needs_goal = False
-    needs_scan = False
+    needs = ()
 
     def bounds(self, term, model):
         return -np.ones(2, np.float32), np.ones(2, np.float32)
@@ -51,7 +51,7 @@ class Mine:
 PICTURE = f"""{HEAD}@kind
 class Mine:
     needs_goal = False
-    needs_scan = False
+    needs = ()
 
     @property
     def image_shape(self):
@@ -111,7 +111,7 @@ AT_ONCE: list[tuple[str, str, str, str]] = [
     ("reward", "    @staticmethod\n", "", "'pay' is called as pay.* but takes .*; write @staticmethod above it"),
     ("reward", "term, model, state, episode, shard)", "term, state, shard)", r"but takes \(term, state, shard\)$"),
     ("reward", "term, model, state,", "term, state, model,", "by position, but takes .*: another order"),
-    ("observation", "needs_scan = False", "", "it has no 'needs_scan': True if"),
+    ("observation", "needs = ()", "", "it has no 'needs': what a robot must have"),
     ("observation", "def bounds", "def limits", "it has neither 'bounds.term, model.' nor"),
     (
         "observation",

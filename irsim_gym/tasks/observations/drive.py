@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.families import KINEMATICS
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Term, kernel, kind
 
 
@@ -20,7 +22,7 @@ class Drive:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ()
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return each agent's numbers, ``(n_agents, n_drives)``."""
@@ -45,6 +47,10 @@ class Drive:
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns, which do not change."""
         return unchanged(term.arrays["own"].shape[1])
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        return robot.constant(term.arrays["own"][agent])
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

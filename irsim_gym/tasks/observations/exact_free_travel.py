@@ -14,7 +14,7 @@ from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions, shorten, way_columns
 from irsim_gym.tasks.observations.nearest_bodies import span
 from irsim_gym.tasks.observations.ranges import EncodesDepths, RangeCode, code_problems, encode, range_code
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.term import Bound, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.world.rows import row_of
 
@@ -56,7 +56,7 @@ class ExactFreeTravel(EncodesDepths):
     It sees through walls and in all directions, but not bodies that are ``unobstructed``.
     """
 
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("bodies",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")

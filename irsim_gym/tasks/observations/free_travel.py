@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -15,9 +16,11 @@ from irsim_gym.tasks.observations.ranges import (
     RangeCode,
     code_problems,
     encode,
+    encoded_graph,
     range_code,
     shared_sensors,
 )
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Struct, Term, kernel
 from irsim_gym.tasks.words import Columns, coded
 
@@ -59,7 +62,7 @@ class FreeTravel(EncodesDepths):
     appears closed, even with few directions. The codes are those of ``scan``.
     """
 
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
@@ -102,6 +105,21 @@ class FreeTravel(EncodesDepths):
     def mirrored(self, term: Term) -> Mirrored:
         """Return the directions from right to left."""
         return directions_exchanged(self.directions)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        ways: Ways = term.arrays
+        ahead_x, ahead_y, far, radius = ways.ahead_x, ways.ahead_y, ways.far[agent], ways.radius[agent]
+        x, y = (
+            (robot.ranges * beams[agent] + ways.mount[agent, axis]).spread(2)
+            for axis, beams in enumerate((ways.beams_x, ways.beams_y))
+        )
+        along, aside = x * ahead_x + y * ahead_y, y * ahead_x - x * ahead_y
+        room = radius * radius - aside * aside
+        way = (along - room.most(0.0).op("Sqrt")).most(0.0)
+        is_hit = (robot.ranges < ways.sight[agent]).spread(2)
+        lengths = (is_hit & (room > 0.0) & (along > 0.0)).where(way, far).smallest(1).least(far)
+        return encoded_graph(self, far, lengths)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -8,8 +8,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.geometry.angles import turned
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.scaling import diagonal
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind, option
 
 
@@ -21,7 +23,7 @@ class Goal:
     """
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     scale: float | None = option(
         None, gt=0.0, unit="m", meaning="Distance that reads 1; default: the world's diagonal."
@@ -46,6 +48,15 @@ class Goal:
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
         return signed(1.0, 1.0, -1.0, 1.0)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        ahead, left = robot.own_frame(robot.goal.columns(0, 1), robot.goal.columns(1, 2))
+        d = (ahead * ahead + left * left).op("Sqrt")
+        away, full = d > 0.0, self.scale or diagonal(model.bounds)
+        cosine, sine = (away.where((part / d).most(-1.0).least(1.0), at) for part, at in ((ahead, 1.0), (left, 0.0)))
+        columns = [(d / full).least(1.0), cosine, sine, (-d / self.near).op("Exp")]
+        return robot.graph.join(columns).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

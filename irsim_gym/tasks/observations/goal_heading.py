@@ -6,7 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, signed
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
@@ -15,7 +17,7 @@ class GoalHeading:
     """Cosine and sine of the turn to the goal's heading; both 0 if any heading is allowed."""
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
@@ -32,6 +34,12 @@ class GoalHeading:
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
         return signed(1.0, -1.0)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        turn = robot.goal.columns(2, 3) - robot.pose.columns(2, 3)
+        both = robot.graph.join([turn.op("Cos"), turn.op("Sin")])
+        return (~turn.is_nan()).where(both, 0.0).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.term import Bound, Needs, Term, forget
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 
 
@@ -38,7 +39,7 @@ class GoalRecord:
     """
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance beyond the record that reads 0.5.")
     soon: float = option(2.0, gt=0.0, unit="s", meaning="Time since the record that reads 0.5.")
@@ -67,6 +68,21 @@ class GoalRecord:
             Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),
             Columns("time since it was at its nearest", f"t / (t + {self.soon:g} s)"),
         ]
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        graph, goal = robot.graph, robot.goal.columns(0, 2)
+        nearest, target = graph.state("record_nearest", np.array([np.inf])), graph.state("record_goal", np.zeros(2))
+        since = graph.state("record_age", np.zeros(1))
+        away = goal - robot.pose.columns(0, 2)
+        squares, same = away * away, goal.equals(target)
+        d = (squares.columns(0, 1) + squares.columns(1, 2)).op("Sqrt")
+        is_new = (d < nearest) | ~(same.columns(0, 1) & same.columns(1, 2))
+        nearest, since = is_new.where(d, nearest), (~is_new).where(since + robot.elapsed, 0.0)
+        for name, value in (("record_nearest", nearest), ("record_goal", goal), ("record_age", since)):
+            graph.keep(name, value)
+        excess = d - nearest
+        return graph.join([excess / (excess + self.near), since / (since + self.soon)]).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
@@ -15,7 +16,7 @@ class HasArrived:
     """1 if the agent has reached its last goal and drives on, else 0; always 0 unless ``arrived`` has ``wait``."""
 
     needs_goal: ClassVar[bool] = True
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the element."""

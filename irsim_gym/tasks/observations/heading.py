@@ -6,6 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from irsim_gym.tasks.graph import RobotValues, Value
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
 
 
@@ -14,7 +16,7 @@ class Heading:
     """Cosine and sine of the heading in the world."""
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("map_frame",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
@@ -28,6 +30,11 @@ class Heading:
     def mirrored(self, term: Term) -> str:
         """Return why it has no mirror: it is in the frame of the world."""
         return IN_WORLD
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        heading = robot.pose.columns(2, 3)
+        return robot.graph.join([heading.op("Cos"), heading.op("Sin")]).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

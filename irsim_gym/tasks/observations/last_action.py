@@ -7,7 +7,9 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
 
@@ -16,7 +18,7 @@ class LastAction:
     """The latest action, scaled to [-1, 1] as continuous actions are; at the start, the action for standing still."""
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ()
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, one element for each component of the command."""
@@ -36,6 +38,10 @@ class LastAction:
     def mirrored(self, term: Term) -> Mirrored | str:
         """Return the columns as the drive says; what is positive to the left changes its sign."""
         return command_exchanged(term)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        return robot.action
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

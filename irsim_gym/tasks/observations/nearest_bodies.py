@@ -14,6 +14,7 @@ from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.ranges import EncodesDepths, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.tasks.words import Columns, coded
 
@@ -49,7 +50,7 @@ class NearestBodies(EncodesDepths):
     body reads 0, 0, the code of ``range``, 0, 0.
     """
 
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("bodies",)
 
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")

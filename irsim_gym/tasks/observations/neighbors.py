@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks.mirrored import Mirrored, signed
 from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import diagonal, unit
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.term import Bound, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.world.rows import row_of
 
@@ -44,7 +44,7 @@ class Neighbors:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("bodies",)
 
     count: int = option(6, ge=1, le=64, meaning="Number of robots observed.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")

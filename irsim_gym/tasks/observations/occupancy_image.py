@@ -24,6 +24,7 @@ from irsim_gym.tasks.observations.painting import (
     view_from,
 )
 from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.world.model import ROBOT, Model
 
@@ -56,9 +57,10 @@ class OccupancyImage(SquareImage):
     without_sensor: str | tuple[str, ...] = option("", meaning="With from_scan, as without_sensor of scan.")
 
     @property
-    def needs_scan(self) -> bool:
-        """Whether it needs a range sensor: if it shows a scan."""
-        return self.from_scan
+    def needs(self) -> Needs:
+        """What a robot must have: scans if it shows them, else the true state of all bodies."""
+        own: Needs = ("scan", "odometry") if self.from_scan else ("odometry", "bodies")
+        return (*own, "bodies") if self.from_scan and self.robot_channel else own
 
     @property
     def image_shape(self) -> tuple[int, int, int]:

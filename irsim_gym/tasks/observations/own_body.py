@@ -6,7 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, unchanged
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Rays, Shard, State, Term, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 
@@ -26,7 +28,7 @@ class OwnBody:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ()
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return 0 and 1."""
@@ -49,6 +51,16 @@ class OwnBody:
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns, which do not change."""
         return unchanged(WIDTH)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        b = term.agents[agent]
+        low, high, limit = model.velocity_min[0, b], model.velocity_max[0, b], model.acceleration_limit[0, b]
+        sideways = float(model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR))
+        speeds = [share_of(v, 1.0) for v in (max(high[0], 0.0), abs(min(low[0], 0.0)), max(high[1], -low[1]))]
+        changes = [share_of(limit[0], 1.0), share_of(limit[1], 1.0), share_of(model.step_time[0], HALF_STEP)]
+        shares = [share_of(model.reach[0, b], HALF_RADIUS), *speeds, np.float32(sideways), *changes]
+        return robot.constant(np.array(shares))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.geometry.angles import TURN, nearly_arctan2
+from irsim_gym.tasks.graph import RobotValues, Value, sector_flags
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -16,9 +17,11 @@ from irsim_gym.tasks.observations.ranges import (
     RangeCode,
     code_problems,
     encode,
+    encoded_graph,
     range_code,
     shared_sensors,
 )
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded, evenly
 from irsim_gym.world.state import State
@@ -65,7 +68,7 @@ class PastScans(EncodesDepths):
     the age of a scan, its first scan is used.
     """
 
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry")
 
     ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="Ages of the scans.")
     sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first begins straight behind.")
@@ -119,6 +122,33 @@ class PastScans(EncodesDepths):
     def mirrored(self, term: Term) -> Mirrored:
         """Return the sectors from right to left."""
         return sectors_exchanged(self.sectors, len(self.ago))
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        memory: Memory = term.arrays
+        n_beams, oldest = memory.scans.shape[3], max(self.ago)
+        # The present scan comes first. Where nothing is remembered yet (NaN), it takes the place of all earlier ones.
+        scans = robot.graph.state("past_scans", np.full((oldest, n_beams), np.nan, np.float32))
+        poses = robot.graph.state("past_poses", np.full((oldest, 3), np.nan))
+        scan, pose = robot.ranges.spread(1), robot.pose.spread(1)
+        scans = robot.graph.join([scan, scans.is_nan().where(scan, scans)])
+        poses = robot.graph.join([pose, poses.is_nan().where(pose, poses)])
+        robot.graph.keep("past_scans", scans.columns(0, oldest))
+        robot.graph.keep("past_poses", poses.columns(0, oldest))
+        return robot.graph.join([self._seen(memory, agent, robot, scans, poses, k) for k in self.ago])
+
+    def _seen(self, memory: Memory, agent: int, robot: RobotValues, scans: Value, poses: Value, k: int) -> Value:
+        """Return the encoded depths of the scan of ``k`` steps ago as a graph, ``(batch, n_sectors)``."""
+        scan, then, far = scans.take(np.array(k)), poses.take(np.array(k)), memory.far[agent]
+        x, y = (scan.cast(np.float64) * memory.beams[agent, axis] + memory.mount[agent, axis] for axis in (0, 1))
+        # The way between the two poses is a difference of large numbers: it comes first.
+        moved_x, moved_y = robot.own_frame(then.columns(0, 1), then.columns(1, 2))
+        turn = then.columns(2, 3) - robot.pose.columns(2, 3)
+        cosine, sine = turn.op("Cos"), turn.op("Sin")
+        ahead, left = moved_x + cosine * x - sine * y, moved_y + sine * x + cosine * y
+        depth = ((ahead * ahead + left * left).op("Sqrt") - memory.reach[agent]).most(0.0).cast(np.float32)
+        is_hit = (scan < far).spread(2) & sector_flags(ahead, left, self.sectors)
+        return encoded_graph(self, far, is_hit.where(depth.spread(2), far).smallest(1).least(far))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

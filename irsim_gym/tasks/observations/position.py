@@ -7,6 +7,8 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.tasks.graph import RobotValues, Value
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import IN_WORLD, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
 
 
@@ -18,7 +20,7 @@ class Position:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("map_frame",)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return infinite bounds."""
@@ -31,6 +33,12 @@ class Position:
     def mirrored(self, term: Term) -> str:
         """Return why it has no mirror: it is in the frame of the world."""
         return IN_WORLD
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        low, high = model.bounds[:2], model.bounds[2:]
+        place = robot.pose.columns(0, 2) - 0.5 * (low + high)
+        return (place / (0.5 * float(np.max(high - low)))).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -15,7 +15,7 @@ from irsim_gym.paths.grid import Grid, Search, centre
 from irsim_gym.paths.spread import PARENT
 from irsim_gym.tasks.observations.way_columns import ObservesWay, way_columns, write_direction
 from irsim_gym.tasks.scaling import diagonal, unit
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.term import Bound, Needs, Term, forget
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.rows import row_of
@@ -62,7 +62,7 @@ class Route(ObservesWay):
     those of the straight line.
     """
 
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("map_frame", "bodies")
 
     ahead: float = option(1.0, gt=0.0, unit="m", meaning="Distance of the point along the path.")
     cell: float | None = option(

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Words
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.observations.ranges import (
     WITHOUT_SENSOR,
@@ -16,9 +17,11 @@ from irsim_gym.tasks.observations.ranges import (
     code_problems,
     encode,
     encoded,
+    encoded_graph,
     range_code,
     shared_sensors,
 )
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.state import State
@@ -57,7 +60,7 @@ class Scan(EncodesDepths):
     at small depths, and about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
     """
 
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan",)
 
     sectors: int = option(36, ge=1, meaning="Number of sectors; at most the number of beams.")
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
@@ -108,6 +111,15 @@ class Scan(EncodesDepths):
         if not np.array_equal(first, len(term.arrays.angles) - last[::-1]):
             return "has beams on the borders of its sectors: choose 'sectors' that divide the number of beams"
         return sectors_exchanged(len(first))
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        sectors: Sectors = term.arrays
+        first, last = sectors.first.astype(np.int64), sectors.last.astype(np.int64)
+        # Sectors with fewer beams than others name their last one again.
+        beams = np.minimum(first[:, None] + np.arange((last - first).max()), last[:, None] - 1)
+        depths = (robot.ranges - sectors.extent[agent]).least(sectors.far[agent]).most(0.0)
+        return encoded_graph(self, sectors.far[agent], depths.take(beams).smallest(2))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

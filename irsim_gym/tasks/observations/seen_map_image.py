@@ -15,7 +15,7 @@ from irsim_gym.tasks.observations.painting import Paints, SquareImage
 from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
 from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, cell_number, forget_seen, note_all, shared_map
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.term import Bound, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
@@ -48,7 +48,7 @@ class SeenMapImage(SquareImage):
     ``goal_channel`` adds a channel with a disc at the goal, or at the border if the goal is farther away.
     """
 
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry", "grid")
 
     cell: float | None = CELL
     every: int = EVERY

@@ -12,6 +12,7 @@ from irsim_gym.engine import Simulation
 from irsim_gym.tasks.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.observations.free_travel import directions
 from irsim_gym.tasks.observations.nearest_bodies import moving, span
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 
@@ -51,7 +52,7 @@ class TimeToCollision:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("bodies",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     speeds: int = option(1, ge=1, le=16, meaning="Number of speeds in each direction, up to ``speed``, evenly spaced.")

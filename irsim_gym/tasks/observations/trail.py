@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.tasks.graph import RobotValues, Value, sector_flags
 from irsim_gym.tasks.mirrored import Mirrored, sectors_exchanged
-from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.term import Bound, Needs, Term, forget
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.words import Columns, evenly
 
@@ -36,7 +37,7 @@ class Trail:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     sectors: int = option(12, ge=1, le=360, meaning="Number of sectors; the first begins straight behind.")
     spacing: float = option(0.5, gt=0.0, unit="m", meaning="Distance driven between two marks.")
@@ -67,6 +68,27 @@ class Trail:
         scale = f"{self.near:g} m / (d + {self.near:g} m), d = distance of the mark; 0 without one"
         meaning = f"nearness of the nearest place where it has been; a mark each {self.spacing:g} m of its way"
         return [Columns(meaning, scale, self.sectors, evenly(self.sectors))]
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        # Places are NaN until a mark is left there; the latest mark is first.
+        marks = robot.graph.state("trail", np.full((self.marks, 2), np.nan))
+        here = robot.pose.columns(0, 2).spread(1)
+        away = marks.columns(0, 1) - here
+        squares = away * away
+        near = (squares.part(0) + squares.part(1) < self.spacing**2).spread(2)
+        kept = near.where(marks, robot.graph.join([here, marks.columns(0, self.marks - 1)]))
+        robot.graph.keep("trail", kept)
+        if self.fresh >= self.marks:
+            return robot.constant(np.zeros(self.sectors))
+        old = kept.columns(self.fresh, self.marks)
+        x, y = robot.own_frame(old.part(0), old.part(1))
+        d = (x * x + y * y).op("Sqrt")
+        if self.fresh == 0:  # the latest mark may be here: it counts as along the world's x axis
+            is_here, heading = d.equals(0.0), robot.pose.columns(2, 3)
+            x, y = is_here.where(heading.op("Cos"), x), is_here.where(-heading.op("Sin"), y)
+        nearness = (self.near / (d + self.near)).cast(np.float32).spread(2)
+        return sector_flags(x, y, self.sectors).where(nearness, 0.0).largest(1)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine.traits import limits_at_ends
+from irsim_gym.tasks.graph import RobotValues, Value
 from irsim_gym.tasks.mirrored import Mirrored, command_exchanged
-from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
+from irsim_gym.tasks.term import AHEAD_AND_LEFT, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind, row_of
 from irsim_gym.world.model import OMNI_WORLD, Model
 
@@ -23,7 +24,7 @@ class Velocity:
     """
 
     needs_goal: ClassVar[bool] = False
-    needs_scan: ClassVar[bool] = False
+    needs: ClassVar[Needs] = ("odometry",)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return each agent's limits with the least and the greatest speed of any level, ``(n_agents, 2, 3)``."""
@@ -58,6 +59,17 @@ class Velocity:
     def mirrored(self, term: Term) -> Mirrored | str:
         """Return the columns as the drive says; what is positive to the left changes its sign."""
         return command_exchanged(term)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph; see ``HasGraph``."""
+        b, size = term.agents[agent], term.action_size
+        low, high = np.minimum(model.velocity_min[0, b, :size], 0.0), np.maximum(model.velocity_max[0, b, :size], 0.0)
+        largest = np.maximum(-low, high)
+        velocity = robot.velocity.most(low).least(high)
+        if model.drive[b] == OMNI_WORLD:
+            largest = np.full(size, np.hypot(largest[0], largest[1]))
+            velocity = robot.velocity.most(-largest).least(largest)
+        return (velocity / np.where(largest > 0.0, largest, 1.0)).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

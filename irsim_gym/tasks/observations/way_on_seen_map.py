@@ -12,7 +12,7 @@ from irsim_gym.tasks.observations.seen_grid import EVERY, SeenGrid, forget_seen,
 from irsim_gym.tasks.observations.seen_ways import SeenWays, clear_levels, narrow_ways, way_ahead
 from irsim_gym.tasks.observations.way_columns import ObservesWay, way_columns, write_way
 from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound, Term
+from irsim_gym.tasks.term import Bound, Needs, Term
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
 
 
@@ -27,7 +27,7 @@ class WayOnSeenMap(ObservesWay):
     reach, too.
     """
 
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry", "grid")
 
     cell: float | None = option(
         None,

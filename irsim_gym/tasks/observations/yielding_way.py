@@ -12,6 +12,7 @@ from irsim_gym.tasks.observations.standing_aside import write_asides
 from irsim_gym.tasks.observations.team_ways import TeamWays, skip_robots, write_own_ways
 from irsim_gym.tasks.observations.way_columns import ObservesWay, way_columns
 from irsim_gym.tasks.scaling import diagonal
+from irsim_gym.tasks.term import Needs
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Term, kind, option
 
 
@@ -32,7 +33,7 @@ class YieldingWay(ObservesWay):
     lengths are counted in cells: along the diagonals of the grid they are up to 1.4 times as long.
     """
 
-    needs_scan: ClassVar[bool] = True
+    needs: ClassVar[Needs] = ("scan", "odometry", "grid", "messages")
 
     cell: float | None = CELL
     every: int = EVERY

@@ -1,0 +1,1 @@
+"""Policies for robots: a policy as one ONNX file, its contract, and the driver beside it."""

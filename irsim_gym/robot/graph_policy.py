@@ -1,0 +1,183 @@
+"""An exported graph as a policy in the simulator, and beside the policy that it was made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.evaluation.perception import Perception
+from irsim_gym.evaluation.policy import Policy, by_agent
+from irsim_gym.robot.policy_graph import PolicyGraph
+from irsim_gym.robot.robot_inputs import Measured, measured
+from irsim_gym.tasks import Episodes, Outcome
+
+
+class GraphRunner:
+    """Runs a graph for many robots at once, and keeps the states of each.
+
+    Args:
+        graph: The policy.
+        n_robots: Number of robots.
+    """
+
+    def __init__(self, graph: PolicyGraph, n_robots: int) -> None:
+        import onnxruntime
+
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = 1
+        self._session = onnxruntime.InferenceSession(graph.content, options, providers=["CPUExecutionProvider"])
+        self.names = [one.name for one in self._session.get_inputs()]
+        self._outputs = [one.name for one in self._session.get_outputs()]
+        self._starts = graph.starts
+        self.states = {name: np.stack([start] * n_robots) for name, start in graph.starts.items()}
+
+    def begin(self, robots: Ints) -> None:
+        """Forget everything of some robots."""
+        for name, start in self._starts.items():
+            self.states[name][robots] = start
+
+    def run(self, values: Measured, robots: Ints) -> NDArray[Any]:
+        """Return the commands of some robots in SI units, ``(n, n_components)``, and keep their states.
+
+        Args:
+            values: What these robots measure, by the names of the inputs, ``(n, ...)``.
+            robots: Their numbers, shape ``(n,)``.
+        """
+        given = self.inputs(values, robots)
+        found = dict(zip(self._outputs, self._session.run(None, given), strict=True))
+        for name, kept in self.states.items():
+            kept[robots] = found[f"{name}_next"]
+        return np.asarray(found["command"])
+
+    def inputs(self, values: Measured, robots: Ints) -> Measured:
+        """Return all inputs of the graph: what robots measure, and their states."""
+        every = {**values, **{name: kept[robots] for name, kept in self.states.items()}}
+        return {name: every[name] for name in self.names}
+
+
+class GraphPolicy:
+    """Drives all agents of an environment by a graph.
+
+    Args:
+        graph: The policy.
+        perception: Its observations and its action.
+    """
+
+    def __init__(self, graph: PolicyGraph, perception: Perception | None = None) -> None:
+        self.perception = perception
+        self._graph = graph
+        self._runner: GraphRunner | None = None
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Forget everything of the agents of these worlds."""
+        n_robots = episodes.n_worlds * episodes.n_agents
+        if self._runner is None or len(next(iter(self._runner.states.values()))) != n_robots:
+            self._runner = GraphRunner(self._graph, n_robots)
+        for agent in range(episodes.n_agents):
+            self._runner.begin(worlds * episodes.n_agents + agent)
+
+    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
+        """Return the actions of the agents of worlds, ``(n, n_agents, ...)``."""
+        assert self._runner is not None, "begin comes first"
+        actions = []
+        for agent in range(episodes.n_agents):
+            robots, values = worlds * episodes.n_agents + agent, measured(episodes, agent)
+            self._runner.run({name: rows[worlds] for name, rows in values.items()}, robots)
+            actions.append(self._runner.states["action"][robots])
+        found = np.stack(actions, axis=1).astype(np.float64)
+        if not episodes.n_discrete:
+            return found
+        grid: Floats = episodes.terms["action"][0].arrays["grid"][0]
+        return np.asarray(np.abs(found[:, :, None] - grid).sum(axis=3).argmin(axis=2))
+
+
+class DelayedPolicy:
+    """A policy whose actions act some steps late; until the first one does, the robot stands.
+
+    Args:
+        policy: The policy.
+        n_steps: Number of steps.
+    """
+
+    def __init__(self, policy: Policy, n_steps: int) -> None:
+        self.policy, self.n_steps = policy, n_steps
+        self._queue: dict[int, list[Any]] = {}
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Begin in these worlds, at rest."""
+        self.policy.begin(episodes, worlds, levels)
+        for w in worlds.tolist():
+            self._queue[w] = [episodes.state.action[w].copy()] * self.n_steps
+
+    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
+        """Return the actions of some steps ago, ``(n, n_agents, n_components)``."""
+        new = by_agent(np.asarray(self.policy.act(episodes, worlds)), episodes, worlds)
+        for w, action in zip(worlds.tolist(), new, strict=True):
+            self._queue[w].append(action)
+        return np.array([self._queue[w].pop(0) for w in worlds.tolist()])
+
+
+@dataclass
+class ComparedPolicy:
+    """A policy that drives, and a graph that sees the same: how far are the commands of the first agent apart?
+
+    Attributes:
+        policy: Drives.
+        graph: Is compared.
+        perception: The observations and the action of both.
+        most: Greatest difference of a command so far [m/s, rad/s or rad].
+        n_commands: Number of compared commands.
+        samples: Inputs of the graph and its commands, at most ``n_samples``, by name.
+        n_samples: Number of samples to keep.
+    """
+
+    policy: Policy
+    graph: PolicyGraph
+    perception: Perception | None = None
+    most: float = 0.0
+    n_commands: int = 0
+    samples: dict[str, NDArray[Any]] = field(default_factory=dict)
+    n_samples: int = 1000
+    _runner: GraphRunner | None = None
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Begin in these worlds."""
+        self.policy.begin(episodes, worlds, levels)
+        if self._runner is None:
+            self._runner = GraphRunner(self.graph, episodes.n_worlds)
+        self._runner.begin(worlds)
+
+    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
+        """Return the actions of the policy, and compare the commands that follow from them with the graph's."""
+        assert self._runner is not None, "begin comes first"
+        values = {name: rows[worlds] for name, rows in measured(episodes).items()}
+        inputs = self._runner.inputs(values, worlds)
+        commands, actions = self._runner.run(values, worlds), np.asarray(self.policy.act(episodes, worlds))
+        # A robot whose episode has ended waits for its team: it is not driven any more.
+        drives = episodes.view.infos["outcome"][worlds, 0] == Outcome.RUNNING
+        apart = np.abs(commands - commands_of(episodes, actions, values))[drives]
+        self.most = float(np.max(apart, initial=self.most))
+        self.n_commands += len(apart)
+        self._keep({name: rows[drives] for name, rows in {**inputs, "command": commands}.items()})
+        return actions
+
+    def _keep(self, rows: Mapping[str, NDArray[Any]]) -> None:
+        for name, found in rows.items():
+            known = self.samples.get(name, found[:0])
+            self.samples[name] = np.concatenate([known, found])[: self.n_samples]
+
+
+def commands_of(episodes: Episodes, actions: NDArray[Any], values: Measured) -> Floats:
+    """Return the commands in the robot's frame that follow from the first agent's actions, ``(n, n_components)``."""
+    model, b, size = episodes.simulation.model, episodes.task.agents[0], int(episodes.action_sizes[0])
+    if episodes.n_discrete:
+        asked = episodes.terms["action"][0].arrays["grid"][0][actions.reshape(len(actions), episodes.n_agents)[:, 0]]
+    else:
+        asked = np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
+    low, high = model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
+    return np.asarray(0.5 * (low + high) + asked.astype(np.float64) * (0.5 * (high - low)))

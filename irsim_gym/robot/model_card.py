@@ -1,0 +1,91 @@
+"""The README.md of an exported policy: a model card for people, with a front matter that hubs read."""
+
+from __future__ import annotations
+
+from irsim_gym.robot.robot_contract import RobotContract
+from irsim_gym.tasks.term import NEEDS
+
+CARD = """---
+library_name: irsim_gym
+tags: [reinforcement-learning, robotics, navigation, onnx, irsim_gym]
+model-index:
+  - name: {name}
+    results:
+      - task: {{type: reinforcement-learning, name: reinforcement-learning}}
+        dataset: {{type: "irsim_gym/{scenario}", name: "irsim_gym/{scenario}"}}
+        metrics:
+          - {{type: success_rate, name: success_rate, value: "{rate}", verified: false}}
+---
+
+# {name}
+
+A policy of [irsim_gym](https://pypi.org/project/irsim-gym/) {version} for a robot with the drive `{drive}`, trained in
+`{scenario}`. It solves {rate}.{predicted}
+
+**It needs** {needs}. A command goes out each {period:g} s: {command}.{scan}
+
+| file | content |
+|---|---|
+| `policy.onnx` | from raw ranges, pose, velocity and goal to a command in SI units; states `x` and `x_next` |
+| `contract.json` | what it needs and was tested with, and its tensors; `contract.schema.json` describes the file |
+| `check.npz` | inputs and commands, to repeat the check on the target |
+| `drive.py` | `Driver`: ROS messages in, velocities out, and why it stands still; NumPy and onnxruntime alone |
+
+Check it on the target:
+
+```python
+import numpy as np
+import onnxruntime
+
+check, session = np.load("check.npz"), onnxruntime.InferenceSession("policy.onnx")
+given = {{one.name: check[one.name] for one in session.get_inputs()}}
+assert np.abs(session.run(["command"], given)[0] - check["command"]).max() < 1e-5
+```
+
+Drive, here in a ROS 2 node:
+
+```python
+from drive import Driver
+
+driver = Driver("contract.json")
+# driver.scan(msg), driver.odometry(msg), driver.goal(msg) or driver.path(msg) in the callbacks, then in a timer:
+# *velocity, reason = driver.tick(node.get_clock().now().nanoseconds / 1e9)
+```
+
+It stands still, and says why, for a scan or an odometry older than {age:g} s, a clock that jumps back, a scanner that
+it was not tested with, more than {lost:.0%} lost beams, numbers that are not finite, a goal in another frame, and
+without a goal. After a fault it waits for three good scans.
+
+It has been tested in a simulator only. Raise the wheels first, then drive slowly, with a dead-man switch and a
+collision monitor behind it.
+"""
+
+
+def model_card(contract: RobotContract, scenario: str) -> str:
+    """Return the model card of an export.
+
+    Args:
+        scenario: Name of the scenario that it was played in, with its parameters.
+    """
+    played, scan = contract.results, contract.scan
+    percent = [f"{100.0 * share:.1f}" for share in (played.success, played.low, played.high)]
+    delay = f", with commands that act {contract.predict:g} s late" if contract.predict else ""
+    beams = (
+        ""
+        if scan is None
+        else f" Its scan has {scan.beams} beams up to {scan.range_max:g} m; others are mapped to it by angle."
+    )
+    return CARD.format(
+        name=contract.policy,
+        scenario=scenario,
+        version=contract.irsim_gym,
+        drive=contract.robot.drive,
+        rate=f"{percent[0]} % [{percent[1]}, {percent[2]}] of {played.levels:,} {played.split} levels{delay}",
+        predicted=f" The graph predicts {contract.predict:g} s ahead." if contract.predict else "",
+        needs=", ".join(f"`{need}` ({NEEDS[need]})" for need in contract.needs) or "nothing",
+        period=contract.period,
+        command=", ".join(contract.outputs["command"]),
+        scan=beams,
+        age=contract.stop.scan_age,
+        lost=contract.stop.lost_beams,
+    )

@@ -1,0 +1,103 @@
+"""The network of a policy as a graph: the twins of the steps of ``array_network``, in double precision."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.tasks.graph import Graph, Value
+from irsim_gym.training.array_network import Arrays, Options
+from irsim_gym.training.shelf import ShelfPolicy
+
+
+def network_graph(policy: ShelfPolicy, graph: Graph, seen: Mapping[str, Value]) -> Value:
+    """Return what a network makes of observations: the numbers of an action, float64, or the number of a choice.
+
+    Args:
+        seen: The parts of the observation by name, ``(batch, width)``, float32.
+
+    Raises:
+        IrsimGymError: The network has a step that is not among ``STEPS``.
+    """
+    parts = [_applied(steps, policy.part_arrays[name], seen[name]) for name, steps in policy.parts.items()]
+    features = graph.join(parts)
+    if policy.memory is not None:
+        before = graph.state("memory", np.zeros(policy.memory["weight_hh"].shape[1], np.float32))
+        after = _gru(features, before.cast(np.float64), policy.memory)
+        graph.keep("memory", after.cast(np.float32))
+        features = graph.join([features, after])
+    found = _applied(policy.trunk, policy.trunk_arrays, features)
+    if policy.output == "argmax":
+        return found.op("ArgMax", np.int64, axis=1, keepdims=0)
+    low, high = policy.action_space.low.astype(np.float64), policy.action_space.high.astype(np.float64)
+    if policy.output == "squash":
+        found = (found.op("Tanh") + 1.0) * (0.5 * (high - low)) + low
+    return found.most(low).least(high)
+
+
+def _applied(steps: Sequence[Options], arrays: Sequence[Arrays], seen: Value) -> Value:
+    found = seen.cast(np.float64)
+    for step, own in zip(steps, arrays, strict=True):
+        if step["kind"] not in STEPS:
+            raise IrsimGymError(f"a network with the step '{step['kind']}' cannot leave: it takes no pictures")
+        found = STEPS[step["kind"]](found, own, step)
+    return found
+
+
+def _stored(value: Value, array: Floats) -> Value:
+    """Return weights as a constant: in single precision where they were trained in it, which halves the file."""
+    small = array.astype(np.float32)
+    return value.graph.constant(small if np.array_equal(small, array) else array).cast(np.float64)
+
+
+def _dense(rows: Value, weight: Floats, bias: Floats) -> Value:
+    return rows.times(_stored(rows, weight.T.copy())) + _stored(rows, bias)
+
+
+def _gru(rows: Value, memory: Value, arrays: Arrays) -> Value:
+    """Return the next memory; see ``array_network.gru_cell``."""
+    given = _dense(rows, arrays["weight_ih"], arrays["bias_ih"])
+    known = _dense(memory, arrays["weight_hh"], arrays["bias_hh"])
+    size = arrays["weight_hh"].shape[1]
+    both = (given + known).columns(0, 2 * size).op("Sigmoid")
+    reset, update = both.columns(0, size), both.columns(size, 2 * size)
+    new = (given.columns(2 * size, 3 * size) + reset * known.columns(2 * size, 3 * size)).op("Tanh")
+    return (1.0 - update) * new + update * memory
+
+
+def _standardized(rows: Value, arrays: Arrays, step: Options) -> Value:
+    scaled = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])
+    return scaled.most(-step["clip"]).least(step["clip"]).cast(np.float32).cast(np.float64)
+
+
+def _gelu(rows: Value, arrays: Arrays, step: Options) -> Value:
+    # ONNX Runtime has Erf in single precision only.
+    return rows * ((rows * np.sqrt(0.5)).cast(np.float32).op("Erf").cast(np.float64) + 1.0) * 0.5
+
+
+def _negative(slope: Callable[[Value, Options], Value]) -> Callable[[Value, Arrays, Options], Value]:
+    """Return an activation that keeps positive numbers, and changes the others."""
+    return lambda rows, arrays, step: (rows > 0.0).where(rows, slope(rows.least(0.0), step))
+
+
+def _named(kind: str) -> Callable[[Value, Arrays, Options], Value]:
+    return lambda rows, arrays, step: rows.op(kind)
+
+
+STEPS: dict[str, Callable[[Value, Arrays, Options], Any]] = {
+    "linear": lambda rows, arrays, step: _dense(rows, arrays["weight"], arrays["bias"]),
+    "standardize": _standardized,
+    "flatten": lambda rows, arrays, step: rows,
+    "relu": _named("Relu"),
+    "tanh": _named("Tanh"),
+    "sigmoid": _named("Sigmoid"),
+    "silu": lambda rows, arrays, step: rows * rows.op("Sigmoid"),
+    "gelu": _gelu,
+    "elu": _negative(lambda rows, step: (rows.op("Exp") - 1.0) * step["alpha"]),
+    "leaky_relu": _negative(lambda rows, step: rows * step["slope"]),
+}
+"""Twins of ``array_network.STEPS``, for rows of numbers."""

@@ -1,0 +1,124 @@
+"""A whole policy as one graph: from what a robot measures to its command in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.envs.spaces import observed
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.robot.network_graph import network_graph
+from irsim_gym.robot.prediction import pending_spans, predicted
+from irsim_gym.robot.robot_inputs import robot_values
+from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.actions import DiscreteAction, VelocityAction
+from irsim_gym.tasks.graph import Graph, HasGraph, RobotValues, Value
+from irsim_gym.tasks.term import NEEDS, IsImage, Term
+from irsim_gym.training.shelf import ShelfPolicy
+from irsim_gym.world.model import OMNI_WORLD
+
+ALONE = ("scan", "odometry", "map_frame")
+"""What a graph can be fed with from the robot's own messages."""
+
+
+class UnfitForRobotError(IrsimGymError):
+    """Raised for policies that cannot leave the simulator as one graph."""
+
+
+@dataclass(frozen=True)
+class PolicyGraph:
+    """A policy as ONNX.
+
+    Attributes:
+        content: The bytes of its file.
+        starts: What each of its states is before the first step, without the axis of the batch.
+        n_nodes: Number of its nodes.
+    """
+
+    content: bytes
+    starts: dict[str, NDArray[Any]]
+    n_nodes: int
+
+
+def policy_graph(
+    policy: ShelfPolicy, episodes: Episodes, name: str, *, predict: float = 0.0, period: float | None = None
+) -> PolicyGraph:
+    """Return a policy as a graph, for the first agent of some episodes.
+
+    Args:
+        predict: Time from the measurement until a new command acts [s]; 0 for none.
+        period: Time from one command to the next [s]; None for a step.
+
+    Raises:
+        UnfitForRobotError: It observes or acts in a way that a graph cannot; the message names all of these.
+    """
+    reasons = list(_reasons(episodes))
+    if reasons:
+        raise UnfitForRobotError(f"'{name}' cannot leave as one graph: {'; '.join(reasons)}")
+    graph, model, b = Graph(), episodes.simulation.model, episodes.task.agents[0]
+    size = int(episodes.action_sizes[0])
+    low, high = model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    still = np.clip(-middle / np.where(half > 0.0, half, 1.0), -1.0, 1.0)
+    robot = robot_values(graph, episodes, graph.state("action", still.astype(np.float32)))
+    measured = robot
+    if predict > 0.0:
+        robot, pending = predicted(robot, episodes, pending_spans(predict, period or float(model.step_time[0])))
+    action = _action(network_graph(policy, graph, _seen(episodes, robot)), episodes)
+    command = action.cast(np.float64) * half + middle
+    if predict > 0.0:
+        n_pending = len(graph.starts["pending"])
+        graph.keep("pending", graph.join([pending.columns(1, n_pending), command.spread(1)]))
+    if model.drive[b] == OMNI_WORLD and episodes.task.action.frame == "command":
+        heading = measured.pose.columns(2, 3)
+        cosine, sine, x, y = heading.op("Cos"), heading.op("Sin"), command.columns(0, 1), command.columns(1, 2)
+        command = graph.join([cosine * x + sine * y, cosine * y - sine * x])
+    graph.keep("action", action)
+    graph.output("command", command.cast(np.float32), size)
+    found = graph.model(name)
+    return PolicyGraph(found.SerializeToString(), graph.starts, len(found.graph.node))
+
+
+def _reasons(episodes: Episodes) -> Iterator[str]:
+    """Yield why the observations or the action cannot be computed in a graph."""
+    for term in episodes.terms["observations"]:
+        yield from _term_reasons(term)
+    if not isinstance(episodes.task.action, VelocityAction | DiscreteAction):
+        yield f"its action '{episodes.terms['action'][0].name}' has no twin in ONNX operators"
+    if len(set(episodes.action_sizes.tolist())) > 1:
+        yield "its team has drives with different numbers of components"
+
+
+def _term_reasons(term: Term) -> Iterator[str]:
+    needs = term.options.needs
+    if needs is None:
+        yield f"the observation '{term.name}' does not say what it needs: declare 'needs'"
+        return
+    lacking = [f"{need} ({NEEDS[need]})" for need in needs if need not in ALONE]
+    if lacking:
+        yield f"the observation '{term.name}' needs {', '.join(lacking)}"
+    elif isinstance(term.options, IsImage):
+        yield f"the observation '{term.name}' is a picture"
+    elif not isinstance(term.options, HasGraph):
+        yield f"the observation '{term.name}' has no twin in ONNX operators: no method 'graph'"
+
+
+def _seen(episodes: Episodes, robot: RobotValues) -> dict[str, Value]:
+    """Return the parts of the observation by their names, as the policy takes them."""
+    parts: dict[str, list[Value]] = {}
+    for key, term in observed(episodes):
+        columns = term.options.graph(term, episodes.simulation.model, 0, robot)
+        parts.setdefault(key, []).append(columns)
+    return {key: robot.graph.join(columns) for key, columns in parts.items()}
+
+
+def _action(found: Value, episodes: Episodes) -> Value:
+    """Return the action in [-1, 1], float32."""
+    if not episodes.n_discrete:
+        return found.most(-1.0).least(1.0).cast(np.float32)
+    grid = found.graph.constant(episodes.terms["action"][0].arrays["grid"][0].astype(np.float32))
+    return found.graph.op("Gather", [grid, found], np.float32, axis=0)

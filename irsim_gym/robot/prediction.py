@@ -1,0 +1,100 @@
+"""The predictor: what a robot will see when its next command acts, some time after it has measured.
+
+The pose is rolled forward through the commands that are still under way, and the points of the scan are turned into
+that pose. What moves by itself is seen where it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.robot.robot_inputs import scanner_of
+from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.graph import RobotValues, Value, between_edges
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR
+
+
+def pending_spans(seconds: float, period: float) -> list[float]:
+    """Return for how long each command under way still acts [s], the oldest first."""
+    count = math.ceil(seconds / period - 1e-9)
+    return [seconds - (count - 1) * period, *[period] * (count - 1)] if count > 0 else []
+
+
+def predicted(
+    robot: RobotValues, episodes: Episodes, spans: Sequence[float], agent: int = 0
+) -> tuple[RobotValues, Value]:
+    """Return what a robot will know in some time, and the commands under way, ``(batch, n, n_components)``.
+
+    They are the state ``pending``, which the caller keeps: without the oldest one, with the new one at the end.
+
+    Args:
+        spans: For how long each command under way still acts [s], the oldest first.
+    """
+    graph, model, b = robot.graph, episodes.simulation.model, episodes.task.agents[agent]
+    size = int(episodes.action_sizes[agent])
+    pending, limits = graph.state("pending", np.zeros((len(spans), size))), model.acceleration_limit[0, b, :size]
+    velocity, turn = robot.velocity, robot.pose.columns(2, 3) * 0.0
+    x = y = turn
+    for k, span in enumerate(spans):
+        change = pending.take(np.array(k)) - velocity
+        velocity = velocity + change.most(-limits * span).least(limits * span)
+        ahead, left, rate = _twist(velocity, episodes, b)
+        middle = turn + rate * (0.5 * span)
+        cosine, sine = middle.op("Cos"), middle.op("Sin")
+        x, y = x + (ahead * cosine - left * sine) * span, y + (ahead * sine + left * cosine) * span
+        turn = turn + rate * span
+    heading = robot.pose.columns(2, 3)
+    cosine, sine = heading.op("Cos"), heading.op("Sin")
+    pose = robot.pose + graph.join([cosine * x - sine * y, sine * x + cosine * y, turn])
+    ranges = _ranges_from(robot, episodes, (x, y, turn), agent)
+    return replace(robot, ranges=ranges, pose=pose, velocity=velocity), pending
+
+
+def _twist(velocity: Value, episodes: Episodes, body: int) -> tuple[Value, Value, Value]:
+    """Return the velocity in the body frame: ahead, to the left, and the turn rate."""
+    drive, first, second = episodes.simulation.model.drive[body], velocity.columns(0, 1), velocity.columns(1, 2)
+    if drive == DIFFERENTIAL:
+        return first, first * 0.0, second
+    if drive == ACKERMANN:
+        if getattr(episodes.simulation.scenario.bodies[body].kinematics, "mode", "steer") == "steer":
+            slope = second.op("Sin") / second.op("Cos")
+            second = first * slope / float(episodes.simulation.model.wheelbase[body])
+        return first, first * 0.0, second
+    return first, second, velocity.columns(2, 3) if drive == OMNI_ANGULAR else first * 0.0
+
+
+def _ranges_from(robot: RobotValues, episodes: Episodes, moved: tuple[Value, Value, Value], agent: int) -> Value:
+    """Return the scan as it would be after a move, given in the body frame [m, m, rad]."""
+    scanner = scanner_of(episodes, agent)
+    if scanner is None or len(scanner[2]) < 2:
+        return robot.ranges
+    options, _, angles = scanner
+    mount_x, mount_y, mount_turn = options.offset
+    far = options.range_max
+    x, y, turn = (value.cast(np.float32) for value in moved)
+    at_x, at_y = (
+        robot.ranges * function(angles + mount_turn).astype(np.float32) + mount - shift
+        for function, mount, shift in ((np.cos, mount_x, x), (np.sin, mount_y, y))
+    )
+    cosine, sine = turn.op("Cos"), turn.op("Sin")
+    ahead, left = cosine * at_x + sine * at_y - mount_x, cosine * at_y - sine * at_x - mount_y
+    length = (robot.ranges < far).where((ahead * ahead + left * left).op("Sqrt"), far)
+    within = between_edges(ahead, left, _edges(angles) + mount_turn)
+    found = within.where(length.spread(2), far).smallest(1).most(options.range_min).least(far)
+    # A beam between two points that have moved apart reads what its neighbours do.
+    is_covered = within.cast(np.float32).largest(1) > 0.5
+    order = np.arange(len(angles))
+    beside = found.take(np.maximum(order - 1, 0)).least(found.take(np.minimum(order + 1, len(angles) - 1)))
+    return is_covered.where(found, beside)
+
+
+def _edges(angles: Floats) -> Floats:
+    """Return the angles [rad] between which beams of even steps look, ``(n_beams + 1,)``."""
+    step = (angles[-1] - angles[0]) / (len(angles) - 1)
+    edges: Floats = angles[0] + step * (np.arange(len(angles) + 1) - 0.5)
+    return edges

@@ -1,0 +1,151 @@
+"""Observations as ONNX graphs: equal to their kernels on random episodes, far from the origin, and for broken scans."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irsim_gym import families
+from irsim_gym.engine import compile
+from irsim_gym.robot.robot_inputs import measured, robot_values
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks import Episodes, load_task
+from irsim_gym.tasks.graph import Graph, HasGraph
+
+onnx = pytest.importorskip("onnx")
+onnxruntime = pytest.importorskip("onnxruntime")
+
+N_WORLDS, TOLERANCE = 8, 1e-5
+SCANNER = {"name": "lidar2d", "number": 90, "angle_range": 2 * np.pi, "range_max": 4, "offset": [0.1, 0.05, 0.3]}
+DISC = {"shape": {"name": "circle", "radius": 0.2}, "goal_threshold": 0.3, "sensors": [SCANNER]}
+DIFF = {"kinematics": {"name": "diff"}, "vel_min": [-0.2, -1.5], "vel_max": [1, 1.5], **DISC}
+OMNI = {"kinematics": {"name": "omni"}, "vel_min": [-1, -0.5], "vel_max": [1, 0.5], **DISC}
+CAR = {
+    "kinematics": {"name": "acker", "mode": "steer"},
+    "vel_min": [-0.8, -0.6],
+    "vel_max": [1, 0.6],
+    "acce": [1.5, 2.0],
+    **DISC,
+    "shape": {"name": "rectangle", "length": 0.9, "width": 0.5, "wheelbase": 0.5},
+}
+EVERYTHING: list[Any] = [
+    "scan",
+    "free_travel",
+    {"name": "past_scans", "ago": [1, 4]},
+    "goal",
+    "goal_record",
+    {"name": "trail", "spacing": 0.1, "marks": 12},
+    "goal_heading",
+    "velocity",
+    "last_action",
+    "drive",
+    "own_body",
+    "position",
+    "heading",
+]
+OTHERWISE: list[Any] = [
+    {"name": "scan", "sectors": 90, "code": "linear"},
+    {"name": "free_travel", "directions": 7, "margin": 0.1, "code": "linear", "horizon": 9},
+    {"name": "past_scans", "sectors": 5, "code": "linear"},
+    {"name": "goal", "scale": 3.0, "near": 0.4},
+    {"name": "trail", "sectors": 1, "spacing": 0.2, "marks": 5, "fresh": 0},
+]
+
+
+def episodes(robot: dict[str, Any], observations: list[Any], shift: float = 0.0) -> Episodes:
+    """Return episodes of a robot among three discs, in a world whose corner is at ``shift`` [m] in x and y."""
+    low, high = [shift + 0.5, shift + 0.5, -3.1], [shift + 5.5, shift + 5.5, 3.1]
+    place = {"name": "random", "range_low": low, "range_high": high}
+    obstacle = {"number": 3, "shape": {"name": "circle", "radius": 0.4}, "distribution": place}
+    world = {"width": 6, "height": 6, "offset": [shift, shift], "step_time": 0.1}
+    scenario = load_scenario({"world": world, "robot": {**robot, "distribution": place}, "obstacle": obstacle})
+    task = load_task(scenario, {"name": "blank", "observations": observations, "max_steps": 10_000})
+    played = Episodes(compile(scenario, N_WORLDS, agents=task.agents), task)
+    played.begin(np.arange(N_WORLDS), np.arange(N_WORLDS))
+    return played
+
+
+class Twin:
+    """The observations of episodes as a graph, which is run for all worlds at once."""
+
+    def __init__(self, played: Episodes) -> None:
+        graph, self.played = Graph(), played
+        robot = robot_values(graph, played, graph.input("action", np.float32, int(played.action_sizes[0])))
+        terms = played.terms["observations"]
+        columns = [term.options.graph(term, played.simulation.model, 0, robot) for term in terms]
+        graph.output("seen", graph.join(columns), played.n_features)
+        model = graph.model("twin")
+        onnx.checker.check_model(model, full_check=True)
+        self.session = onnxruntime.InferenceSession(model.SerializeToString(), providers=["CPUExecutionProvider"])
+        self.names = {one.name for one in self.session.get_inputs()}
+        self.states = {name: np.stack([start] * N_WORLDS) for name, start in graph.starts.items()}
+
+    def see(self, **changed: Any) -> Any:
+        """Return the observation of all worlds, and keep the states."""
+        action = self.played.state.action[:, 0].astype(np.float32)
+        given = {**measured(self.played), "action": action, **self.states, **changed}
+        outputs = self.session.run(None, {name: given[name] for name in self.names})
+        found = dict(zip([one.name for one in self.session.get_outputs()], outputs, strict=True))
+        self.states = {name: found[f"{name}_next"] for name in self.states}
+        return found["seen"]
+
+
+def differences(played: Episodes, n_steps: int, seed: int = 0) -> Iterator[float]:
+    """Yield how far the twin is from the kernels at most, step by step of a random drive."""
+    twin, rng = Twin(played), np.random.default_rng(seed)
+    yield float(np.abs(twin.see() - played.view.observation[:, 0]).max())
+    for _ in range(n_steps):
+        played.step(rng.uniform(-1.0, 1.0, (N_WORLDS, 1, int(played.action_sizes[0]))))
+        yield float(np.abs(twin.see() - played.view.observation[:, 0]).max())
+
+
+def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
+    families.load()
+    own = [entry for entry in families.OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")]
+    alone = {entry.name for entry in own if set(entry.kind().needs) <= {"scan", "odometry", "map_frame"}}
+    twins = {entry.name for entry in own if issubclass(entry.kind, HasGraph)}
+    assert alone - twins == {"has_arrived"}
+    assert {item if isinstance(item, str) else item["name"] for item in EVERYTHING} == twins
+
+
+@pytest.mark.parametrize(
+    ("robot", "observations", "shift"),
+    [
+        (DIFF, EVERYTHING, 0.0),
+        (CAR, EVERYTHING, 1e5),
+        (OMNI, EVERYTHING, -1e5),
+        (DIFF, OTHERWISE, 0.0),
+    ],
+    ids=["diff", "car far away", "omni far away", "other options"],
+)
+def test_twins_equal_their_kernels(robot: dict[str, Any], observations: list[Any], shift: float) -> None:
+    assert max(differences(episodes(robot, observations, shift), 40)) < TOLERANCE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_twins_equal_their_kernels_in_ten_thousand_observations(seed: int) -> None:
+    kinds = [(DIFF, EVERYTHING, 1e5), (CAR, EVERYTHING, 0.0), (OMNI, EVERYTHING, 0.0), (DIFF, OTHERWISE, 0.0)]
+    assert max(differences(episodes(*kinds[seed]), 2500 // N_WORLDS, seed)) < TOLERANCE
+
+
+def test_broken_ranges_read_as_rep_117_says() -> None:
+    played = episodes(DIFF, EVERYTHING)
+    twin, same = Twin(played), Twin(played)
+    raw = measured(played)["ranges"]
+    raw[:, 3], raw[:, 10], raw[:, 20], raw[:, 30] = np.nan, np.inf, -np.inf, 99.0
+    clean = raw.copy()
+    clean[:, [3, 10, 30]], clean[:, 20] = SCANNER["range_max"], 0.0
+    seen = twin.see(ranges=raw)
+    assert np.isfinite(seen).all()
+    np.testing.assert_array_equal(seen, same.see(ranges=clean))
+
+
+def test_any_heading_will_do_where_the_goal_has_none() -> None:
+    played = episodes(DIFF, ["goal_heading"])
+    goal = measured(played)["goal"]
+    goal[:, 2] = np.nan
+    np.testing.assert_array_equal(Twin(played).see(goal=goal), np.zeros((N_WORLDS, 2)))
