@@ -27,7 +27,7 @@ NITEMS, DATA, SHAPE, STRIDES = 2, 4, 5, 6
 """Places of an array's parts in Numba's form of it; those before are its owner and parent, then the size of an item."""
 
 
-class Parts:
+class KernelValue:
     """A value of several parts, which are made where they are needed: an array, or what goes through a range.
 
     Args:
@@ -80,10 +80,10 @@ class KernelLower(Lower):  # type: ignore[misc]
     def storevar(self, value: Any, name: str, argidx: Any = None) -> None:
         """Give a variable its value."""
         if name in self._singly_assigned_vars:
-            (self._parts if isinstance(value, Parts) else self._blk_local_varmap)[name] = value
+            (self._parts if isinstance(value, KernelValue) else self._blk_local_varmap)[name] = value
             return
         self._alloca_var(name, self.typeof(name))
-        whole = value.whole(self.context, self.builder) if isinstance(value, Parts) else value
+        whole = value.whole(self.context, self.builder) if isinstance(value, KernelValue) else value
         self.builder.store(whole, self.getvar(name))
 
     def delvar(self, name: str) -> None:
@@ -102,10 +102,12 @@ class KernelLower(Lower):  # type: ignore[misc]
             kind = self.typeof(expr.value.name)
             if hasattr(kind, "part") and kind.fields[expr.attr] == resty:
                 block = self.loadvar(expr.value.name)
-                return Parts(resty, lambda *place: kind.part(self.context, self.builder, block, expr.attr, *place))
+                return KernelValue(
+                    resty, lambda *place: kind.part(self.context, self.builder, block, expr.attr, *place)
+                )
         if expr.op == "getattr" and expr.attr == "shape" and isinstance(self.typeof(expr.value.name), types.Array):
             array = self._array(expr.value)
-            return Parts(resty, lambda axis: array.part(SHAPE, axis)).whole(self.context, self.builder)
+            return KernelValue(resty, lambda axis: array.part(SHAPE, axis)).whole(self.context, self.builder)
         if expr.op == "static_getitem" and isinstance(self.typeof(expr.value.name), types.Array) and expr.index_var:
             return self.lower_getitem(resty, expr, expr.value, expr.index_var, self.fndesc.calltypes[expr])
         steps = self._parts.get(expr.value.name) if expr.op in LOOP else None
@@ -123,9 +125,9 @@ class KernelLower(Lower):  # type: ignore[misc]
             return super()._lower_call_normal(fnty, expr, signature)
         *start, stop = self.fold_call_args(fnty, signature, expr.args, expr.vararg, expr.kws)
         parts = *(start or [stop.type(0)]), stop, stop.type(1)
-        return Parts(signature.return_type, lambda k: parts[k])
+        return KernelValue(signature.return_type, lambda k: parts[k])
 
-    def _first(self, kind: Any, steps: Parts) -> Parts:
+    def _first(self, kind: Any, steps: KernelValue) -> KernelValue:
         """Begin to go through a range: where the next number is, stop, step, and where the count of those left is."""
         build, start, stop = self.builder, steps.part(0), steps.part(1)
         number, left = (pointers.alloca_once(build, stop.type) for _ in range(2))
@@ -133,15 +135,15 @@ class KernelLower(Lower):  # type: ignore[misc]
         build.store(start, number)
         build.store(build.select(build.icmp_signed(">", length, zero), length, zero), left)
         parts = number, stop, stop.type(1), left
-        return Parts(kind, lambda k: parts[k])
+        return KernelValue(kind, lambda k: parts[k])
 
-    def _next(self, kind: Any, steps: Parts) -> Parts:
+    def _next(self, kind: Any, steps: KernelValue) -> KernelValue:
         """Take the next number, and whether there is one."""
         build, left, number = self.builder, self.builder.load(steps.part(3)), self.builder.load(steps.part(0))
         build.store(build.sub(left, left.type(1), flags=["nsw"]), steps.part(3))
         build.store(build.add(number, left.type(1)), steps.part(0))
         parts = number, build.icmp_signed(">", left, left.type(0))
-        return Parts(kind, lambda k: parts[k])
+        return KernelValue(kind, lambda k: parts[k])
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         """Return the value of an operation; that of two numbers, other than a power, is what it was resolved to."""
@@ -176,7 +178,7 @@ class KernelLower(Lower):  # type: ignore[misc]
                 return size
             return address if k == DATA else array.part(k, *(n_axes + j for j in axis))
 
-        return Parts(resty, part)
+        return KernelValue(resty, part)
 
     def lower_setitem(self, target_var: Any, index_var: Any, value_var: Any, signature: Any) -> Any:
         """Write an element of an array."""
@@ -189,14 +191,14 @@ class KernelLower(Lower):  # type: ignore[misc]
         value = self.context.cast(self.builder, value, signature.args[2], array.kind.dtype)
         return items.store_item(self.context, self.builder, array.kind, value, address)
 
-    def _array(self, array: Any) -> Parts:
+    def _array(self, array: Any) -> KernelValue:
         """Return the parts of an array."""
         if array.name in self._parts:
             return self._parts[array.name]  # type: ignore[no-any-return]
         whole = self.loadvar(array.name)
-        return Parts(self.typeof(array.name), lambda *place: self.builder.extract_value(whole, place))
+        return KernelValue(self.typeof(array.name), lambda *place: self.builder.extract_value(whole, place))
 
-    def _place(self, array: Any, index: Any) -> tuple[Parts, Any, int] | None:
+    def _place(self, array: Any, index: Any) -> tuple[KernelValue, Any, int] | None:
         """Return an array, the address of its element or row, and for how many axes it is given; None for slices."""
         kind, given, build = self.typeof(array.name), self.typeof(index.name), self.builder
         kinds: Any = getattr(given, "types", (given,))

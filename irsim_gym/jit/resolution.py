@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 from numba.core import targetconfig, types
 
 Flags: Any = targetconfig.ConfigStack
-_signatures: dict[Any, dict[Any, Any]] = {}
+
+
+@functools.cache
+def _signatures(flags: Any) -> dict[Any, Any]:
+    """Return the signatures known under some flags; each call returns the same dictionary."""
+    return {}
 
 
 class Typing:
@@ -20,7 +26,7 @@ class Typing:
     def __init__(self, context: Any) -> None:
         self._context = context
         # Under other flags, a function may have another implementation.
-        self._known = _signatures.setdefault(Flags.top_or_none(), {})
+        self._known = _signatures(Flags.top_or_none())
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
