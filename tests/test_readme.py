@@ -16,7 +16,7 @@ import pytest
 from command_line import run
 
 import irsim_gym
-from irsim_gym import families
+from irsim_gym.base import families
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from irsim_gym.robot.robot_contract import RobotContract
-from irsim_gym.tasks.term import NEEDS
+from irsim_gym.robot.contract import RobotContract
+from irsim_gym.tasks.terms.term import NEEDS
 
 CARD = """---
 library_name: irsim_gym
