@@ -55,7 +55,7 @@ def run_by_itself(
 
 
 def _check_film(film: Path | None, overwrite: bool) -> None:
-    from irsim_gym.training.settings.folders import check_free
+    from irsim_gym.evaluation.requests.folders import check_free
 
     if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
         raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym import __version__
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import KINEMATICS
+from irsim_gym.base.version import __version__
 from irsim_gym.evaluation.measures.metrics import Rate, rate
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.protocol import drive
 from irsim_gym.evaluation.protocol.tables import write_bytes, write_json, write_text
-from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest, request_of
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import (
     SavedPolicy,
     load_policy,
@@ -33,12 +33,12 @@ from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
 from irsim_gym.robot.contract import (
     GoalForm,
     Hashes,
-    Played,
     RobotContract,
     RobotLimits,
     Scanner,
     StateForm,
     Stops,
+    SuccessRate,
     TensorForm,
     Tested,
     contract_schema,
@@ -125,7 +125,7 @@ def export_for_robot(
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
         success = _success(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
-    results = Played(success=success.value, low=success.low, high=success.high, levels=levels, split=SPLIT)
+    results = SuccessRate(success=success.value, low=success.low, high=success.high, levels=levels, split=SPLIT)
     hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
         policy=name,
@@ -159,7 +159,7 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
         return ScenarioRequest(own.name, own.task, own.team is not None, own.parameters)
     run = run_of(policy_file(source))
     if run.exists():
-        return request_of(run.own_settings())
+        return run.own_settings().request()
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
 
 

@@ -13,8 +13,8 @@ from command_line import run
 import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameError
+from irsim_gym.evaluation.requests.folders import labelled
 from irsim_gym.scenario.specs.ids import IDS, scenario_name
-from irsim_gym.training.settings.folders import labelled
 
 WORLD = """
 world: {name: mine, width: 6, height: 6}

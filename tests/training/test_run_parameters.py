@@ -12,10 +12,11 @@ from command_line import run
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.requests.episode_setup import conditions, make_episodes
+from irsim_gym.evaluation.requests.folders import evaluation_folder
 from irsim_gym.evaluation.requests.remembered import remembered_parameters
 from irsim_gym.training.requests.training_request import TrainingRequest
 from irsim_gym.training.runs.environment import make_worlds
-from irsim_gym.training.settings.folders import default_folder, evaluation_folder
+from irsim_gym.training.settings.folders import default_folder
 from irsim_gym.training.settings.run import Run, Settings
 
 FILE = """

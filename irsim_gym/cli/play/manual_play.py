@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import irsim_gym
 from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.base.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.base.families import BEHAVIORS
+from irsim_gym.envs.gymnasium.registration import make
 from irsim_gym.envs.gymnasium.single import WorldEnv
 from irsim_gym.envs.parts.pictures import make_renderer, world_status
 from irsim_gym.evaluation.comparison.recorder import RecordedStep, Recorder, check_demonstrations
@@ -123,7 +123,7 @@ class Player:
         task: Any = self._settings.task if robot is None else _task_of(self._scenario, self._settings.task, robot)
         if isinstance(self._policy, Perceives) and self._policy.perception is not None:
             task = perceived(self._scenario, task, self._policy.perception)
-        env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, strict=strict, **given)
+        env: Any = make(name, task=task, disable_env_checker=True, strict=strict, **given)
         assert isinstance(env.unwrapped, WorldEnv)
         self._env, self._worlds = env, env.unwrapped.worlds
         self._body = int(self._worlds.simulation.agents[0])

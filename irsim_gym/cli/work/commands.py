@@ -19,6 +19,7 @@ from irsim_gym.evaluation.levels.level_survey import survey
 from irsim_gym.evaluation.measures.metrics import EpisodeRow
 from irsim_gym.evaluation.measures.team_metrics import TeamRow
 from irsim_gym.evaluation.protocol.tables import PLAIN, legend, print_table
+from irsim_gym.evaluation.requests.folders import check_free, check_no_results, evaluation_folder, free_file
 from irsim_gym.evaluation.requests.inputs import check_folder, check_inputs
 from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.evaluation.requests.methods import read_methods
@@ -31,7 +32,6 @@ from irsim_gym.training.curves.verdict import look_command, verdict
 from irsim_gym.training.requests.request_checks import check_level_files, check_request
 from irsim_gym.training.requests.training_request import TrainingRequest
 from irsim_gym.training.runs.extension import extend
-from irsim_gym.training.settings.folders import check_free, check_no_results, evaluation_folder, free_file
 from irsim_gym.training.settings.run import Run, Settings
 
 

@@ -16,7 +16,6 @@ from irsim_gym.evaluation.protocol.tables import figure_table, print_table, writ
 from irsim_gym.evaluation.requests.inputs import check_folder
 from irsim_gym.evaluation.requests.interruption import ctrl_c_as_error
 from irsim_gym.evaluation.requests.remembered import report_changes
-from irsim_gym.evaluation.requests.scenario_request import request_of
 from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints
 from irsim_gym.evaluation.saved_policies.snapshot import listed
 from irsim_gym.training.curves import seed_summary
@@ -118,7 +117,7 @@ def summarize_runs(folder: Path, runs: Sequence[Run], levels: int) -> None:
     Runs in a mixture are evaluated in each scenario, with a summary in a folder of its name.
     """
     settings = runs[0].settings()
-    report_changes(request_of(settings), [runs[0].folder])
+    report_changes(settings.request(), [runs[0].folder])
     if not settings.mixture:
         _summarize(folder, settings, runs, levels)
         return
@@ -137,7 +136,7 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     """
     is_team, places = settings.is_team, [run.folder for run in runs]
     method = settings.algorithm
-    found = evaluate_policies(request_of(settings), {method: list(places)}, levels=levels, folder=folder / TEST)
+    found = evaluate_policies(settings.request(), {method: list(places)}, levels=levels, folder=folder / TEST)
     test = seed_summary.named_as_runs(json_object(folder / TEST / "summary.json"), places)
     summary = seed_summary.summarize_seeds(test["conditions"]["scenario"], places, [test], part)
     line = _summary_line(summary, found.worst[method])

@@ -20,12 +20,12 @@ from irsim_gym.evaluation.comparison.comparison import sources_of
 from irsim_gym.evaluation.comparison.evaluate import WORLDS, Evaluation, play, prepare, write_results
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.protocol.progress_bars import progress_bar
+from irsim_gym.evaluation.requests.folders import check_no_results
 from irsim_gym.evaluation.requests.methods import Sources, by_method, names_of_policies
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import Source, policy_digest
 from irsim_gym.evaluation.saved_policies.snapshot import snapshot_of
 from irsim_gym.tasks.episodes.levels import check_split
-from irsim_gym.training.settings.folders import check_no_results
 
 REPLAYS = 200
 PAGE = "arena.html"

@@ -11,7 +11,7 @@ import gymnasium
 import numpy as np
 from rich.console import Console
 
-import irsim_gym
+from irsim_gym.envs.gymnasium.registration import make
 from irsim_gym.envs.gymnasium.single import WorldEnv
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource
 from irsim_gym.envs.parts.observations import concatenated
@@ -161,7 +161,7 @@ def record_demonstrations(
         load_policy,  # can load PyTorch, which manual play does not need
     )
 
-    env = irsim_gym.make(scenario, task=task, strict=strict, **parameters)
+    env = make(scenario, task=task, strict=strict, **parameters)
     world, driver = env.unwrapped, load_policy(policy)
     assert isinstance(world, WorldEnv)
     _check_demonstrator(world, driver)

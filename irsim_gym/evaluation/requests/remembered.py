@@ -12,12 +12,12 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.policies.reference_policies import is_named_policy
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.cards import CardScenario
+from irsim_gym.evaluation.saved_policies.run_folder import RunFolder, folder_of, lasting
 from irsim_gym.evaluation.saved_policies.shelf import card_of
 from irsim_gym.evaluation.saved_policies.snapshot import differences, listed, take_snapshot
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.scenario.text.messages import with_parameters
-from irsim_gym.training.settings.run import Run, lasting, run_of
 
 Parameters = Mapping[str, object]
 
@@ -69,16 +69,16 @@ def changes_since(
     card = card_of(source)
     if card is not None:
         return _changes_since_card(scenario, card.scenario, task, strict=strict)
-    run = run_of(source)
+    run = RunFolder(folder_of(source))
     before = run.snapshot()
     if before is None:
         return []
-    settings = run.settings()
+    trained = run.trained()
     named = lasting(scenario_name(str(scenario)))
-    if settings.scenario != named or settings.task != (None if task is None else lasting(str(task))):
+    if trained.scenario != named or trained.task != (None if task is None else lasting(str(task))):
         return []
     try:
-        now = take_snapshot(named, settings.task, settings.parameters, strict=strict)
+        now = take_snapshot(named, trained.task, trained.parameters, strict=strict)
     except IrsimGymError as error:
         return [f"it cannot be read with the run's parameters: {str(error).splitlines()[0]}"]
     return differences(before, now)
@@ -116,7 +116,7 @@ def as_trained(asked: ScenarioRequest, sources: Sequence[str | Path]) -> Scenari
 
 def change_message(scenario: str | Path, source: str | Path, found: list[str]) -> str:
     """Return the message about a scenario that has changed since a policy was trained in it."""
-    run = run_of(source)
+    run = RunFolder(folder_of(source))
     copied = run.snapshot()
     where = "" if copied is None else f". As it was: {run.copy / copied.file}"
     return f"{scenario} has changed since {source} was trained: {listed(found)}{where}"
@@ -126,15 +126,15 @@ def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
     """Return the parameters of a policy's training in a scenario; an empty dict if they are unknown."""
     named, card = lasting(scenario_name(scenario)), card_of(source)
     if card is None:
-        return _only_parameters(named, _parts_of(run_of(source)))
+        return _only_parameters(named, _parts_of(RunFolder(folder_of(source))))
     parts = card.training.mixture or (card.scenario,)
     return _only_parameters(Path(named).name, [(part.name, part.parameters) for part in parts])
 
 
-def _parts_of(run: Run) -> list[tuple[str, Parameters]]:
+def _parts_of(run: RunFolder) -> list[tuple[str, Parameters]]:
     """Return the scenarios of a run with their parameters; an empty list if its settings cannot be read."""
     try:
-        return [(part.scenario, part.parameters) for part in run.settings().parts()]
+        return list(run.trained().parts)
     except IrsimGymError:
         return []
 

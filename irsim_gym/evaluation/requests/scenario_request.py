@@ -12,7 +12,6 @@ from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.simulator.engine import Simulation, compile
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.settings.run import Settings
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,3 @@ class ScenarioRequest:
     def episodes(self, n_worlds: int) -> Episodes:
         """Return worlds with the task."""
         return make_episodes(n_worlds=n_worlds, **vars(self))
-
-
-def request_of(settings: Settings) -> ScenarioRequest:
-    """Return the scenario of a training with its task."""
-    return ScenarioRequest(settings.scenario, settings.task, settings.is_team, settings.parameters, settings.strict)

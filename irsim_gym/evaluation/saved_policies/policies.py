@@ -25,9 +25,9 @@ from irsim_gym.evaluation.policies.policy import ObservationPolicy, Policy, by_w
 from irsim_gym.evaluation.policies.reference_policies import is_named_policy, reference_policy
 from irsim_gym.evaluation.saved_policies.checkpoint_files import POLICY, newest_checkpoint
 from irsim_gym.evaluation.saved_policies.policy_places import UnknownPolicyError, all_unknown, missing_policy, read_each
+from irsim_gym.evaluation.saved_policies.run_folder import RunFolder, folder_of
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, ShelfPolicy, read_policy, shelf_files
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.settings.run import Run, run_of
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
@@ -262,9 +262,9 @@ def _report_unfinished(source: Source) -> None:
     """Say on standard error if a source is the folder of a run that is not finished, and what plays."""
     if not isinstance(source, str | Path) or is_named_policy(source) or is_on_shelf(source):
         return
-    run = Run(Path(source))
+    run = RunFolder(Path(source))
     if run.exists() and not run.finished():
-        steps, wanted = int(policy_file(source).parent.name), run.settings().hyperparameters.n_timesteps
+        steps, wanted = int(policy_file(source).parent.name), run.trained().steps
         print(f"{source} is not finished: its checkpoint after {steps:,} of {wanted:,} steps plays", file=sys.stderr)
 
 
@@ -285,7 +285,7 @@ def policy_file(source: str | Path) -> Path:
             _check_one_meaning(source, f"a file or folder here: write .{os.sep}{source} for that")
         return shelf_files()[str(source)]
     if path.is_dir():
-        newest = newest_checkpoint(Run(path).checkpoints)
+        newest = newest_checkpoint(RunFolder(path).checkpoints)
         path = path / POLICY if (path / POLICY).is_file() or newest is None else newest / POLICY
     if not path.is_file():
         raise UnknownPolicyError(source, missing_policy(source))
@@ -344,11 +344,11 @@ def _trained_perception(policy: str | Path) -> Perception | None:
     Args:
         policy: A run's folder, or the file of a policy in it.
     """
-    run = run_of(policy)
+    run = RunFolder(folder_of(policy))
     if not run.exists():
         return None
     try:
-        return run.own_settings().perception()
+        return run.perception()
     except IrsimGymError as error:
         text = f"{run.folder}: the observations of its training cannot be read, so its policy uses those of the task"
         warn_caller(f"{text}: {error}", UnknownPerceptionWarning)

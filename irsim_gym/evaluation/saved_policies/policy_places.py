@@ -12,8 +12,8 @@ from irsim_gym.base.errors import IrsimGymError, nearest
 from irsim_gym.base.extras import require
 from irsim_gym.evaluation.policies.reference_policies import policy_kinds
 from irsim_gym.evaluation.saved_policies.checkpoint_files import POLICY, newest_checkpoint
+from irsim_gym.evaluation.saved_policies.run_folder import RunFolder
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, read_policy, shelf_files
-from irsim_gym.training.settings.run import Run
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -48,7 +48,7 @@ def known_names() -> tuple[str, ...]:
 
 def holds_policy(folder: Path) -> bool:
     """Return whether a folder is a run with a policy, or with a checkpoint of one."""
-    return (folder / POLICY).is_file() or newest_checkpoint(Run(folder).checkpoints) is not None
+    return (folder / POLICY).is_file() or newest_checkpoint(RunFolder(folder).checkpoints) is not None
 
 
 def runs_below(folder: Path = RUNS, depth: int = DEPTH) -> list[Path]:

@@ -22,6 +22,7 @@ from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol.tables import plain
 from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.evaluation.requests.episode_setup import make_episodes, team_conditions
+from irsim_gym.evaluation.requests.folders import as_name
 from irsim_gym.evaluation.requests.methods import ComparedMethod
 from irsim_gym.evaluation.saved_policies.policies import UnfitPolicyError, load_policy
 from irsim_gym.evaluation.suite.members import Member
@@ -30,7 +31,6 @@ from irsim_gym.evaluation.suite.scores import score_suite
 from irsim_gym.evaluation.suite.suite_record import RECORD, ROWS, SUMMARY, SuiteRecord, read_record
 from irsim_gym.scenario.specs.library import configs_folder
 from irsim_gym.tasks.episodes.levels import check_split
-from irsim_gym.training.settings.folders import as_name
 
 
 def play_suite(

@@ -18,7 +18,6 @@ from irsim_gym.simulator.contact.pairs import note_contact
 from irsim_gym.simulator.geometry.angles import wrap, wrap_from
 from irsim_gym.simulator.geometry.overlap import capsule_meets_outline, outline_distance
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
-from irsim_gym.simulator.step.patience import Patience
 from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
 from irsim_gym.simulator.world.names import Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import outline_of, place_outline
@@ -57,7 +56,7 @@ class SweptMotion(Struct):
     free: Flags
 
 
-def lay_sweep(scenario: Scenario, model: Model, movers: Ints, patience: Patience | None) -> SweptMotion | None:
+def lay_sweep(scenario: Scenario, model: Model, movers: Ints, free: Flags | None) -> SweptMotion | None:
     """Return memory for the ways of a step; None where only its end is tested.
 
     Raises:
@@ -71,7 +70,7 @@ def lay_sweep(scenario: Scenario, model: Model, movers: Ints, patience: Patience
     shape = model.present.shape
     start, end, change = np.zeros((3, *shape, 3))
     goes = np.zeros(shape, np.bool_)
-    free = np.zeros_like(goes) if patience is None else patience.free
+    free = np.zeros_like(goes) if free is None else free
     return SweptMotion(movers, start, end, change, np.zeros(shape), goes, free)
 
 

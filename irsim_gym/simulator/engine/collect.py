@@ -86,7 +86,7 @@ def collect_parts(
         loop_returns=_loop_returns(scenario, model),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
-        sweep=lay_sweep(scenario, model, movers, patience),
+        sweep=lay_sweep(scenario, model, movers, None if patience is None else patience.free),
         patience=patience,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),

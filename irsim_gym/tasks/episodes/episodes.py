@@ -13,7 +13,7 @@ from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.simulator.running.direct import Direct
 from irsim_gym.simulator.world.model import OMNI_WORLD
-from irsim_gym.tasks import actions
+from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.definition.task import Task, checked_limit
 from irsim_gym.tasks.endings.arrived import Arrived
 from irsim_gym.tasks.episodes import account, team_state
@@ -45,7 +45,7 @@ class Episodes:
         action_sizes: Number of components of each agent's actions, shape ``(n_agents,)``; further ones are ignored.
         feature_mask: Columns of the observation that each agent has, shape ``(n_agents, n_features)``; the others are
             0.
-        direct: Plays a step of all worlds in the caller's thread with less overhead; None for discrete actions.
+        direct: Plays a step of all worlds in the caller's thread with less overhead; None for discrete commands.
     """
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
@@ -265,7 +265,7 @@ class Episodes:
         if self._watch.is_on:
             self._watch.end_if_seen()
         rows = shards.all[0].worlds if worlds is None else worlds
-        actions.take(given, rows, self.n_discrete, self.action_sizes, self._given)
+        commands.take(given, rows, self.n_discrete, self.action_sizes, self._given)
         self.simulation.run(self._play, worlds)
 
     def _begin_levels(self, shard: Shard) -> None:
@@ -280,7 +280,7 @@ class Episodes:
         """Begin the episodes of the agents that ``state.began`` flags, at their bodies' present poses."""
         simulation, model, state, worlds = self.simulation, self.simulation.model, self.state, shard.worlds
         simulation.clearance(shard, self._agents, state.clearance)
-        actions.rest(worlds, self._agents, model, state)
+        commands.rest(worlds, self._agents, model, state)
         account.begin_episodes(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
             term.options.begin(term, model, simulation.state, state, shard)
@@ -318,9 +318,9 @@ class Episodes:
         model, state = self.simulation.model, self.state
         term = self._action
         (term.watched or term.options.act)(term, model, self.simulation.state, state, shard)
-        actions.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
+        commands.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
-            actions.turn_commands(shard.worlds, self._turned, self.simulation.state)
+            commands.turn_commands(shard.worlds, self._turned, self.simulation.state)
 
     def _record_step(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state

@@ -19,7 +19,6 @@ from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.protocol.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.protocol.teams import evaluate_team, top_speed
-from irsim_gym.evaluation.requests.scenario_request import request_of
 from irsim_gym.evaluation.saved_policies.checkpoint_files import RunProgress, list_checkpoints, load_progress
 from irsim_gym.evaluation.saved_policies.policies import load_policy
 from irsim_gym.scenario.text.messages import with_parameters
@@ -62,7 +61,7 @@ def score_run(
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
         places = [
-            (name, request_of(part).episodes(max(1, min(WORLDS, levels))), Optima("dev"))
+            (name, part.request().episodes(max(1, min(WORLDS, levels))), Optima("dev"))
             for name, part in zip(settings.names, run.own_settings().parts(), strict=True)
         ]
         screen = console or Console(stderr=True)

@@ -21,16 +21,16 @@ from irsim_gym.evaluation.measures.metrics import Summary
 from irsim_gym.evaluation.policies.reference_policies import policy_kinds
 from irsim_gym.evaluation.protocol.tables import plain, write_bytes, write_json
 from irsim_gym.evaluation.requests.inputs import check_folder, check_trained
-from irsim_gym.evaluation.requests.scenario_request import request_of
 from irsim_gym.evaluation.saved_policies import cards
 from irsim_gym.evaluation.saved_policies.checkpoint_files import POLICY, list_checkpoints, load_progress
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy, policy_file
+from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, ShelfPolicy, policy_arrays
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.terms.term import Needs, needs_of
 from irsim_gym.training.export.exported_network import ExportedNetwork, export_network
 from irsim_gym.training.export.results_files import SeedResults, read_results
-from irsim_gym.training.settings.run import CONFIG_KIND, Settings, run_of
+from irsim_gym.training.settings.run import Settings, run_of
 
 MEASURED = "played by the exported policy"
 """Source of results that the export measures itself."""
@@ -71,7 +71,7 @@ def export(
     settings, training = _training(source, found)
     scenario = _scenario(source, settings)
     own = _own_settings(source, settings)
-    episodes = request_of(own).episodes(1)
+    episodes = own.request().episodes(1)
     network.form["perception"] = own.perception().to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
     SavedPolicy(driver).check(episodes)
@@ -244,7 +244,7 @@ def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels:
 
 def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> cards.CardResult:
     """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
-    asked, name = request_of(place), _file_name(settings.scenario)
+    asked, name = place.request(), _file_name(settings.scenario)
     found = evaluate_policies(asked, {name: driver}, levels=levels, references=False)
     figures: Any = found.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success

@@ -10,8 +10,10 @@ from typing import Any
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import ACTIONS
 from irsim_gym.evaluation.policies.perception import perception_differences
+from irsim_gym.evaluation.requests.folders import as_name
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
 from irsim_gym.evaluation.saved_policies.policies import policy_names
+from irsim_gym.evaluation.saved_policies.run_folder import lasting
 from irsim_gym.evaluation.saved_policies.snapshot import listed
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
@@ -19,17 +21,11 @@ from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.terms.term import IsImage
 from irsim_gym.training.settings.engine_checks import check_engine
 from irsim_gym.training.settings.engines import RLLIB, Engine
-from irsim_gym.training.settings.folders import (
-    as_name,
-    default_folder,
-    existing_folders,
-    free_folder,
-    setting_differences,
-)
+from irsim_gym.training.settings.folders import default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters
 from irsim_gym.training.settings.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
 from irsim_gym.training.settings.mixture import Mixture, MixturePart
-from irsim_gym.training.settings.run import Run, Settings, environment_id, lasting
+from irsim_gym.training.settings.run import Run, Settings, environment_id
 
 MAX_MARKS = 2
 """Largest number of changed hyper-parameters that are named in a run's folder."""

@@ -12,10 +12,11 @@ from irsim_gym.base.outside_files import checked, json_object, reading, remove
 from irsim_gym.evaluation.policies.perception import Perception, perception_of
 from irsim_gym.evaluation.protocol.tables import write_json
 from irsim_gym.evaluation.requests.machine import machine
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND, RunFolder, folder_of
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, read_snapshot, snapshot_of
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
-from irsim_gym.scenario.specs.library import SUFFIXES
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.settings.engines import Engine
@@ -24,7 +25,6 @@ from irsim_gym.training.settings.mixture import MixturePart
 
 SEED_STRIDE = 1_000_000
 """Distance between the first levels of consecutive seeds."""
-CONFIG_KIND = "file with the settings of a training run"
 FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
 """Files that a run writes, each first to a temporary file. The settings come last, because they are removed last."""
 FOLDERS = ("checkpoints", "tensorboard", "scenario")
@@ -97,6 +97,10 @@ class Settings:
         """Return what a policy perceives in the training."""
         return perception_of(self.load_task()[1])
 
+    def request(self) -> ScenarioRequest:
+        """Return the scenario with its task."""
+        return ScenarioRequest(self.scenario, self.task, self.is_team, self.parameters, self.strict)
+
     @property
     def first_level(self) -> int:
         """First training level. Runs with different seeds share no levels."""
@@ -129,47 +133,13 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Run:
-    """A training run on disk.
-
-    Attributes:
-        folder: Folder of the run, which may not exist yet.
-    """
-
-    folder: Path
-
-    @property
-    def config(self) -> Path:
-        """File with the settings, and with the machine and the versions of packages."""
-        return self.folder / "config.json"
-
-    @property
-    def copy(self) -> Path:
-        """Folder with a copy of the scenario and its task."""
-        return self.folder / "scenario"
-
-    @property
-    def checkpoints(self) -> Path:
-        """Folder with a folder for each checkpoint, named after its number of steps."""
-        return self.folder / "checkpoints"
-
-    @property
-    def policy(self) -> Path:
-        """File of the final policy. It only exists if the run is finished."""
-        return self.folder / "policy.zip"
+class Run(RunFolder):
+    """A training run on disk, see ``RunFolder``."""
 
     @property
     def curve(self) -> Path:
         """File with the scores of the checkpoints."""
         return self.folder / "curve.json"
-
-    def exists(self) -> bool:
-        """Return whether the folder holds a run."""
-        return self.config.is_file()
-
-    def finished(self) -> bool:
-        """Return whether the run has taken all its steps."""
-        return self.policy.is_file()
 
     def settings(self) -> Settings:
         """Read the settings.
@@ -201,15 +171,6 @@ class Run:
     def change(self, settings: Settings) -> None:
         """Replace the settings on disk; what else stands in ``config.json`` remains."""
         write_json(self.config, {**json_object(self.config), "settings": settings.to_plain()})
-
-    def snapshot(self) -> Snapshot | None:
-        """Return the snapshot of the scenario and its task from the start of the run; None if the run has no copy."""
-        try:
-            with reading(self.config, CONFIG_KIND):
-                file = str(json_object(self.config)["copy"]["file"])
-        except UnreadableFileError:
-            return None
-        return read_snapshot(self.copy, file)
 
     def own_settings(self) -> Settings:
         """Return the settings with the run's own copy in place of the scenario, if there is one.
@@ -261,16 +222,9 @@ def _values(parameters: Mapping[str, object]) -> str:
 
 def run_of(policy: str | Path) -> Run:
     """Return the run of a policy, given by the run's folder, or by the file of its policy or of a checkpoint."""
-    path = Path(policy)
-    folder = path if path.is_dir() else path.parent
-    return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
+    return Run(folder_of(policy))
 
 
 def environment_id(scenario: str) -> str:
     """Return the environment id of a scenario, as hyper-parameter files use it."""
     return f"irsim_gym/{Path(scenario_name(scenario)).stem}-v0"
-
-
-def lasting(source: str) -> str:
-    """Return the absolute path of a file, so that a run can be resumed from another folder; return names unchanged."""
-    return str(Path(source).resolve()) if Path(source).suffix in (*SUFFIXES, ".npz") else source
