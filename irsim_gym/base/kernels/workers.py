@@ -2,7 +2,7 @@
 
 A process that lacks several kernels lists them and starts workers, which get the same list. Each of them takes the
 largest kernel that is neither on disk nor locked (``base.compiled.lock``), compiles it, and takes the next one. Workers
-are programs of their own (``python -m irsim_gym.base.compiled.workers``), so a script needs no main guard, and threads,
+are programs of their own (``python -m irsim_gym.base.kernels.workers``), so a script needs no main guard, and threads,
 daemons and forked children may start them. They live for one list: they end with their input, so also with the process
 that holds its other end, however that ends. Where none can be started, the process compiles alone.
 """
