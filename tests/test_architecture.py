@@ -116,7 +116,6 @@ HEAVY = {
     "PIL",
     "scipy",
     "onnx",
-    "onnxruntime",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
 RENDER_FROM = {"envs", "levels", "live", "controls", "training", "arenas", "cli"}

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym import __version__
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import Rate, rate
 from irsim_gym.evaluation.perception import Perceived
@@ -44,6 +43,7 @@ from irsim_gym.training.run import run_of
 from irsim_gym.training.scenario_request import ScenarioRequest, request_of
 from irsim_gym.training.shelf import ShelfPolicy
 from irsim_gym.training.snapshot import take_snapshot
+from irsim_gym.version import __version__
 from irsim_gym.world.model import ACKERMANN, STATE
 
 LEVELS, SPLIT = 50, "test"
