@@ -99,7 +99,7 @@ def export_for_robot(
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
-    asked = asked or _trained_in(source, loaded)
+    is_own, asked = asked is None, asked or _trained_in(source, loaded)
     name = policy_names([source])[0]
     played = Perceived(asked.episodes(min(levels, LEVELS))).of(loaded)
     loaded.check(played)
@@ -120,6 +120,8 @@ def export_for_robot(
         success = _success(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
     results = Played(success=success.value, low=success.low, high=success.high, levels=levels, split=SPLIT)
+    if is_own and predict == 0.0:
+        results = _known_results(loaded) or results
     hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
         policy=name,
@@ -155,6 +157,18 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     if run.exists():
         return request_of(run.own_settings())
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
+
+
+def _known_results(policy: SavedPolicy) -> Played | None:
+    """Return the results that the card of a policy has of its own scenario."""
+    card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
+    if card is None:
+        return None
+    own = [one for one in card.results if one.scenario is None and one.parameters == card.scenario.parameters]
+    if not own:
+        return None
+    share = own[0].success
+    return Played(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
 
 
 def _network(policy: SavedPolicy) -> ShelfPolicy:
