@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.metrics import Rate, rate
+from irsim_gym.evaluation.metrics import rate
 from irsim_gym.evaluation.perception import Perceived
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import drive
@@ -25,7 +25,7 @@ from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
 from irsim_gym.robot.robot_contract import (
     GoalForm,
     Hashes,
-    Played,
+    Results,
     RobotContract,
     RobotLimits,
     Scanner,
@@ -106,21 +106,16 @@ def export_for_robot(
     network = _network(loaded)
     graph = policy_graph(network, played, name)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
-    success = _success(compared, played, levels)
-    if not compared.most <= TOLERANCE:
-        raise IrsimGymError(
-            f"nothing is written: the graph of '{name}' differs by {compared.most:.3g} from the policy in "
-            f"{compared.n_commands:,} commands, more than {TOLERANCE:g}"
-        )
+    results = _results(compared, played, levels)
+    _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
     period, samples = period or own, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        success = _success(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        results = _results(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
-    results = Played(success=success.value, low=success.low, high=success.high, levels=levels, split=SPLIT)
-    if is_own and predict == 0.0:
+    elif is_own:
         results = _known_results(loaded) or results
     hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
@@ -159,7 +154,7 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
 
 
-def _known_results(policy: SavedPolicy) -> Played | None:
+def _known_results(policy: SavedPolicy) -> Results | None:
     """Return the results that the card of a policy has of its own scenario."""
     card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
     if card is None:
@@ -168,7 +163,7 @@ def _known_results(policy: SavedPolicy) -> Played | None:
     if not own:
         return None
     share = own[0].success
-    return Played(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
+    return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
 
 
 def _network(policy: SavedPolicy) -> ShelfPolicy:
@@ -180,12 +175,22 @@ def _network(policy: SavedPolicy) -> ShelfPolicy:
     return ShelfPolicy(network.form, network.arrays)
 
 
-def _success(policy: Policy, played: Episodes, levels: int) -> Rate:
+def _results(policy: Policy, played: Episodes, levels: int) -> Results:
     """Return in how many levels all robots arrive."""
     solved = 0
     for _, worlds, _ in drive(policy, played, levels, SPLIT):
         solved += int((played.view.infos["outcome"][worlds] == Outcome.SUCCESS).all(axis=1).sum())
-    return rate(solved, levels)
+    share = rate(solved, levels)
+    return Results(success=share.value, low=share.low, high=share.high, levels=levels, split=SPLIT)
+
+
+def _check_difference(compared: ComparedPolicy, name: str) -> None:
+    """Raise an IrsimGymError if the graph differs from the policy, or returned something that is not finite."""
+    if not compared.most <= TOLERANCE:
+        raise IrsimGymError(
+            f"nothing is written: the graph of '{name}' differs by {compared.most:.3g} from the policy in "
+            f"{compared.n_commands:,} commands, more than {TOLERANCE:g}"
+        )
 
 
 def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -254,8 +259,8 @@ def _scanner(played: Episodes) -> Scanner | None:
 
 
 def _scenario_hash(asked: ScenarioRequest) -> str:
-    if not isinstance(asked.scenario, str):
-        return ""
+    assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
+    assert asked.task is None or isinstance(asked.task, str)
     return take_snapshot(asked.scenario, asked.task, asked.parameters).digest
 
 
@@ -267,7 +272,8 @@ def _write(
     folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
 ) -> None:
     check = io.BytesIO()
-    np.savez_compressed(check, **dict(samples))
+    arrays: dict[str, Any] = dict(samples)
+    np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
     write_bytes(folder / "drive.py", Path(__file__).with_name("drive.py").read_bytes())
