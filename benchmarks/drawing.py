@@ -82,7 +82,7 @@ def painters(n_before: int) -> Iterator[dict[str, Painter]]:
 def _renderer(n_before: int) -> tuple[Any, Any, Callable[[], None]]:
     """Return a simulation, its renderer, and how both go to the beginning of a run."""
     import irsim_gym as ig
-    from irsim_gym.render import Renderer
+    from irsim_gym.rendering import Renderer
 
     scenario = ig.load_scenario(drawn_world())
     simulation = ig.compile(scenario)

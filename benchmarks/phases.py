@@ -18,10 +18,12 @@ from effort import Effort, Figures, repeat
 from standard_worlds import s1, s2, s3, s4
 from timing import seconds, summed_up
 
-from irsim_gym.engine import arrival, body_buckets, command_limits, contact, outlines, step
-from irsim_gym.engine.fused import Fused
 from irsim_gym.envs import Worlds
-from irsim_gym.tasks import account, actions
+from irsim_gym.simulator.contact import body_buckets, contact
+from irsim_gym.simulator.running.fused import Fused
+from irsim_gym.simulator.step import arrival, command_limits, outlines, step
+from irsim_gym.tasks import actions
+from irsim_gym.tasks.episodes import account
 
 
 class Stopwatch:

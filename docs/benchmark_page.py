@@ -10,12 +10,12 @@ import sys
 from pathlib import Path
 from textwrap import fill
 
-from irsim_gym.evaluation.tables import plain, write_text
-from irsim_gym.scenario.library import references_file
-from irsim_gym.suite import suite_tables
-from irsim_gym.suite.members import shipped_suite
-from irsim_gym.suite.scores import overall
-from irsim_gym.suite.suite_record import SuiteRecord, read_record
+from irsim_gym.evaluation.protocol.tables import plain, write_text
+from irsim_gym.evaluation.suite import suite_tables
+from irsim_gym.evaluation.suite.members import shipped_suite
+from irsim_gym.evaluation.suite.scores import overall
+from irsim_gym.evaluation.suite.suite_record import SuiteRecord, read_record
+from irsim_gym.scenario.specs.library import references_file
 
 PAGE = Path(__file__).parent / "benchmarks.md"
 MARK = "<!-- Below: made by docs/benchmark_page.py. Do not edit. -->\n"

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from irsim_gym.render import Renderer
+from irsim_gym.cli.work.inspection import begin_level
+from irsim_gym.evaluation.suite.members import Member, shipped_suite
+from irsim_gym.rendering import Renderer
 from irsim_gym.scenario import load_scenario
-from irsim_gym.suite.members import Member, shipped_suite
-from irsim_gym.training.inspection import begin_level
 
 FOLDER = Path(__file__).parent / "benchmarks"
 LEVELS = 4

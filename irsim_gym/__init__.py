@@ -20,54 +20,56 @@ if (
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 from irsim_gym import errors
-from irsim_gym.envs.registration import make, make_vec, register, register_scenarios
-from irsim_gym.version import __version__
+from irsim_gym.base.errors import suggestion
+from irsim_gym.base.faces import keep_former
+from irsim_gym.base.version import __version__
+from irsim_gym.envs.gymnasium.registration import make, make_vec, register, register_scenarios
 
 if TYPE_CHECKING:
     from irsim_gym import irsim, plugins, sb3
-    from irsim_gym.arenas.contest import arena
-    from irsim_gym.engine.compile import compile
-    from irsim_gym.engine.simulation import Simulation
-    from irsim_gym.envs.batch import Batch, make_batch
-    from irsim_gym.envs.batch_step import BatchStep
-    from irsim_gym.envs.parallel import WorldParallelEnv, parallel_env
-    from irsim_gym.envs.replays import RecordReplay
-    from irsim_gym.envs.single import WorldEnv
-    from irsim_gym.envs.torch_rows import TorchRows, torch_rows
-    from irsim_gym.envs.vector import WorldVectorEnv
-    from irsim_gym.live.body import Body
+    from irsim_gym.cli.work.from_python import train
+    from irsim_gym.envs.gymnasium.replays import RecordReplay
+    from irsim_gym.envs.gymnasium.single import WorldEnv
+    from irsim_gym.envs.gymnasium.vector import WorldVectorEnv
+    from irsim_gym.envs.teams.batch import Batch, make_batch
+    from irsim_gym.envs.teams.batch_step import BatchStep
+    from irsim_gym.envs.teams.parallel import WorldParallelEnv, parallel_env
+    from irsim_gym.envs.teams.torch_rows import TorchRows, torch_rows
+    from irsim_gym.evaluation.arena.contest import arena
+    from irsim_gym.evaluation.comparison.comparison import evaluate
+    from irsim_gym.evaluation.comparison.demonstrations import load_demonstrations
+    from irsim_gym.evaluation.comparison.recorder import record_demonstrations
     from irsim_gym.live.plan_ways import plan
+    from irsim_gym.live.population.body import Body
     from irsim_gym.live.world import World, load
     from irsim_gym.plugins import action, behavior, drive, ending, group_behavior, observation, placement, reward
     from irsim_gym.plugins import sensor as sensor
     from irsim_gym.scenario import load_scenario
-    from irsim_gym.training.comparison import evaluate
-    from irsim_gym.training.demonstrations import load_demonstrations
-    from irsim_gym.training.from_python import train
-    from irsim_gym.training.loading import load_policy
-    from irsim_gym.training.recorder import record_demonstrations
+    from irsim_gym.simulator.engine.compile import compile
+    from irsim_gym.simulator.engine.simulation import Simulation
+    from irsim_gym.training.export.loading import load_policy
 
 _HOMES = {
-    "irsim_gym.arenas.contest": "arena",
-    "irsim_gym.engine.compile": "compile",
-    "irsim_gym.engine.simulation": "Simulation",
-    "irsim_gym.envs.batch": "Batch make_batch",
-    "irsim_gym.envs.batch_step": "BatchStep",
-    "irsim_gym.envs.parallel": "WorldParallelEnv parallel_env",
-    "irsim_gym.envs.replays": "RecordReplay",
-    "irsim_gym.envs.single": "WorldEnv",
-    "irsim_gym.envs.torch_rows": "TorchRows torch_rows",
-    "irsim_gym.envs.vector": "WorldVectorEnv",
-    "irsim_gym.live.body": "Body",
+    "irsim_gym.evaluation.arena.contest": "arena",
+    "irsim_gym.simulator.engine.compile": "compile",
+    "irsim_gym.simulator.engine.simulation": "Simulation",
+    "irsim_gym.envs.teams.batch": "Batch make_batch",
+    "irsim_gym.envs.teams.batch_step": "BatchStep",
+    "irsim_gym.envs.teams.parallel": "WorldParallelEnv parallel_env",
+    "irsim_gym.envs.gymnasium.replays": "RecordReplay",
+    "irsim_gym.envs.gymnasium.single": "WorldEnv",
+    "irsim_gym.envs.teams.torch_rows": "TorchRows torch_rows",
+    "irsim_gym.envs.gymnasium.vector": "WorldVectorEnv",
+    "irsim_gym.live.population.body": "Body",
     "irsim_gym.live.plan_ways": "plan",
     "irsim_gym.live.world": "World load",
     "irsim_gym.plugins": "action behavior drive ending group_behavior observation placement reward sensor",
     "irsim_gym.scenario": "load_scenario",
-    "irsim_gym.training.comparison": "evaluate",
-    "irsim_gym.training.demonstrations": "load_demonstrations",
-    "irsim_gym.training.from_python": "train",
-    "irsim_gym.training.loading": "load_policy",
-    "irsim_gym.training.recorder": "record_demonstrations",
+    "irsim_gym.evaluation.comparison.comparison": "evaluate",
+    "irsim_gym.evaluation.comparison.demonstrations": "load_demonstrations",
+    "irsim_gym.cli.work.from_python": "train",
+    "irsim_gym.training.export.loading": "load_policy",
+    "irsim_gym.evaluation.comparison.recorder": "record_demonstrations",
 }
 _LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}
 _FACES = ("evaluation", "irsim", "levels", "live", "plugins", "rllib", "sb3", "suite", "tasks", "training")
@@ -98,7 +100,8 @@ def _elsewhere(name: str) -> str:
     if name.startswith("_") or find_spec(f"irsim_gym.{name}"):  # Python itself asks, before it imports a module
         return ""
     of_irsim = importlib.import_module("irsim_gym.irsim").__all__
-    return f": use irsim_gym.irsim.{name}" if name in of_irsim else errors.suggestion(name, __all__)
+    return f": use irsim_gym.irsim.{name}" if name in of_irsim else suggestion(name, __all__)
 
 
 register()
+keep_former()

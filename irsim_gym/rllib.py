@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.extras import require
+from irsim_gym.base.extras import require
 
 require("rllib", "irsim_gym.rllib")
 
@@ -15,11 +15,11 @@ from ray.rllib.algorithms.appo import APPOConfig
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.tune.registry import register_env
 
-from irsim_gym.envs.fragments import Fragment
-from irsim_gym.envs.registration import make, make_vec
-from irsim_gym.envs.rllib_learning import ArrayAPPOLearner, ArrayPPOLearner
-from irsim_gym.envs.rllib_runner import CPU_SECONDS, SUCCESS, ArrayEnvRunner, make_rows
-from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+from irsim_gym.envs.gymnasium.registration import make, make_vec
+from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource
+from irsim_gym.envs.rllib.batches import ArrayAPPOLearner, ArrayPPOLearner
+from irsim_gym.envs.rllib.fragments import Fragment
+from irsim_gym.envs.rllib.runner import CPU_SECONDS, SUCCESS, ArrayEnvRunner, make_rows
 
 __all__ = ["CPU_SECONDS", "SUCCESS", "ArrayAPPOLearner", "ArrayEnvRunner", "ArrayPPOLearner", "Fragment", "configure"]
 __all__ += ["register_environments"]

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from irsim_gym.arraytypes import Bytes, Floats
-from irsim_gym.paths.grid import BLOCKED
-from irsim_gym.paths.wavefront import TIGHT
+from irsim_gym.base.arraytypes import Bytes, Floats
+from irsim_gym.simulator.cell_paths.wavefront import TIGHT
+from irsim_gym.simulator.paths.grid import BLOCKED
 
 STEPS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if (dy, dx) != (0, 0)]
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from irsim_gym import cli
+from irsim_gym.cli import app as cli
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:

@@ -10,9 +10,9 @@ from collections.abc import Iterator, Sequence
 import pytest
 from hypothesis import settings
 
-from irsim_gym.engine import shards
+from irsim_gym.cli.work import trial
 from irsim_gym.errors import ScenarioWarning
-from irsim_gym.training import trial
+from irsim_gym.simulator.running import shards
 
 # PyTorch's threads only wait for each other where every core has a test of its own.
 os.environ.setdefault("OMP_NUM_THREADS", "1")

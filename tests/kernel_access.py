@@ -77,8 +77,8 @@ def kernels() -> dict[tuple[str, str], Kernel]:
     texts = {file: file.read_text(encoding="utf-8") for file in sorted(PACKAGE.rglob("*.py"))}
     trees = {file: ast.parse(text) for file, text in texts.items() if "@kernel" in text}
     structs = _struct_classes(texts.values())
-    vocabulary = _imported(ast.parse(texts[PACKAGE / "world/names.py"]))
-    modules = "irsim_gym.world.names", "irsim_gym.tasks.terms"
+    vocabulary = _imported(ast.parse(texts[PACKAGE / "simulator/world/names.py"]))
+    modules = "irsim_gym.simulator.world.names", "irsim_gym.tasks.terms"
     passed_on = {(module, name): origin for module in modules for name, origin in vocabulary.items()}
     found = {}
     for file, tree in trees.items():

@@ -17,7 +17,7 @@ from statistics import median
 import pytest
 from kernel_access import kernels
 
-from irsim_gym.jit.folder import GENERATORS
+from irsim_gym.base.compiled.folder import GENERATORS
 
 PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
@@ -93,12 +93,12 @@ ALLOWED: dict[str, set[str]] = {
 COMPOSERS = {"robot", "training", "arenas", "suite", "cli", "__main__", "__init__", "irsim", "plugins", "face"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
-    "pettingzoo": "envs/parallel",
-    "stable_baselines3": "envs/sb3",
+    "pettingzoo": "envs/teams/parallel",
+    "stable_baselines3": "envs/sb3/vec_env",
     "ray": "envs/rllib",
-    "torch": ("envs/rllib", "envs/sb3_gru", "envs/sb3_memory", "envs/torch_rows"),
-    "wrapt": "envs/registration",
-    "rich": "envs/description_text",
+    "torch": ("envs/rllib", "envs/sb3_learning/gru", "envs/sb3_learning/memory", "envs/teams/torch_rows"),
+    "wrapt": "envs/gymnasium/registration",
+    "rich": "envs/described/description_text",
 }
 # Parts of ours that some files may use and the rest of their folder may not.
 ONLY_PLACES = {"raster": "tasks/observations/"}
@@ -128,8 +128,8 @@ MAX_FUNCTION_LINES = 60
 MAX_KERNEL_LINES = 80
 MAX_ARGUMENTS, MEDIAN_ARGUMENTS = 8, 4
 """Of kernels: values that belong together are one argument, such as a ``Point`` or a struct."""
-# tasks/checks.py compares a task with a scenario file, in the file's own words.
-YAML_READERS = ("engine/compile", "tasks/checks")
+# tasks/definition/checks.py compares a task with a scenario file, in the file's own words.
+YAML_READERS = ("simulator/engine/compile", "tasks/definition/checks")
 YAML_ONLY_NAMES = {"acce", "vel_min", "vel_max"}
 MUTATORS = {"append", "extend", "insert", "add", "update", "setdefault", "pop", "popitem", "clear", "remove", "discard"}
 RANDOM_OBJECTS = {"Generator", "SeedSequence", "BitGenerator", "PCG64", "default_rng"}
@@ -367,7 +367,7 @@ def test_what_generates_code_names_the_folder_of_compiled_code() -> None:
     generators = {file for pattern in GENERATORS for file in PACKAGE.glob(pattern)}
     report(
         [
-            f"{module.place} imports {found.module}: add it to jit/folder.py"
+            f"{module.place} imports {found.module}: add it to base/compiled/folder.py"
             for module in modules()
             for found in imports(module)
             if found.module.split(".")[0] in {"numba", "llvmlite"} and PACKAGE / module.place not in generators
@@ -376,7 +376,7 @@ def test_what_generates_code_names_the_folder_of_compiled_code() -> None:
 
 
 def test_kernels_need_no_more_of_numbas_passes() -> None:
-    """What ``jit.passes`` leaves out is for these; where it is wanted, the pass has to come back."""
+    """What ``base.kernels.passes`` leaves out is for these; where it is wanted, the pass has to come back."""
     needs = (ast.Lambda, ast.FunctionDef, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.With)
     problems = []
     for module in modules():
@@ -392,12 +392,12 @@ def test_kernels_need_no_more_of_numbas_passes() -> None:
 def test_threads_are_made_in_one_place() -> None:
     """Asking which thread this is (`threading.current_thread`) is no parallelism.
 
-    The threads of `jit/workers.py` wait for a pipe.
+    The threads of `base/compiled/workers.py` wait for a pipe.
     """
     makers = {"Thread", "Timer", "Process", "Pool", "ThreadPoolExecutor", "ProcessPoolExecutor", "ThreadPool", "fork"}
     problems = []
     for module in modules():
-        if module.place in {"engine/shards.py", "jit/workers.py"}:
+        if module.place in {"simulator/running/shards.py", "base/compiled/workers.py"}:
             continue
         for node in module.nodes:
             if isinstance(node, ast.Call) and dotted(node.func).split(".")[-1] in makers:
@@ -428,7 +428,7 @@ def test_no_module_level_state() -> None:
     """Tables at module level are never changed, none begins empty, and no function rebinds a global."""
     problems = []
     for module in modules():
-        if module.place == "families.py":
+        if module.place == "base/families.py":
             continue
         tables = set()
         for name, value in _module_values(module):
@@ -647,10 +647,10 @@ def test_kernels_say_what_they_read_and_write() -> None:
 
 def test_what_kernels_access_is_read_from_their_bodies() -> None:
     found = kernels()
-    tick = found["irsim_gym.engine.step", "tick"]
+    tick = found["irsim_gym.simulator.step.step", "tick"]
     assert tick.reads == {("worlds", ""), ("model", "step_time"), ("state", "step")}
     assert tick.writes == {("state", "step"), ("state", "time")}
-    moved = found["irsim_gym.kinematics.differential", "move_differential"].writes
+    moved = found["irsim_gym.bodies.drives.differential", "move_differential"].writes
     assert moved == {("state", "pose"), ("state", "direction"), ("state", "twist")}
 
 
@@ -658,10 +658,20 @@ def test_files_from_outside_have_one_reader() -> None:
     """Others read what they have just written, what a child of theirs has, or objects after their own checks."""
     calls = {"np.load", "json.load", "json.loads", "pickle.load", "pickle.loads", "zipfile.ZipFile"}
     others = {
-        *("jit/cache.py", "jit/workers.py", "render/replay_items.py", "training/checkpoint.py"),
-        "training/environment.py",
-        *("training/exporting.py", "training/saved_models.py", "training/trial.py", "training/tuning.py"),
-        "training/trusted.py",
+        *(
+            "base/compiled/cache.py",
+            "base/compiled/workers.py",
+            "rendering/replay/replay_items.py",
+            "training/runs/checkpoint.py",
+        ),
+        "training/runs/environment.py",
+        *(
+            "training/export/exporting.py",
+            "evaluation/saved_policies/saved_models.py",
+            "cli/work/trial.py",
+            "training/searches/tuning.py",
+        ),
+        "evaluation/saved_policies/trusted.py",
     }
     places = {
         module.place
@@ -669,4 +679,4 @@ def test_files_from_outside_have_one_reader() -> None:
         for node in module.nodes
         if isinstance(node, ast.Call) and ast.unparse(node.func) in calls
     }
-    assert places - SCRIPTS == {"outside_files.py", *others}
+    assert places - SCRIPTS == {"base/outside_files.py", *others}

@@ -11,9 +11,9 @@ import pytest
 from command_line import run as command
 from packaging.requirements import Requirement
 
-from irsim_gym import extras
+from irsim_gym.base import extras
+from irsim_gym.cli.work.doctor import OPTIONAL
 from irsim_gym.errors import IrsimGymError, MissingExtraError
-from irsim_gym.training.doctor import OPTIONAL
 
 ROOT = Path(__file__).parents[1]
 HIDDEN = (

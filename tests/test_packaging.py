@@ -72,8 +72,12 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
         is_left_out = source.stem in LEFT_OUT
         assert (f"irsim_gym/shelf/{source.name}" in names) is not is_left_out
     for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():
-        assert f"irsim_gym/render/page/{source.name}" in names
-    assert {"irsim_gym/py.typed", "irsim_gym/world/irsim_names.json", "irsim_gym/scenario/keywords.json"} <= set(names)
+        assert f"irsim_gym/rendering/replay/page/{source.name}" in names
+    assert {
+        "irsim_gym/py.typed",
+        "irsim_gym/simulator/readings/irsim_names.json",
+        "irsim_gym/scenario/specs/keywords.json",
+    } <= set(names)
     assert [name for name in names if name.endswith("licenses/LICENSE")]
     strangers = [name for name in names if not name.startswith(("irsim_gym/", "irsim_gym-"))]
     assert not strangers
@@ -212,7 +216,10 @@ def test_the_installed_package_makes_an_env(environment: Path, tmp_path: Path) -
 
 
 def test_the_installed_package_finds_its_hyperparameters(environment: Path, tmp_path: Path) -> None:
-    code = "from irsim_gym.training.hyperparameters import load_hyperparameters as f; print(f('ppo', 'cluttered_room'))"
+    code = (
+        "from irsim_gym.training.settings.hyperparameters import load_hyperparameters as f; "
+        "print(f('ppo', 'cluttered_room'))"
+    )
     assert _run(str(_python(environment)), "-c", code, cwd=tmp_path)
 
 

@@ -15,10 +15,10 @@ from typing import Any
 
 import pytest
 
+from irsim_gym.base.compiled import folder, trust
+from irsim_gym.base.compiled import lock as posix_lock
+from irsim_gym.cli.work import trial
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.jit import folder, trust
-from irsim_gym.jit import lock as posix_lock
-from irsim_gym.training import trial
 
 ROOT = Path(__file__).parents[1]
 TEXT = {"read_text", "write_text", "open"}
@@ -41,7 +41,7 @@ def test_text_files_are_utf_8_everywhere() -> None:
 
 
 def windows_lock(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """Return `jit/lock.py` as Windows loads it: with `msvcrt` in place of `fcntl`."""
+    """Return `base/compiled/lock.py` as Windows loads it: with `msvcrt` in place of `fcntl`."""
 
     def locking(descriptor: int, mode: int, n_bytes: int) -> None:
         assert n_bytes == 1

@@ -16,7 +16,7 @@ import pytest
 from command_line import run
 
 import irsim_gym
-from irsim_gym import families
+from irsim_gym.base import families
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -42,6 +42,8 @@ PROGRAM = [sys.executable, "-c", "from irsim_gym.cli import main; main()"]
 
 
 FOLDERS = ("agents", "benchmarks", "configs")
+NO_PLACES = {"reward/progress", "agents/hyperparameters/ALGORITHM.yaml", "pi/2"}
+"""What looks like a place on pages about the design: a key, a pattern."""
 ELSEWHERE = {"make", "source", "pip", "play"}
 """What sets up or opens a window: not run when a page is followed from top to bottom."""
 
@@ -245,6 +247,19 @@ def test_pages_about_the_design_are_short() -> None:
     assert [page.name for page, lines in most.items() if lengths[page.name] > lines] == []
     newest = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
     assert newest.count("\n") <= 250
+
+
+def test_pages_about_the_design_name_what_there_is() -> None:
+    """Places in backticks lie in the room of the page, in the package, or in the repository."""
+    gone = []
+    for page in (ROOT / "DESIGN.md", *(DOCS / "design").glob("*.md")):
+        homes = ROOT / "irsim_gym" / page.stem, ROOT / "irsim_gym", ROOT
+        for place in re.findall(r"`([\w./]+/[\w./]*|[\w./]+\.py)`", page.read_text(encoding="utf-8")):
+            files = [home / f"{place.rstrip('/')}{suffix}" for home in homes for suffix in ("", ".py")]
+            files += [] if "/" in place else homes[0].rglob(place)
+            if not any(file.exists() for file in files) and place not in NO_PLACES:
+                gone.append(f"{page.name}: {place}")
+    assert gone == []
 
 
 def _file_name(block: Block) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.engine import Simulation, compile
+from irsim_gym.base.arraytypes import Floats
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.library import scenario_names
+from irsim_gym.scenario.specs.library import scenario_names
+from irsim_gym.simulator.engine import Simulation, compile
 from irsim_gym.tasks import load_task
 
 LEVELS = 64

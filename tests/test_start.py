@@ -11,10 +11,10 @@ import pytest
 from typer.testing import CliRunner
 
 import irsim_gym
-from irsim_gym import extras
-from irsim_gym.cli import app
+from irsim_gym.base import extras
+from irsim_gym.cli.app import app
+from irsim_gym.cli.work import doctor
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training import doctor
 
 
 def run(*words: str) -> tuple[int, str]:

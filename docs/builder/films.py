@@ -12,13 +12,13 @@ from PIL import Image
 
 import irsim_gym
 from builder.records import cards_in, references
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.load import load_scenario
-from irsim_gym.suite.members import shipped_suite
-from irsim_gym.training.cards import PolicyCard
-from irsim_gym.training.players import Players, load_players
-from irsim_gym.training.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.comparison.players import Players, load_players
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.saved_policies.cards import PolicyCard
+from irsim_gym.evaluation.suite.members import shipped_suite
+from irsim_gym.scenario.reading.load import load_scenario
 
 SIZE = 480
 """Longer side of a frame [pixels]."""

@@ -10,16 +10,16 @@ import irsim_gym
 from builder import pictures as drawn
 from builder import tables
 from builder.records import cards_in, references
-from irsim_gym.envs.description import Description
+from irsim_gym.envs.described.description import Description
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.scenario.library import benchmark_names, every_scenario
-from irsim_gym.scenario.load import load_scenario
-from irsim_gym.scenario.parameters import ParameterSpec
-from irsim_gym.scenario.source import read_file
-from irsim_gym.suite import suite_tables
-from irsim_gym.suite.members import shipped_suite
-from irsim_gym.training.cards import PolicyCard
-from irsim_gym.training.shelf_tables import percent
+from irsim_gym.evaluation.saved_policies.cards import PolicyCard
+from irsim_gym.evaluation.saved_policies.shelf_tables import percent
+from irsim_gym.evaluation.suite import suite_tables
+from irsim_gym.evaluation.suite.members import shipped_suite
+from irsim_gym.scenario.reading.load import load_scenario
+from irsim_gym.scenario.reading.parameters import ParameterSpec
+from irsim_gym.scenario.specs.library import benchmark_names, every_scenario
+from irsim_gym.scenario.text.source import read_file
 
 FOLDER = "scenarios"
 

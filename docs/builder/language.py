@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from builder.tables import table
-from irsim_gym.scenario.option_tables import find_family, kind_summaries, markdown
+from irsim_gym.scenario.reference.option_tables import find_family, kind_summaries, markdown
 
 TITLES = {
     "sections": ("Sections and drawing", "The sections of a file, and the keys of their entries."),

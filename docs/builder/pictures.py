@@ -11,14 +11,14 @@ import numpy as np
 from PIL import Image
 
 from builder.films import film, small, write_film
-from irsim_gym.render import Renderer
+from irsim_gym.cli.work.inspection import begin_level
+from irsim_gym.rendering import Renderer
 from irsim_gym.scenario import load_scenario
-from irsim_gym.training.inspection import begin_level
 
 EXTRA = "extra"
 """Folder beside that of the pictures whose content Sphinx copies to the top of the site."""
 ROOT = Path(__file__).parents[2]
-DRAWING = ("irsim_gym/render", "irsim_gym/raster", "agents/shelf")
+DRAWING = ("irsim_gym/rendering", "agents/shelf")
 """What pictures depend on beside their scenarios; a film of an older step stays until ``make clean``."""
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from functools import cache
 
-from irsim_gym.scenario.library import references_file
-from irsim_gym.suite.suite_record import SuiteRecord
-from irsim_gym.training.cards import PolicyCard
-from irsim_gym.training.shelf import card_of, shelf_files
+from irsim_gym.evaluation.saved_policies.cards import PolicyCard
+from irsim_gym.evaluation.saved_policies.shelf import card_of, shelf_files
+from irsim_gym.evaluation.suite.suite_record import SuiteRecord
+from irsim_gym.scenario.specs.library import references_file
 
 
 @cache

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from builder import stand_ins
-from irsim_gym.world.arrays import Arrays
+from irsim_gym.simulator.world.arrays import Arrays
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from irsim_gym.envs.description import Action, Block, Description, Part
+from irsim_gym.envs.described.description import Action, Block, Description, Part
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

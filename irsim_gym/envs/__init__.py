@@ -1,8 +1,11 @@
-"""Environments for learning libraries: thin adapters over ``tasks.Episodes``."""
+"""Which interfaces there are: thin adapters over ``tasks.Episodes``.
+
+Each folder knows one library.
+"""
 
 from typing import TYPE_CHECKING
 
-from irsim_gym.faces import public
+from irsim_gym.base.faces import public
 
 if TYPE_CHECKING:
     from irsim_gym.envs.face import *  # noqa: F403

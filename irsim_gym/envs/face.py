@@ -1,10 +1,10 @@
 """What environments return when they are asked: their numbers with meanings, and the present of their worlds."""
 
-from irsim_gym.envs.description import Action, Block, Component, Description, Ending, Info, Part, Reward
-from irsim_gym.envs.mirror import Mirror
-from irsim_gym.envs.moment import Bodies, BodyMoment, WorldMoment
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.world.body_readings import BodyReadings
+from irsim_gym.envs.described.description import Action, Block, Component, Description, Ending, Info, Part, Reward
+from irsim_gym.envs.described.moment import Bodies, BodyMoment, WorldMoment
+from irsim_gym.envs.gymnasium.worlds import Worlds
+from irsim_gym.envs.parts.mirror import Mirror
+from irsim_gym.simulator.readings.body_readings import BodyReadings
 
 __all__ = ["Action", "Block", "Bodies", "BodyMoment", "BodyReadings", "Component", "Description", "Ending", "Info"]
 __all__ += ["Mirror", "Part", "Reward", "WorldMoment", "Worlds"]

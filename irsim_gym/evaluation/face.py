@@ -1,19 +1,23 @@
 """Evaluations and what they return, policies on disk, and the parts for an evaluation of one's own."""
 
-from irsim_gym.arenas.contest import Arena
-from irsim_gym.arenas.standings import Standings
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
-from irsim_gym.evaluation.drive_actions import to_actions
-from irsim_gym.evaluation.metrics import EpisodeRow, Rate, Summary
-from irsim_gym.evaluation.perception import Perceived
-from irsim_gym.evaluation.policy import Policy, by_agent
-from irsim_gym.evaluation.protocol import evaluate as play_levels
-from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, reference_policy
-from irsim_gym.evaluation.tables import plain, write_json, write_text
-from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow, TeamSummary
-from irsim_gym.evaluation.teams import top_speed
-from irsim_gym.evaluation.worst_levels import worst_shares
-from irsim_gym.training.cards import (
+from irsim_gym.evaluation.arena.contest import Arena
+from irsim_gym.evaluation.arena.standings import Standings
+from irsim_gym.evaluation.comparison.demonstrations import Demonstrations
+from irsim_gym.evaluation.comparison.evaluate import Evaluation, TeamEvaluation
+from irsim_gym.evaluation.measures.metrics import EpisodeRow, Rate, Summary
+from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow, TeamSummary
+from irsim_gym.evaluation.measures.worst_levels import worst_shares
+from irsim_gym.evaluation.policies.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.policies.drive_actions import to_actions
+from irsim_gym.evaluation.policies.perception import Perceived
+from irsim_gym.evaluation.policies.policy import Policy, by_agent
+from irsim_gym.evaluation.policies.reference_policies import ALWAYS_SHOWN, reference_policy
+from irsim_gym.evaluation.protocol.protocol import evaluate as play_levels
+from irsim_gym.evaluation.protocol.tables import plain, write_json, write_text
+from irsim_gym.evaluation.protocol.teams import top_speed
+from irsim_gym.evaluation.requests.episode_setup import conditions, make_episodes
+from irsim_gym.evaluation.requests.machine import machine
+from irsim_gym.evaluation.saved_policies.cards import (
     CardAction,
     CardNetwork,
     CardPart,
@@ -24,13 +28,9 @@ from irsim_gym.training.cards import (
     CardTraining,
     PolicyCard,
 )
-from irsim_gym.training.demonstrations import Demonstrations
-from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.evaluate import Evaluation, TeamEvaluation
-from irsim_gym.training.machine import machine
-from irsim_gym.training.policies import SavedPolicy
-from irsim_gym.training.policies import load_policy as as_policy
-from irsim_gym.training.shelf import ShelfPolicy
+from irsim_gym.evaluation.saved_policies.policies import SavedPolicy
+from irsim_gym.evaluation.saved_policies.policies import load_policy as as_policy
+from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
 
 __all__ = ["ALWAYS_SHOWN", "AgentRow", "Arena", "BehaviorPolicy", "CardAction", "CardNetwork", "CardPart"]
 __all__ += ["CardResult", "CardScenario", "CardShare", "CardTerm", "CardTraining", "Demonstrations", "EpisodeRow"]

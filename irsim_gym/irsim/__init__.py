@@ -10,14 +10,15 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from irsim_gym.behaviors.by_drive import (
+from irsim_gym.base.errors import suggestion
+from irsim_gym.base.version import __version__ as __version__
+from irsim_gym.bodies.behaviors.python.by_drive import (
     register_behavior,
     register_behavior_class,
     register_group_behavior,
     register_group_behavior_class,
 )
-from irsim_gym.behaviors.views import BodyView as ObjectBase
-from irsim_gym.errors import suggestion
+from irsim_gym.bodies.behaviors.python.views import BodyView as ObjectBase
 from irsim_gym.irsim.avoidance import DiffRVO, OmniRVO, reciprocal_vel_obs
 from irsim_gym.irsim.base_world import EnvBase
 from irsim_gym.irsim.dashing import AckerDash, DiffDash, OmniAngularDash, OmniDash
@@ -47,11 +48,10 @@ from irsim_gym.irsim.rotations import (
     vel_world2omni,
     vertices_transform,
 )
-from irsim_gym.live.grid_map import GridMap
-from irsim_gym.live.level_source import ScenarioSource
-from irsim_gym.live.planners import AStarPlanner, JPSPlanner
-from irsim_gym.version import __version__ as __version__
-from irsim_gym.world.irsim_names import advice
+from irsim_gym.live.planning.grid_map import GridMap
+from irsim_gym.live.planning.planners import AStarPlanner, JPSPlanner
+from irsim_gym.live.session.level_source import ScenarioSource
+from irsim_gym.simulator.readings.irsim_names import advice
 
 __all__ = ["AStarPlanner", "AckerDash", "ClipTo2Pi", "DiffDash", "DiffRVO", "EnvBase", "EnvBase3D", "EnvGridMap"]
 __all__ += ["GeometryFactory", "JPSPlanner", "Map", "ObjectBase", "OmniAngularDash", "OmniDash", "OmniRVO", "WrapTo2Pi"]

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NoReturn, final
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.behaviors.rvo import Rvo, free_velocity
-from irsim_gym.behaviors.surroundings import DISC, Ego
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.bodies.behaviors.rvo.rvo import Rvo, free_velocity
+from irsim_gym.bodies.behaviors.shared.surroundings import DISC, Ego
 from irsim_gym.irsim.rotations import vel_world2diff
 
 Rows = Sequence[Sequence[float]]

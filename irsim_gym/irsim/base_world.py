@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from irsim_gym.live.level_source import ScenarioSource
+from irsim_gym.live.session.level_source import ScenarioSource
 from irsim_gym.live.world import World
 
 

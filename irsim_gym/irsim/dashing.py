@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.base.arraytypes import Floats
 from irsim_gym.irsim.rotations import WrapToPi, as_row, relative_position
 
 

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from irsim_gym.irsim.rotations import geometry_transform
 from irsim_gym.scenario import load_scenario
-from irsim_gym.world.outline import corner_points, extent
-from irsim_gym.world.shapely_outline import shapely_outline
+from irsim_gym.simulator.readings.shapely_outline import shapely_outline
+from irsim_gym.simulator.world.outline import corner_points, extent
 
 
 @final

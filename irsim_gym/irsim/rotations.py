@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.live.body_info import half_planes
-from irsim_gym.world.outline import chain
-from irsim_gym.world.shapely_outline import moved
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.live.population.body_info import half_planes
+from irsim_gym.simulator.readings.shapely_outline import moved
+from irsim_gym.simulator.world.outline import chain
 
 TURN = 2.0 * math.pi
 

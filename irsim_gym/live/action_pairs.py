@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.errors import UnknownNameError
-from irsim_gym.live.roster import Reference, Roster
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.base.errors import UnknownNameError
+from irsim_gym.live.session.roster import Reference, Roster
 
 Action = Sequence[float] | Floats
 Actions = Action | Sequence[Action | None] | Mapping[str, Action | None]

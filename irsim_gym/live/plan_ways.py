@@ -6,13 +6,13 @@ import math
 
 from numpy.typing import ArrayLike
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.errors import NoWayError
-from irsim_gym.live.level_source import ScenarioSource
-from irsim_gym.live.path_planner import point
-from irsim_gym.live.roster import Reference
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.base.errors import NoWayError
+from irsim_gym.live.planning.path_planner import point
+from irsim_gym.live.session.level_source import ScenarioSource
+from irsim_gym.live.session.roster import Reference
 from irsim_gym.live.world import World
-from irsim_gym.paths.queries import FINE, blocking_bodies, fixed_bodies
+from irsim_gym.simulator.cell_paths.queries import FINE, blocking_bodies, fixed_bodies
 
 
 def plan(

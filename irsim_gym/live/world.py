@@ -6,26 +6,26 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, NoReturn, Self
 
-from irsim_gym.engine import Simulation
-from irsim_gym.live import moves
 from irsim_gym.live.action_pairs import Actions, pair_actions
-from irsim_gym.live.arguments import read_arguments
-from irsim_gym.live.camera import Camera
-from irsim_gym.live.drawing import Drawing
-from irsim_gym.live.forwarding import Attribute, Method
-from irsim_gym.live.irsim_drawing import IrSimDrawing
-from irsim_gym.live.late_behaviors import LateBehaviors
-from irsim_gym.live.level_source import LevelSource, ScenarioSource
-from irsim_gym.live.media import MediaWriter
-from irsim_gym.live.path_planner import PathPlanner
-from irsim_gym.live.population import Population
-from irsim_gym.live.roster import Reference
-from irsim_gym.live.run_status import ControlMode, RunStatus
-from irsim_gym.live.track import Track
-from irsim_gym.live.viewer import Viewer
-from irsim_gym.live.world_info import WorldInfo, WorldRecord
+from irsim_gym.live.drawing.drawing import Drawing
+from irsim_gym.live.drawing.irsim_drawing import IrSimDrawing
+from irsim_gym.live.pictures.camera import Camera
+from irsim_gym.live.pictures.media import MediaWriter
+from irsim_gym.live.pictures.viewer import Viewer
+from irsim_gym.live.planning.path_planner import PathPlanner
+from irsim_gym.live.population.forwarding import Attribute, Method
+from irsim_gym.live.population.late_behaviors import LateBehaviors
+from irsim_gym.live.population.population import Population
+from irsim_gym.live.session import moves
+from irsim_gym.live.session.arguments import read_arguments
+from irsim_gym.live.session.level_source import LevelSource, ScenarioSource
+from irsim_gym.live.session.roster import Reference
+from irsim_gym.live.session.run_status import ControlMode, RunStatus
+from irsim_gym.live.session.track import Track
+from irsim_gym.live.session.world_info import WorldInfo, WorldRecord
 from irsim_gym.scenario import Scenario
-from irsim_gym.world.irsim_names import advice, missing
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.simulator.readings.irsim_names import advice, missing
 
 
 class World:

@@ -5,9 +5,7 @@ class treats many worlds at once, with NumPy or with kernels; its family's proto
 checked when the class is registered. docs/plugins.md shows each.
 """
 
-from irsim_gym.behaviors.custom import behavior, group_behavior
-from irsim_gym.behaviors.views import BodyView, EgoView
-from irsim_gym.families import (
+from irsim_gym.base.families import (
     ACTIONS,
     BEHAVIORS,
     ENDINGS,
@@ -20,27 +18,12 @@ from irsim_gym.families import (
     REWARDS,
     SENSORS,
 )
+from irsim_gym.base.kernels.rng import integer, normal, uniform
+from irsim_gym.bodies.behaviors.python.custom import behavior, group_behavior
+from irsim_gym.bodies.behaviors.python.views import BodyView, EgoView
 from irsim_gym.plugins.body_kinds import drive, placement, sensor
 from irsim_gym.plugins.task_kinds import AgentView, action, ending, observation, reward
-from irsim_gym.rng import integer, normal, uniform
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.mirrored import HasMirrored, Mirrored
-from irsim_gym.tasks.outcome import HitKind, Outcome
-from irsim_gym.tasks.term import (
-    ActionKind,
-    EndingKind,
-    HasArrays,
-    HasBounds,
-    HasUnused,
-    IsImage,
-    MindsClearance,
-    ObservationKind,
-    Remembers,
-    RewardKind,
-    Term,
-)
-from irsim_gym.tasks.words import Columns, TellsActions, TellsColumns, TellsWhen
-from irsim_gym.world.kinds import (
+from irsim_gym.simulator.world.kinds import (
     Begins,
     BehaviorKind,
     Draws,
@@ -54,10 +37,27 @@ from irsim_gym.world.kinds import (
     SensorKind,
     Steers,
 )
-from irsim_gym.world.names import Group, Model, Shard, State, kernel, kind, option
-from irsim_gym.world.outline import Outline
-from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.rows import row_of
+from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.own_scan import OwnScan, find_hits
+from irsim_gym.simulator.world.rows import row_of
+from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.mirrored import HasMirrored, Mirrored
+from irsim_gym.tasks.terms.outcome import HitKind, Outcome
+from irsim_gym.tasks.terms.term import (
+    ActionKind,
+    EndingKind,
+    HasArrays,
+    HasBounds,
+    HasUnused,
+    IsImage,
+    MindsClearance,
+    ObservationKind,
+    Remembers,
+    RewardKind,
+    Term,
+)
+from irsim_gym.tasks.terms.words import Columns, TellsActions, TellsColumns, TellsWhen
 
 __all__ = ["ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS"]
 __all__ += ["PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView"]

@@ -8,16 +8,16 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from irsim_gym import families
-from irsim_gym.behaviors.custom import noting
-from irsim_gym.behaviors.views import BodyView, reserve_memory
-from irsim_gym.engine import outlines
-from irsim_gym.geometry.angles import wrap_from
-from irsim_gym.placements.free_space import is_goal_free, is_start_free
+from irsim_gym.base import families
+from irsim_gym.base.options import function_parameters, kind
+from irsim_gym.bodies.behaviors.python.custom import noting
+from irsim_gym.bodies.behaviors.python.views import BodyView, reserve_memory
+from irsim_gym.bodies.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.plugins.functions import answer, members, numbers, registering
-from irsim_gym.scenario.options import function_parameters, kind
-from irsim_gym.world.names import Floats, Group, Ints, Model, Shard, State
-from irsim_gym.world.outline import Outline
+from irsim_gym.simulator.geometry.angles import wrap_from
+from irsim_gym.simulator.step import outlines
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State
+from irsim_gym.simulator.world.outline import Outline
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -7,13 +7,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from irsim_gym import families
-from irsim_gym.behaviors.custom import noting
-from irsim_gym.behaviors.views import EgoView, ego_view
-from irsim_gym.errors import KindError
-from irsim_gym.registry import Registry
-from irsim_gym.scenario.options import kind_of_function
-from irsim_gym.world.names import Floats, Group, Model, Shard, State
+from irsim_gym.base import families
+from irsim_gym.base.errors import KindError
+from irsim_gym.base.options import kind_of_function
+from irsim_gym.base.registry import Registry
+from irsim_gym.bodies.behaviors.python.custom import noting
+from irsim_gym.bodies.behaviors.python.views import EgoView, ego_view
+from irsim_gym.simulator.world.names import Floats, Group, Model, Shard, State
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -8,14 +8,14 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym import families
-from irsim_gym.behaviors.views import EgoView
-from irsim_gym.engine import Shard, Simulation
+from irsim_gym.base import families
+from irsim_gym.bodies.behaviors.python.views import EgoView
 from irsim_gym.plugins.functions import answer, registering
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import Ended, Outcome
-from irsim_gym.tasks.term import Need, Needs, Role, Term
-from irsim_gym.world.names import Floats, Ints, Model, Rays, State, kind, option
+from irsim_gym.simulator.engine import Shard, Simulation
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, State, kind, option
+from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.outcome import Ended, Outcome
+from irsim_gym.tasks.terms.term import Need, Needs, Role, Term
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -1,1 +1,4 @@
-"""Policies for robots: a policy as one ONNX file, its contract, and the driver beside it."""
+"""A policy leaves for a robot: one ONNX file, its contract, a driver.
+
+Nothing that trains, and no simulator in what is written.
+"""

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.evaluation.perception import Perception
-from irsim_gym.evaluation.policy import Policy, by_agent
+from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.evaluation.policies.perception import Perception
+from irsim_gym.evaluation.policies.policy import Policy, by_agent
+from irsim_gym.robot.inputs import Measured, measured
 from irsim_gym.robot.policy_graph import PolicyGraph
-from irsim_gym.robot.robot_inputs import Measured, measured
 from irsim_gym.tasks import Episodes, Outcome
 
 

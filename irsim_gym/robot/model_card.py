@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from textwrap import fill
 
-from irsim_gym.robot.robot_contract import RobotContract
-from irsim_gym.tasks.term import NEEDS
+from irsim_gym.robot.contract import RobotContract
+from irsim_gym.tasks.terms.term import NEEDS
 
 WIDTH = 120
 CARD = """---

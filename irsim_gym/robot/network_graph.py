@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from gymnasium.spaces import Box
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.tasks.graph import Graph, Value
-from irsim_gym.training.array_network import Arrays, Options
-from irsim_gym.training.shelf import ShelfPolicy
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.saved_policies.array_network import Arrays, Options
+from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
+from irsim_gym.tasks.terms.graph import Graph, Value
 
 
 def network_graph(policy: ShelfPolicy, graph: Graph, seen: Mapping[str, Value]) -> Value:

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.envs.spaces import observed
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.envs.parts.spaces import observed
+from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
+from irsim_gym.robot.inputs import robot_values
 from irsim_gym.robot.network_graph import network_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
-from irsim_gym.robot.robot_inputs import robot_values
+from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions import DiscreteAction, VelocityAction
-from irsim_gym.tasks.graph import Graph, HasGraph, RobotValues, Value
-from irsim_gym.tasks.term import NEEDS, IsImage, Term
-from irsim_gym.training.shelf import ShelfPolicy
-from irsim_gym.world.model import OMNI_WORLD
+from irsim_gym.tasks.terms.graph import Graph, HasGraph, RobotValues, Value
+from irsim_gym.tasks.terms.term import NEEDS, IsImage, Term
 
 ALONE = ("scan", "odometry", "map_frame")
 """What a graph can be fed with from the robot's own messages."""

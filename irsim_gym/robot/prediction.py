@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.robot.robot_inputs import scanner_of
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.robot.inputs import scanner_of
+from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.graph import RobotValues, Value, between_edges
-from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR
+from irsim_gym.tasks.terms.graph import RobotValues, Value, between_edges
 
 
 def pending_spans(seconds: float, period: float) -> list[float]:

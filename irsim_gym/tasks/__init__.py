@@ -1,11 +1,14 @@
-"""Tasks: actions, observations, rewards and endings on top of the simulator."""
+"""What is learned: actions, observations, rewards and endings on top of the simulator.
 
-from irsim_gym.families import SECTIONS
+No kind of body, and nothing that knows Gymnasium.
+"""
+
+from irsim_gym.base.families import SECTIONS
 from irsim_gym.tasks import actions, endings, observations, rewards
-from irsim_gym.tasks.episodes import Episodes
-from irsim_gym.tasks.outcome import HitKind, Outcome
-from irsim_gym.tasks.task import Task, TaskOptions, load_task
-from irsim_gym.tasks.transition import Transition
+from irsim_gym.tasks.definition.task import Task, TaskOptions, load_task
+from irsim_gym.tasks.episodes.episodes import Episodes
+from irsim_gym.tasks.episodes.transition import Transition
+from irsim_gym.tasks.terms.outcome import HitKind, Outcome
 
 SECTIONS.register("task", TaskOptions)
 

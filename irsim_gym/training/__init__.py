@@ -1,8 +1,11 @@
-"""Training, evaluation and recording: the commands ``train``, ``evaluate``, ``record`` and ``demo``."""
+"""How a policy learns: settings, runs, curves, searches, export.
+
+No command: these are in ``cli``.
+"""
 
 from typing import TYPE_CHECKING
 
-from irsim_gym.faces import public
+from irsim_gym.base.faces import public
 
 if TYPE_CHECKING:
     from irsim_gym.training.face import *  # noqa: F403

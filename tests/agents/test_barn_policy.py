@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.evaluation.measures.metrics import EpisodeRow
 
 AGENTS = Path(__file__).parents[2] / "agents"
 

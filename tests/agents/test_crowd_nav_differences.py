@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.arraytypes import Ints
-from irsim_gym.evaluation.policy import ObservationPolicy
+from irsim_gym.base.arraytypes import Ints
+from irsim_gym.evaluation.policies.policy import ObservationPolicy
 from irsim_gym.tasks import Episodes
 
 SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "agents" / "crowd_nav_differences.py"))

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.requests.episode_setup import make_episodes
 
 AGENTS = Path(__file__).parents[2] / "agents"
 WORLD: dict[str, Any] = {"height": 10, "width": 10, "step_time": 0.1}

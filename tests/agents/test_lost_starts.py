@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.evaluation.requests.episode_setup import make_episodes
 
 AGENTS = Path(__file__).parents[2] / "agents"
 

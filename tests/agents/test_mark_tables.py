@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from irsim_gym.suite.members import shipped_suite
-from irsim_gym.training.shelf import card_of
+from irsim_gym.evaluation.saved_policies.shelf import card_of
+from irsim_gym.evaluation.suite.members import shipped_suite
 
 AGENTS = Path(__file__).parents[2] / "agents"
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.tasks import Outcome
 
 AGENTS = Path(__file__).parents[2] / "agents"

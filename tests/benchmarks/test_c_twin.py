@@ -8,7 +8,7 @@ import pytest
 from c_twin import OUTCOMES, Twin
 from standard_worlds import s1
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.tasks import Outcome
 
 pytestmark = pytest.mark.skipif(c_twin.compiler() is None, reason="there is no C compiler")

@@ -22,7 +22,7 @@ from players import Player
 from standard_worlds import s1, s4
 from timing import Timing, off
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 
 UNITS = (
     *("_us", "_ms", "_s", "_kib", "_kernels", "_steps", "_worlds"),

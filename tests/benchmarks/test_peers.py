@@ -26,7 +26,7 @@ from jsonschema import Draft202012Validator
 from peers import REQUIREMENTS, WORKS, figures_of
 from processes import Player
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 
 PEERS = sorted(REQUIREMENTS)
 OTHERS = [name for name in PEERS if name != "ours"]

@@ -15,10 +15,10 @@ from random_scenarios import cases
 from test_every_feature import EVERYTHING
 from test_every_key import TEXT
 
-from irsim_gym.engine import compile
 from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.library import scenario_names
+from irsim_gym.scenario.specs.library import scenario_names
+from irsim_gym.simulator.engine import compile
 
 DRAWN = {"min_distance": 0.2, "range_low": [0.6, 0.6, -3], "range_high": [9.4, 9.4, 3]}
 FAST = {"kinematics": {"name": "diff"}, "vel_max": [3, 3], "vel_min": [-3, -3]}

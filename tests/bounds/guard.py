@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym import jit
-from irsim_gym.structs import Struct
+from irsim_gym.base import kernels as jit
+from irsim_gym.base.kernels.structs import Struct
 
 
 class Guarded(np.ndarray):

@@ -10,8 +10,8 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 from random_scenarios import ARROW, DRIVES, HOOK, PI, TRIANGLE
 
-from irsim_gym import families
-from irsim_gym.scenario.options import option_fields
+from irsim_gym.base import families
+from irsim_gym.base.options import option_fields
 
 families.load()
 LEFT_OUT = frozenset({"recorded", "image", "array"})

@@ -7,16 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.engine import compile, shards
-from irsim_gym.envs.batch import make_batch
-from irsim_gym.envs.vector import WorldVectorEnv
+from irsim_gym.base.families import OBSERVATIONS
+from irsim_gym.envs.gymnasium.vector import WorldVectorEnv
+from irsim_gym.envs.teams.batch import make_batch
 from irsim_gym.errors import PlacementError, ScenarioError
-from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.families import OBSERVATIONS
+from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.live.world import load
-from irsim_gym.render import Renderer
+from irsim_gym.rendering import Renderer
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.tasks.observations import route, seen_grid
+from irsim_gym.simulator.engine import compile
+from irsim_gym.simulator.running import shards
+from irsim_gym.tasks.observations.goal import route
+from irsim_gym.tasks.observations.seen_map import seen_grid
 
 N_WORLDS = 2
 PICTURE = (64, 48)

@@ -78,8 +78,8 @@ import guard
 guard.install()
 from dataclasses import dataclass
 import numpy as np
-from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct
+from irsim_gym.base.kernels import kernel
+from irsim_gym.base.kernels.structs import Struct
 
 @dataclass
 class Tables(Struct):

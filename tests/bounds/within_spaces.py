@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.engine import compile
-from irsim_gym.envs.batch import Batch, make_batch
-from irsim_gym.levels.draw import draw_levels
+from irsim_gym.envs.teams.batch import Batch, make_batch
+from irsim_gym.evaluation.levels.draw import draw_levels
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.level_checks import with_levels
+from irsim_gym.scenario.reading.level_checks import with_levels
+from irsim_gym.simulator.engine import compile
 
 N_WORLDS = 3
 SEEDS = (5, 90, 5)

@@ -9,8 +9,8 @@ import pytest
 from builder import reference
 from reference_rules import Documented, documented, unnamed, unsaid_errors, without_shape, without_unit
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.world.model import Model
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.simulator.world.model import Model
 
 NAMES = [one for one in documented() if not one.is_of_others]
 

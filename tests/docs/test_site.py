@@ -18,10 +18,10 @@ from builder import check, films, gallery, language, links, reference, source_pa
 from reference_rules import documented
 
 import irsim_gym
-from irsim_gym import arraytypes, families
+from irsim_gym.base import arraytypes, families
 from irsim_gym.errors import MissingExtraError
-from irsim_gym.scenario.library import every_scenario
-from irsim_gym.scenario.option_tables import option_tables
+from irsim_gym.scenario.reference.option_tables import option_tables
+from irsim_gym.scenario.specs.library import every_scenario
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"docs/a.md": "a.md", "agents/README.md": "agents.md", "docs/design/b.md": "design/b.md"}
@@ -39,7 +39,7 @@ MOST_BYTES = 150_000
         ("[here](a.md#part)", "[here](../a.md#part)"),
         ("[all\nof it](../agents/README.md)", "[all\nof it](../agents.md)"),
         ("[why](design/b.md)", "[why](../design/b.md)"),
-        ("[code](../irsim_gym/cli.py)", "[code](../files/irsim_gym/cli.py)"),
+        ("[code](../irsim_gym/cli/app.py)", "[code](../files/irsim_gym/cli.py)"),
         ("see [the folder](../configs/tasks).", "see the folder."),
         ("![A robot](cluttered_room.png)", "![A robot](../cluttered_room.png)"),
         ("[web](https://a.b/c), [below](#part)", "[web](https://a.b/c), [below](#part)"),

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.envs.sb3 import make_vec_env
-from irsim_gym.envs.single import WorldEnv
-from irsim_gym.envs.vector import WorldVectorEnv
+from irsim_gym.envs.gymnasium.single import WorldEnv
+from irsim_gym.envs.gymnasium.vector import WorldVectorEnv
+from irsim_gym.envs.sb3.vec_env import make_vec_env
 from irsim_gym.errors import IrsimGymError
 
 TASK = {"action": {"name": "discrete", "linear": 2, "angular": 3}}

@@ -8,9 +8,9 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from irsim_gym.envs.single import WorldEnv
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.replay import is_possible
+from irsim_gym.base.kernels.replay import is_possible
+from irsim_gym.envs.gymnasium.single import WorldEnv
+from irsim_gym.envs.gymnasium.worlds import Worlds
 
 SCENARIO = "sparse_circles"
 needs_recording = pytest.mark.skipif(not is_possible(), reason="nothing is recorded without compiling")

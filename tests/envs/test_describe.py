@@ -12,11 +12,11 @@ import pytest
 from gymnasium.spaces import Box
 
 import irsim_gym
-from irsim_gym.envs.description import Block, Description
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.envs.described.description import Block, Description
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.tasks import Outcome
-from irsim_gym.tasks.words import TellsActions, TellsColumns, TellsWhen
+from irsim_gym.tasks.terms.words import TellsActions, TellsColumns, TellsWhen
 
 TURN = 0.7
 """By how much the scanner is turned on the robot [rad]."""
@@ -223,7 +223,7 @@ def test_it_is_shown_as_text_json_and_html() -> None:
 def test_on_the_command_line(tmp_path: Any) -> None:
     from typer.testing import CliRunner
 
-    from irsim_gym.cli import app
+    from irsim_gym.cli.app import app
 
     picture = tmp_path / "where.png"
     result = CliRunner().invoke(app, ["describe", "empty_goal", "--task", "image_navigation", "--out", str(picture)])
@@ -231,7 +231,7 @@ def test_on_the_command_line(tmp_path: Any) -> None:
     assert "0 free, 255 occupied" in result.output
     assert picture.read_bytes()[:4] == b"\x89PNG"
     with pytest.MonkeyPatch.context() as patch:  # a reader that stops, such as `head`
-        patch.setattr("irsim_gym.training.describe.show", lambda _: (_ for _ in ()).throw(BrokenPipeError))
+        patch.setattr("irsim_gym.cli.work.describe.show", lambda _: (_ for _ in ()).throw(BrokenPipeError))
         drawn = tmp_path / "drawn.png"
         CliRunner().invoke(app, ["describe", "empty_goal", "--picture", str(drawn)])
     assert drawn.is_file()
@@ -258,8 +258,8 @@ def test_what_is_printed_is_short() -> None:
 
 def test_editors_can_complete_what_makes_environments() -> None:
     """Explicit keywords with types, the defaults of what they make, and ``**parameters`` for the scenario's own."""
-    from irsim_gym.envs.single import WorldEnv
-    from irsim_gym.envs.vector import WorldVectorEnv
+    from irsim_gym.envs.gymnasium.single import WorldEnv
+    from irsim_gym.envs.gymnasium.vector import WorldVectorEnv
 
     makers = (irsim_gym.make, irsim_gym.make_vec, irsim_gym.parallel_env, irsim_gym.make_batch)
     for maker in (*makers, irsim_gym.sb3.make_vec_env, irsim_gym.load):

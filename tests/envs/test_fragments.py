@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irsim_gym.envs.fragments import Fragment, FragmentWriter, advantages, joined
+from irsim_gym.envs.rllib.fragments import Fragment, FragmentWriter, advantages, joined
 
 GAMMA, LAMBDA = 0.9, 0.8
 LENGTHS, CUT = (3, 1, 4, 2), (False, True, True, False)

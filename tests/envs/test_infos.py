@@ -8,7 +8,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 
 COPIES = {"itself": lambda worlds: worlds, "deepcopy": deepcopy, "pickle": lambda w: pickle.loads(pickle.dumps(w))}
 

@@ -12,7 +12,7 @@ import pytest
 from irsim.env import EnvBase
 
 import irsim_gym
-from irsim_gym.envs.by_hand import OF_WORLDS
+from irsim_gym.envs.parts.by_hand import OF_WORLDS
 from irsim_gym.errors import UnknownKeywordError
 
 LOAD = r"run a world by hand, as in IR-SIM, use irsim_gym\.load\('my_world\.yaml'\), or irsim\.make"

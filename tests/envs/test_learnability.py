@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from irsim_gym.envs.learnability import PRIOR, LearnableLevels, expected_learnability
+from irsim_gym.envs.sb3_learning.learnability import PRIOR, LearnableLevels, expected_learnability
 
 
 def played(known: LearnableLevels, results: dict[int, list[float]]) -> LearnableLevels:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.envs.mirror import Mirror
+from irsim_gym.envs.parts.mirror import Mirror
 from irsim_gym.errors import IrsimGymError, KindError
 from irsim_gym.plugins import KINEMATICS, OBSERVATIONS, Mirrored, kind
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.behaviors.views import BodyView
-from irsim_gym.envs.moment import BodyMoment, WorldMoment
+from irsim_gym.bodies.behaviors.python.views import BodyView
+from irsim_gym.envs.described.moment import BodyMoment, WorldMoment
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.live.body import Body
+from irsim_gym.live.population.body import Body
 
 ROBOT: dict[str, Any] = {
     "kinematics": {"name": "acker", "wheelbase": 0.4},

@@ -14,15 +14,15 @@ from gymnasium.envs.registration import EnvSpec
 
 import irsim_gym
 from irsim_gym import sb3
-from irsim_gym.envs.batch import make_batch
-from irsim_gym.envs.parallel import parallel_env
-from irsim_gym.envs.sb3 import make_vec_env
-from irsim_gym.envs.single import WorldEnv
-from irsim_gym.envs.vector import WorldVectorEnv
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.single import WorldEnv
+from irsim_gym.envs.gymnasium.vector import WorldVectorEnv
+from irsim_gym.envs.gymnasium.worlds import Worlds
+from irsim_gym.envs.sb3.vec_env import make_vec_env
+from irsim_gym.envs.teams.batch import make_batch
+from irsim_gym.envs.teams.parallel import parallel_env
 from irsim_gym.errors import ScenarioError, UnknownNameError
 from irsim_gym.live.world import World
-from irsim_gym.scenario.parameters import ARGUMENTS
+from irsim_gym.scenario.reading.parameters import ARGUMENTS
 
 FILE = """
 parameters: {n_robots: {default: 2, min: 1, max: 9, meaning: Number of robots.}}

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.render.packing import unpacked
-from irsim_gym.render.replay_page import read_html
+from irsim_gym.rendering.looks.packing import unpacked
+from irsim_gym.rendering.replay.replay_page import read_html
 
 
 def test_episodes_of_an_environment(tmp_path: Path) -> None:

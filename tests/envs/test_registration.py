@@ -8,7 +8,7 @@ import gymnasium
 import pytest
 
 import irsim_gym
-from irsim_gym.envs.registration import env_id, register
+from irsim_gym.envs.gymnasium.registration import env_id, register
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 
 WORLD = """

@@ -17,9 +17,9 @@ from stable_baselines3.common.vec_env.base_vec_env import tile_images
 
 import irsim_gym
 from irsim_gym import sb3
-from irsim_gym.envs.single import WorldEnv
+from irsim_gym.envs.gymnasium.single import WorldEnv
 from irsim_gym.errors import IrsimGymError, NoWindowError, UnknownKeywordError
-from irsim_gym.render.screen import Screen
+from irsim_gym.rendering.windows.screen import Screen
 
 WORLD = {"name": "small", "step_time": 0.05, "sample_time": 0.05, "plot": {"figure_pixels": [120, 100]}}
 SPARSE = {**WORLD, "sample_time": 0.16}  # three steps

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.render.screen import Screen
+from irsim_gym.rendering.windows.screen import Screen
 
 SCENARIOS = (
     "car_dash",

@@ -10,7 +10,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 
 import irsim_gym
-from irsim_gym.envs.single import WorldEnv
+from irsim_gym.envs.gymnasium.single import WorldEnv
 from irsim_gym.errors import ScenarioError, UnknownNameError
 from irsim_gym.tasks import Outcome
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete
 
-from irsim_gym.envs.single import WorldEnv
+from irsim_gym.envs.gymnasium.single import WorldEnv
 
 DICT = {"name": "navigation", "observation_form": "dict"}
 

@@ -43,7 +43,7 @@ def file(tmp_path: Path) -> Path:
 def test_a_spec_of_paths_and_arrays_is_json(
     make: Callable[[Path], Any], file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("irsim_gym.envs.worlds.load_task", _load_task)
+    monkeypatch.setattr("irsim_gym.envs.gymnasium.worlds.load_task", _load_task)
     env = make(file)
     again = EnvSpec.from_json(env.spec.to_json())
     assert again.kwargs["scenario"] == str(file)

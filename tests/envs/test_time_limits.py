@@ -12,9 +12,9 @@ from gymnasium.wrappers import FrameStackObservation, TimeAwareObservation, Time
 from sb3_contrib.common.wrappers import TimeFeatureWrapper
 
 import irsim_gym
-from irsim_gym.envs.registration import env_id
+from irsim_gym.envs.gymnasium.registration import env_id
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.library import scenario_names
+from irsim_gym.scenario.specs.library import scenario_names
 from irsim_gym.tasks import Outcome, load_task
 
 ONE = "limits/waits-v0"

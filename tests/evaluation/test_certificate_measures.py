@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import irsim_gym as ig
-from irsim_gym.engine import Simulation
-from irsim_gym.evaluation.certificate_measures import least_steps, measure_level
+from irsim_gym.evaluation.measures.certificate_measures import least_steps, measure_level
+from irsim_gym.simulator.engine import Simulation
 
 pytestmark = pytest.mark.filterwarnings("ignore:seldom meant:irsim_gym.errors.ScenarioWarning")
 DISC = {"name": "circle", "radius": 0.2}

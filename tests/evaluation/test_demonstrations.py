@@ -11,9 +11,9 @@ from gymnasium.spaces import Box, Dict, Discrete, MultiBinary
 
 import irsim_gym
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.comparison.demonstrations import DemonstrationError, describe_space
+from irsim_gym.evaluation.comparison.recorder import RecordedStep, Recorder
 from irsim_gym.tasks import Outcome
-from irsim_gym.training.demonstrations import DemonstrationError, describe_space
-from irsim_gym.training.recorder import RecordedStep, Recorder
 
 ROBOT = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "state": [1, 5, 0]}
 SCENARIO: dict[str, Any] = {
@@ -106,7 +106,7 @@ def test_an_episode_that_is_left_is_kept_as_cut_off_or_dropped(tmp_path: Path) -
 
 
 def test_an_interruption_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from irsim_gym.envs.single import WorldEnv
+    from irsim_gym.envs.gymnasium.single import WorldEnv
 
     step, count = WorldEnv.step, iter(range(100))
 

@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.metrics import EpisodeRow, summarize
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.evaluation.tables import summary_table, table_text
-from irsim_gym.evaluation.team_metrics import TeamRow, summarize_team
-from irsim_gym.evaluation.team_tables import team_table
-from irsim_gym.evaluation.teams import evaluate_team
-from irsim_gym.suite.row_files import read_rows, write_rows
-from irsim_gym.suite.scores import score_member
+from irsim_gym.envs.gymnasium.worlds import Worlds
+from irsim_gym.evaluation.measures.metrics import EpisodeRow, summarize
+from irsim_gym.evaluation.measures.team_metrics import TeamRow, summarize_team
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.protocol import evaluate
+from irsim_gym.evaluation.protocol.tables import summary_table, table_text
+from irsim_gym.evaluation.protocol.team_tables import team_table
+from irsim_gym.evaluation.protocol.teams import evaluate_team
+from irsim_gym.evaluation.suite.row_files import read_rows, write_rows
+from irsim_gym.evaluation.suite.scores import score_member
 
 LIMIT = 100
 GOALS = [[2.0, 2.0], [4.0, 2.0], [6.0, 2.0]]

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from irsim_gym.evaluation.metrics import EpisodeRow, mean, rate, summarize, wilson
+from irsim_gym.evaluation.measures.metrics import EpisodeRow, mean, rate, summarize, wilson
 
 
 def row(outcome: str = "success", **values: object) -> EpisodeRow:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.envs.gymnasium.worlds import Worlds
+from irsim_gym.evaluation.measures.metrics import EpisodeRow
+from irsim_gym.evaluation.protocol.protocol import evaluate
 
 TASK = {"name": "blank", "max_steps": 20, "observations": ["goal"], "rewards": ["progress"], "endings": ["collided"]}
 

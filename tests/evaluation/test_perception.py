@@ -5,18 +5,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.perception import (
+from irsim_gym.base.families import ACTIONS, OBSERVATIONS
+from irsim_gym.envs.gymnasium.worlds import Worlds
+from irsim_gym.evaluation.policies.perception import (
     Perceived,
     Perception,
     UnfitPerceptionError,
     perceived_task,
     perception_of,
 )
-from irsim_gym.evaluation.policy import ObservationPolicy
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.families import ACTIONS, OBSERVATIONS
+from irsim_gym.evaluation.policies.policy import ObservationPolicy
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Episodes, load_task
 

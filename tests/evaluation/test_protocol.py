@@ -4,12 +4,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.errors import IrsimGymError, UnknownNameError
-from irsim_gym.evaluation.metrics import summarize
-from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import reference_policy
+from irsim_gym.evaluation.measures.metrics import summarize
+from irsim_gym.evaluation.measures.optimum import Optima
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.tasks import Episodes, Outcome
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from irsim_gym.evaluation.statistics import (
+from irsim_gym.evaluation.measures.statistics import (
     interquartile_mean,
     paired_difference,
     probability_of_improvement,

@@ -10,9 +10,10 @@ import pytest
 from rich.console import Console
 
 from irsim_gym.errors import UnreadableFileError
-from irsim_gym.evaluation.metrics import EpisodeRow, summarize
-from irsim_gym.evaluation.progress_bars import progress_bar
-from irsim_gym.evaluation.tables import (
+from irsim_gym.evaluation.measures.metrics import EpisodeRow, summarize
+from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
+from irsim_gym.evaluation.protocol.progress_bars import progress_bar
+from irsim_gym.evaluation.protocol.tables import (
     figure_table,
     legend,
     plain,
@@ -22,8 +23,7 @@ from irsim_gym.evaluation.tables import (
     write_episodes,
     write_json,
 )
-from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.suite.row_files import read_rows, write_rows
+from irsim_gym.evaluation.suite.row_files import read_rows, write_rows
 
 ROWS = [
     EpisodeRow(0, "success", "", 20, 2.0, 5.0, 4.0, 0.25),

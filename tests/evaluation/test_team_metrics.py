@@ -4,8 +4,14 @@ import math
 
 import pytest
 
-from irsim_gym.evaluation.metrics import EpisodeRow, wilson
-from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow, rate_of_agents, summarize_team, summarize_teams
+from irsim_gym.evaluation.measures.metrics import EpisodeRow, wilson
+from irsim_gym.evaluation.measures.team_metrics import (
+    AgentRow,
+    TeamRow,
+    rate_of_agents,
+    summarize_team,
+    summarize_teams,
+)
 
 LIMIT = 20.0
 

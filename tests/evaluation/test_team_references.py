@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.engine import compile
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
-from irsim_gym.evaluation.drive_actions import to_actions
-from irsim_gym.evaluation.reference_policies import RandomPolicy, reference_policy
+from irsim_gym.evaluation.policies.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.policies.drive_actions import to_actions
+from irsim_gym.evaluation.policies.reference_policies import RandomPolicy, reference_policy
 from irsim_gym.scenario import load_scenario
+from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, Outcome
 
 HERE = np.array([0])

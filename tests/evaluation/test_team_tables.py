@@ -2,10 +2,10 @@ import csv
 import json
 from pathlib import Path
 
-from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import legend, table_text, write_json
-from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow, summarize_team, summarize_teams
-from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
+from irsim_gym.evaluation.measures.metrics import EpisodeRow
+from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow, summarize_team, summarize_teams
+from irsim_gym.evaluation.protocol.tables import legend, table_text, write_json
+from irsim_gym.evaluation.protocol.team_tables import compared_table, team_table, write_agents, write_levels
 
 
 def agent(name: str, level: int, outcome: str, time: float, hit: str = "") -> AgentRow:

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.evaluation.team_metrics import AgentRow, summarize_team
-from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.evaluation.measures.optimum import Optima
+from irsim_gym.evaluation.measures.team_metrics import AgentRow, summarize_team
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.protocol import evaluate
+from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.tasks import Episodes
 
 PI = 3.141592653589793

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.evaluation.teams import evaluate_team
-from irsim_gym.evaluation.trajectories import TrajectoryLog
-from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.trajectory_figures import TrajectoryFigure
+from irsim_gym.evaluation.comparison.trajectory_figures import TrajectoryFigure
+from irsim_gym.evaluation.measures.trajectories import TrajectoryLog
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.protocol import evaluate
+from irsim_gym.evaluation.protocol.teams import evaluate_team
+from irsim_gym.evaluation.requests.episode_setup import make_episodes
 
 DISC: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "vel_max": [1, 1]}
 
@@ -73,7 +73,9 @@ def test_watching_changes_nothing() -> None:
 def test_levels_that_differ_are_drawn_one_by_one(corridor: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """The corridor's levels are all alike; in that of ``empty_goal`` start and goal are drawn anew."""
     shown: list[Any] = []
-    monkeypatch.setattr("irsim_gym.render.ways_plot.draw_ways", lambda files, panels, *_: shown.extend(panels))
+    monkeypatch.setattr(
+        "irsim_gym.rendering.figures.ways_plot.draw_ways", lambda files, panels, *_: shown.extend(panels)
+    )
     for scenario in (corridor, "empty_goal"):
         episodes = make_episodes(scenario, n_worlds=2, team=True)
         atlas = TrajectoryFigure(episodes)

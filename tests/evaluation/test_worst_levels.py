@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from irsim_gym.evaluation.worst_levels import worst_of_policies, worst_share, worst_shares
+from irsim_gym.evaluation.measures.worst_levels import worst_of_policies, worst_share, worst_shares
 
 
 @pytest.mark.parametrize(

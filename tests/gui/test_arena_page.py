@@ -12,7 +12,7 @@ from browser import browser
 from test_replay_page import Page, wait
 
 import irsim_gym
-from irsim_gym.arenas.contest import Arena
+from irsim_gym.evaluation.arena.contest import Arena
 
 ROOM = {
     "world": {"height": 4, "width": 6, "step_time": 0.25},

@@ -198,7 +198,7 @@ def test_pettingzoos_render_test(screen: Screen) -> None:
 
 
 def test_gymnasiums_checker_renders_in_all_modes(screen: Screen) -> None:
-    gymnasium.register("own/one-v0", "irsim_gym.envs.single:WorldEnv", kwargs={"scenario": ONE})
+    gymnasium.register("own/one-v0", "irsim_gym.envs.gymnasium.single:WorldEnv", kwargs={"scenario": ONE})
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make("own/one-v0").unwrapped)

@@ -13,11 +13,11 @@ import pytest
 from browser import browser
 
 import irsim_gym
-from irsim_gym.render import vocabulary
-from irsim_gym.render.primitives import Figure, Ink, Pen, Primitive, Shape
-from irsim_gym.render.scene import GoalView
-from irsim_gym.training.record import record_html
-from irsim_gym.training.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.comparison.record import record_html
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.rendering.scene import vocabulary
+from irsim_gym.rendering.scene.primitives import Figure, Ink, Pen, Primitive, Shape
+from irsim_gym.rendering.scene.scene import GoalView
 
 ROOM = """
 world: {height: 6, width: 8, step_time: 0.1}

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from screen import Screen
 
-from irsim_gym.render.window import Window, WindowEvent
+from irsim_gym.rendering.windows.window import Window, WindowEvent
 
 TITLE = "a window under test"
 
@@ -115,7 +115,7 @@ def test_pyplot_stays_as_it_was(window: Window) -> None:
     assert matplotlib.rcParams["toolbar"] == matplotlib.rcParamsDefault["toolbar"]
     program = (
         "import sys\n"
-        "from irsim_gym.render.window import Window\n"
+        "from irsim_gym.rendering.windows.window import Window\n"
         "window = Window(30, 20)\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
         "import matplotlib.pyplot as plt\n"

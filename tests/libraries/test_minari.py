@@ -12,7 +12,7 @@ import pytest
 from needed import library
 
 import irsim_gym
-from irsim_gym.scenario.library import names
+from irsim_gym.scenario.specs.library import names
 
 NAME = "irsim/shown-v0"
 ABOUT = {"algorithm_name": "dash", "author": "me", "author_email": "me@example.org", "code_permalink": "none"}

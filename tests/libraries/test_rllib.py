@@ -44,7 +44,7 @@ def networks(policy: str) -> Any:
     from ray.rllib.core.rl_module.rl_module import RLModuleSpec
     from stable_baselines3 import ppo
 
-    from irsim_gym.training.rllib_module import PolicyModule
+    from irsim_gym.training.rllib.module import PolicyModule
 
     return RLModuleSpec(module_class=PolicyModule, model_config={"policy": getattr(ppo, policy), "arguments": {}})
 
@@ -137,7 +137,7 @@ def test_targets_of_ppo_on_a_task_of_known_value(steps):
     import torch
     from ray.rllib.core import DEFAULT_MODULE_ID
 
-    from irsim_gym.envs.rllib_learning import advantage_batch
+    from irsim_gym.envs.rllib.batches import advantage_batch
 
     module, fragment = known_fragment(steps)
     batch = advantage_batch(module, [fragment], GAMMA, 1.0)[DEFAULT_MODULE_ID]
@@ -153,7 +153,7 @@ def test_targets_of_appo_on_a_task_of_known_value(steps):
     from ray.rllib.algorithms.impala.torch.vtrace_torch_v2 import vtrace_torch
     from ray.rllib.core import DEFAULT_MODULE_ID
 
-    from irsim_gym.envs.rllib_learning import sequence_batch
+    from irsim_gym.envs.rllib.batches import sequence_batch
 
     module, fragment = known_fragment(steps)
     batch = sequence_batch(module, [fragment], GAMMA)[DEFAULT_MODULE_ID]
@@ -178,7 +178,7 @@ def test_targets_agree_with_stable_baselines():
     from ray.rllib.core import DEFAULT_MODULE_ID
     from stable_baselines3.common.buffers import RolloutBuffer
 
-    from irsim_gym.envs.rllib_learning import advantage_batch
+    from irsim_gym.envs.rllib.batches import advantage_batch
 
     steps, n_worlds = 150, 4
     sampler = runner("cluttered_room", worlds_per_worker=n_worlds, steps=steps, max_steps=20)
@@ -238,8 +238,8 @@ def test_registered_environments_work_with_rllibs_own_runner(mode):
 
 
 def settings(folder: Path, **own: Any) -> Any:
-    from irsim_gym.training.engines import Engine
-    from irsim_gym.training.training_request import TrainingRequest
+    from irsim_gym.training.requests.training_request import TrainingRequest
+    from irsim_gym.training.settings.engines import Engine
 
     file = folder / "small.yaml"
     keys = "n_steps: 16, gamma: 0.9, learning_rate: lin_1e-3"
@@ -251,9 +251,9 @@ def settings(folder: Path, **own: Any) -> Any:
 
 @pytest.mark.parametrize("algorithm", ["ppo", "appo"])
 def test_a_run_leaves_what_one_of_stable_baselines_leaves(algorithm, tmp_path):
-    from irsim_gym.training.checkpoint_files import list_checkpoints, load_progress
-    from irsim_gym.training.comparison import evaluate
-    from irsim_gym.training.train import train
+    from irsim_gym.evaluation.comparison.comparison import evaluate
+    from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints, load_progress
+    from irsim_gym.training.requests.train import train
 
     run = train(settings(tmp_path, algorithm=algorithm), tmp_path / "run")
     steps = [int(path.name) for path in list_checkpoints(run.checkpoints)]
@@ -272,8 +272,8 @@ def test_the_exported_policy_acts_as_rllib_does(tmp_path):
     import torch
     from stable_baselines3 import PPO
 
-    from irsim_gym.training.rllib_config import make_config
-    from irsim_gym.training.train import train
+    from irsim_gym.training.requests.train import train
+    from irsim_gym.training.rllib.config import make_config
 
     wanted = settings(tmp_path)
     run = train(wanted, tmp_path / "run")
@@ -292,10 +292,10 @@ def test_the_exported_policy_acts_as_rllib_does(tmp_path):
 
 
 def test_a_stopped_run_goes_on_from_its_checkpoint(tmp_path):
-    from irsim_gym.training.checkpoint_files import load_progress, newest_checkpoint
-    from irsim_gym.training.interruption import TrainingInterruptedError
-    from irsim_gym.training.run import Run
-    from irsim_gym.training.train import train
+    from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError
+    from irsim_gym.evaluation.saved_policies.checkpoint_files import load_progress, newest_checkpoint
+    from irsim_gym.training.requests.train import train
+    from irsim_gym.training.settings.run import Run
 
     wanted, place = settings(tmp_path), tmp_path / "run"
 
@@ -356,9 +356,9 @@ def waited_for(there: Any) -> Any:
 @pytest.mark.slow
 def test_training_goes_on_without_a_worker_and_without_a_node(cluster, tmp_path):
     """A worker is killed, then its node leaves and comes back."""
-    from irsim_gym.training.checkpoint_files import list_checkpoints
-    from irsim_gym.training.engines import Engine
-    from irsim_gym.training.train import train
+    from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints
+    from irsim_gym.training.requests.train import train
+    from irsim_gym.training.settings.engines import Engine
 
     node = cluster.add_node(num_cpus=1)
     events: list[str] = []

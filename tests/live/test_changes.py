@@ -9,7 +9,7 @@ import pytest
 from small_world import DIFF, SCENARIO, world
 
 import irsim_gym
-from irsim_gym import families
+from irsim_gym.base import families
 from irsim_gym.errors import PlacementError, ScenarioError, UnknownNameError
 
 RANDOM = {

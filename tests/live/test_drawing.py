@@ -18,9 +18,9 @@ from matplotlib.colors import to_hex
 from small_world import SCENARIO, world
 
 import irsim_gym
-from irsim_gym.live import looks
-from irsim_gym.live.drawing import Drawing
-from irsim_gym.world.marks import LineMark, PointsMark, TextMark
+from irsim_gym.live.drawing import looks
+from irsim_gym.live.drawing.drawing import Drawing
+from irsim_gym.simulator.readings.marks import LineMark, PointsMark, TextMark
 
 COLUMNS = [np.array([[1.0], [2.0], [0.5]]), np.array([[3.0], [4.0], [0.5]]), np.array([[5.0], [5.0], [0.5]])]
 PLACES = [[1.0, 2.0], [3.0, 4.0], [5.0, 5.0]]
@@ -289,7 +289,7 @@ class Window:
 
 def test_in_a_window_marks_wait_for_the_next_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     """As in IR-SIM, where ``render`` draws at samples alone: what was drawn in between is in the next picture."""
-    monkeypatch.setattr("irsim_gym.live.viewer.Driver", Window)
+    monkeypatch.setattr("irsim_gym.live.pictures.viewer.Driver", Window)
     here = irsim_gym.load({**SCENARIO, "world": {**SCENARIO["world"], "sample_time": 0.3}}, render_mode="human")
     here.render(0.0)
     counts = []

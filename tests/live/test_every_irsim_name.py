@@ -18,7 +18,7 @@ from irsim.env import EnvBase
 from irsim.world import World
 
 import irsim_gym.irsim as ours
-from irsim_gym.behaviors.views import BodyView, tell_missing
+from irsim_gym.bodies.behaviors.python.views import BodyView, tell_missing
 
 FILE = """
 world: {height: 8, width: 8, step_time: 0.1}

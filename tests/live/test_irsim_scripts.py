@@ -15,7 +15,7 @@ from shapely.geometry import LineString, Point, Polygon
 from small_world import DIFF, SCENARIO, WALL, world
 
 import irsim_gym.irsim as ours
-from irsim_gym import families
+from irsim_gym.base import families
 from irsim_gym.errors import ScenarioError
 
 SHAPES: list[dict[str, Any]] = [

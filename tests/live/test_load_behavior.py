@@ -11,7 +11,7 @@ import pytest
 from small_world import DIFF
 
 import irsim_gym
-from irsim_gym import families
+from irsim_gym.base import families
 from irsim_gym.errors import BehaviorError, NoEffectWarning, ScenarioError
 
 MODULE = """

@@ -15,8 +15,8 @@ from command_line import run
 from small_world import world
 
 from irsim_gym import load
-from irsim_gym.render.packing import unpacked
-from irsim_gym.render.replay_page import read_html
+from irsim_gym.rendering.looks.packing import unpacked
+from irsim_gym.rendering.replay.replay_page import read_html
 
 SMALL = {"plot": {"figure_pixels": [240, 200]}}
 
@@ -140,7 +140,7 @@ def test_run_writes_films_and_pages(
 
 
 def test_progress_is_for_terminals_alone(tmp_path: Path) -> None:
-    program = "import irsim_gym; from irsim_gym.render.video import write_video; import numpy as np\n"
+    program = "import irsim_gym; from irsim_gym.rendering.films.video import write_video; import numpy as np\n"
     program += f"write_video(np.zeros((5, 16, 16, 3), np.uint8), {str(tmp_path / 'a.gif')!r}, 5.0, total=5)"
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert (result.stdout, result.stderr) == ("", "")

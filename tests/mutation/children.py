@@ -93,7 +93,7 @@ def run(root: Path, module: str, source: str, mutated: str, tests: Sequence[str]
     try:
         from numba.core import config
 
-        from irsim_gym.jit.folder import cache_folder
+        from irsim_gym.base.compiled.folder import cache_folder
 
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))

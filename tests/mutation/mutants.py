@@ -15,19 +15,28 @@ from cosmic_ray.operators.operator import Example, Operator
 from cosmic_ray.work_item import MutationSpec, WorkItem
 
 PARTS: dict[str, tuple[str, ...]] = {
-    "core": tuple(f"{folder}/**/*.py" for folder in ("engine", "kinematics", "sensors", "behaviors", "tasks", "envs")),
+    "core": tuple(
+        f"{folder}/**/*.py"
+        for folder in ("simulator", "bodies/drives", "bodies/sensors", "bodies/behaviors", "tasks", "envs")
+    ),
     "recent": (
-        *(f"behaviors/{name}.py" for name in ("dwa*", "mppi*", "local_*", "rollouts", "seen_way", "hybrid_astar")),
-        *(f"behaviors/{name}.py" for name in ("pose_*", "pursuit*")),
-        *(f"maps/{name}.py" for name in ("cells", "cellular", "level", "maze", "noise_levels", "rooms", "shelves")),
-        *(f"paths/{name}.py" for name in ("cell_lines", "occupancy", "outline_room", "scan_marks", "wavefront")),
-        *(f"engine/{name}.py" for name in ("level_table", "respawn", "traits", "path_checks")),
-        *(f"tasks/observations/{name}.py" for name in ("seen_*", "team_ways", "standing_aside", "time_to_collision")),
-        *(f"tasks/observations/{name}.py" for name in ("way_*", "yielding_way")),
-        *(f"envs/{name}.py" for name in ("sb3_gru", "sb3_memory", "learnability", "mirror")),
-        "placements/cells.py",
-        "evaluation/certificate_measures.py",
-        "suite/scores.py",
+        *(f"bodies/behaviors/{name}/*.py" for name in ("local_planners", "hybrid_astar", "pursuit")),
+        *(
+            f"bodies/maps/{name}.py"
+            for name in ("cells", "cellular", "level", "maze", "noise_levels", "rooms", "shelves")
+        ),
+        *(
+            f"simulator/cell_paths/{name}.py"
+            for name in ("cell_lines", "occupancy", "outline_room", "scan_marks", "wavefront")
+        ),
+        *(f"simulator/levels/{name}.py" for name in ("level_table", "traits", "path_checks")),
+        *("simulator/step/respawn.py", "tasks/observations/bodies/time_to_collision.py"),
+        "tasks/observations/seen_map/*.py",
+        *(f"envs/sb3_learning/{name}.py" for name in ("gru", "memory", "learnability")),
+        "envs/parts/mirror.py",
+        "bodies/placements/cells.py",
+        "evaluation/measures/certificate_measures.py",
+        "evaluation/suite/scores.py",
     ),
 }
 """Files of the package from which the mutants of a campaign are drawn, as patterns."""

@@ -16,43 +16,58 @@ import pytest
 from coverage import CoverageData
 
 CORE = (
-    "tests/kinematics",
-    "tests/sensors",
-    "tests/behaviors",
+    "tests/bodies/drives",
+    "tests/bodies/sensors",
+    "tests/bodies/behaviors",
     "tests/tasks",
-    "tests/placements",
-    "tests/maps",
+    "tests/bodies/placements",
+    "tests/bodies/maps",
     "tests/live",
-    "tests/engine",
+    "tests/simulator/engine",
     "tests/envs",
-    "tests/contracts",
+    "tests/envs/contracts",
     "tests/evaluation",
     "tests/scenario/test_reference_page.py",
 )
 TESTS = {
     "core": CORE,
     "recent": (
-        *(f"tests/behaviors/test_{name}.py" for name in ("dwa", "hybrid_astar", "pursuit", "own_scan", "map_discs")),
-        *("tests/maps", "tests/paths", "tests/placements", "tests/levels/test_certificates.py", "tests/suite"),
-        *(f"tests/engine/test_{name}.py" for name in ("respawn", "solvable", "level_files", "level_history", "turns")),
+        *(
+            f"tests/bodies/behaviors/test_{name}.py"
+            for name in ("dwa", "hybrid_astar", "pursuit", "own_scan", "map_discs")
+        ),
+        *(
+            "tests/bodies/maps",
+            "tests/simulator/paths",
+            "tests/bodies/placements",
+            "tests/evaluation/levels/test_certificates.py",
+            "tests/evaluation/suite",
+        ),
+        *(
+            f"tests/simulator/engine/test_{name}.py"
+            for name in ("respawn", "solvable", "level_files", "level_history", "turns")
+        ),
         *(f"tests/tasks/test_{name}.py" for name in ("observations", "clear_ways", "seen_map", "ways_and_memory")),
         *(f"tests/tasks/test_{name}.py" for name in ("yielding_way", "team_navigation", "sight", "obstruction")),
-        *("tests/evaluation/test_certificate_measures.py", "tests/envs/test_mirror.py", "tests/agents/test_gru.py"),
-        *("tests/envs/test_learnability.py", "tests/contracts/test_levels_from_files.py"),
-        *("tests/contracts/test_learnability_callback.py", "tests/contracts/test_mirror_callback.py"),
+        *("tests/evaluation/test_certificate_measures.py", "tests/envs/test_mirror.py", "tests/training/test_gru.py"),
+        *("tests/envs/test_learnability.py", "tests/envs/contracts/test_levels_from_files.py"),
+        *("tests/envs/contracts/test_learnability_callback.py", "tests/envs/contracts/test_mirror_callback.py"),
     ),
 }
 """Files and folders of tests that are tried, by the part that is mutated."""
 
 DECLARED = (
     "tests/scenario/test_reference_page.py::test_the_page_is_up_to_date",
-    "tests/contracts/test_kinds.py::test_every_shipped_kind",
+    "tests/envs/contracts/test_kinds.py::test_every_shipped_kind",
 )
 """Tests of what kinds declare, which their modules say when they are imported."""
 
 COMPILED = {
-    "irsim_gym/engine/direct.py": ("tests/envs/test_alone.py",),
-    "irsim_gym/engine/fused.py": ("tests/engine/test_shared_programs.py", "tests/engine/test_fused.py"),
+    "irsim_gym/simulator/running/direct.py": ("tests/envs/test_alone.py",),
+    "irsim_gym/simulator/running/fused.py": (
+        "tests/simulator/engine/test_shared_programs.py",
+        "tests/simulator/engine/test_fused.py",
+    ),
 }
 """What nobody reaches in plain Python, where nothing is recorded: files, and the tests that reach them compiled."""
 

@@ -13,33 +13,34 @@ import numpy as np
 from damage import Random, broken_archive, broken_bytes, broken_json, broken_text
 
 import irsim_gym
-from irsim_gym.arenas import page_data
-from irsim_gym.arenas.page_file import read_page
-from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import write_json
-from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.levels.barn import import_barn
-from irsim_gym.levels.certificate import read_certificate
-from irsim_gym.levels.jaxnav import import_jaxnav
-from irsim_gym.render import images, replay_page
-from irsim_gym.render.page_parts import deflated, held
-from irsim_gym.render.replay_page import read_html
+from irsim_gym.evaluation.arena import page_data
+from irsim_gym.evaluation.arena.page_file import read_page
+from irsim_gym.evaluation.comparison.demonstrations import Demonstrations, save_demonstrations
+from irsim_gym.evaluation.levels.barn import import_barn
+from irsim_gym.evaluation.levels.certificate import read_certificate
+from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
+from irsim_gym.evaluation.measures.metrics import EpisodeRow
+from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
+from irsim_gym.evaluation.protocol.tables import write_json
+from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
+from irsim_gym.evaluation.saved_policies.checkpoint_files import PROGRESS, load_progress
+from irsim_gym.evaluation.saved_policies.shelf import shelf_file
+from irsim_gym.evaluation.suite.members import read_suite
+from irsim_gym.evaluation.suite.row_files import read_rows, write_rows
+from irsim_gym.evaluation.suite.suite_record import read_record
+from irsim_gym.rendering.looks import images
+from irsim_gym.rendering.replay import replay_page
+from irsim_gym.rendering.replay.page_parts import deflated, held
+from irsim_gym.rendering.replay.replay_page import read_html
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.library import configs_folder
-from irsim_gym.suite.members import read_suite
-from irsim_gym.suite.row_files import read_rows, write_rows
-from irsim_gym.suite.suite_record import read_record
+from irsim_gym.scenario.specs.library import configs_folder
 from irsim_gym.tasks import load_task
-from irsim_gym.training.algorithms import find_algorithm
-from irsim_gym.training.checkpoint_files import PROGRESS, load_progress
-from irsim_gym.training.demonstrations import Demonstrations, save_demonstrations
-from irsim_gym.training.hyperparameter_files import read_hyperparameters
-from irsim_gym.training.mixture import read_mixture
-from irsim_gym.training.results_files import read_results
-from irsim_gym.training.run import Run
-from irsim_gym.training.score import read_curve
-from irsim_gym.training.search_space import read_space
-from irsim_gym.training.shelf import shelf_file
+from irsim_gym.training.curves.score import read_curve
+from irsim_gym.training.export.results_files import read_results
+from irsim_gym.training.searches.search_space import read_space
+from irsim_gym.training.settings.hyperparameter_files import read_hyperparameters
+from irsim_gym.training.settings.mixture import read_mixture
+from irsim_gym.training.settings.run import Run
 
 Breaker = Callable[[bytes, Random], bytes]
 AGENTS = Path(__file__).parents[2] / "agents"
@@ -178,13 +179,13 @@ def arena_page(file: Path) -> None:
 
 
 def load_zip(file: Path) -> object:
-    from irsim_gym.training.saved_models import load_model
+    from irsim_gym.evaluation.saved_policies.saved_models import load_model
 
     return load_model(file)
 
 
 def load_pickled_state(file: Path) -> object:
-    from irsim_gym.training.checkpoint import load_state
+    from irsim_gym.training.runs.checkpoint import load_state
 
     return load_state(file.parent)
 
@@ -243,7 +244,7 @@ KINDS = {
     "card": Kind(
         "p.json",
         copy_of(shelf_file("cluttered_room").with_suffix(".json")),
-        lambda file: irsim_gym.training.cards.read_card(file.with_suffix(".npz")),
+        lambda file: irsim_gym.evaluation.saved_policies.cards.read_card(file.with_suffix(".npz")),
         DATA,
     ),
     "scenario": Kind("s.yaml", shipped("scenarios/cluttered_room.yaml"), load_scenario, TEXT),

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 from command_line import run as command
+from irsim_gym.training.runs.checkpoint import write_checkpoint
 
+from irsim_gym.base.outside_files import remove
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import write_bytes
-from irsim_gym.outside_files import remove
-from irsim_gym.render.files import whole_file
-from irsim_gym.render.video import write_video
-from irsim_gym.training.checkpoint import write_checkpoint
-from irsim_gym.training.checkpoint_files import RunProgress
-from irsim_gym.training.folders import sole_writer
+from irsim_gym.evaluation.protocol.tables import write_bytes
+from irsim_gym.evaluation.saved_policies.checkpoint_files import RunProgress
+from irsim_gym.rendering.films.video import write_video
+from irsim_gym.rendering.looks.files import whole_file
+from irsim_gym.training.settings.folders import sole_writer
 
 SMALL = 4096
 FRAMES = [np.random.default_rng(k).integers(0, 255, (240, 320, 3), np.uint8) for k in range(6)]
@@ -79,7 +79,10 @@ def test_a_command_without_room_ends_with_one_sentence(
 def test_one_process_trains_into_a_folder(tmp_path: Path) -> None:
     """A second one is refused, and the lock ends with its process, however that ends."""
     folder = tmp_path / "run"
-    code = f"from irsim_gym.jit.lock import sole; import time\nwith sole({str(tmp_path / '.run.lock')!r}) as free:\n"
+    code = (
+        f"from irsim_gym.base.compiled.lock import sole; "
+        f"import time\nwith sole({str(tmp_path / '.run.lock')!r}) as free:\n"
+    )
     other = subprocess.Popen([sys.executable, "-c", f"{code} print(free, flush=True); time.sleep(60)"], stdout=-1)
     assert other.stdout is not None
     assert other.stdout.readline() == b"True\n"

@@ -9,9 +9,10 @@ import numpy as np
 from ir_sim import IrSim, Snapshot
 
 import irsim_gym as ig
-from irsim_gym.engine import body_buckets, contact, outlines
-from irsim_gym.world.group import Shard
-from irsim_gym.world.model import OMNI_WORLD, WANDER
+from irsim_gym.simulator.contact import body_buckets, contact
+from irsim_gym.simulator.step import outlines
+from irsim_gym.simulator.world.group import Shard
+from irsim_gym.simulator.world.model import OMNI_WORLD, WANDER
 
 SHARD = Shard(np.zeros(1, np.int64))
 

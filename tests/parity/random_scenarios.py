@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from irsim_gym import families
+from irsim_gym.base import families
 
 families.load()
 PI = 3.141592653589793

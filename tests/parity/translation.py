@@ -6,7 +6,7 @@ import copy
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from irsim_gym.scenario.expressions import evaluate
+from irsim_gym.scenario.text.expressions import evaluate
 
 AVOIDING = ("rvo",)
 NOWHERE = [1e6, 1e6, 0.0]

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("onnx")
 pytest.importorskip("onnxruntime")
 
-from irsim_gym.robot.robot_export import RobotExport, export_for_robot
+from irsim_gym.robot.export import RobotExport, export_for_robot
 
 
 @pytest.fixture(scope="session")

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 import yaml
 
+from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.robot.drive import Driver
-from irsim_gym.robot.robot_inputs import measured
-from irsim_gym.scenario.library import find
+from irsim_gym.robot.inputs import measured
+from irsim_gym.scenario.specs.library import find
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.episode_setup import make_episodes
 
 PERIOD, N_BEAMS, FAR = 0.1, 180, 6.0
 FREE = np.full(N_BEAMS, FAR)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from irsim_gym.evaluation.saved_policies import array_network
+from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
 from irsim_gym.robot.network_graph import STEPS, network_graph
-from irsim_gym.tasks.graph import Graph
-from irsim_gym.training import array_network
-from irsim_gym.training.shelf import ShelfPolicy
+from irsim_gym.tasks.terms.graph import Graph
 
 onnxruntime = pytest.importorskip("onnxruntime")
 

@@ -11,23 +11,23 @@ import pytest
 import yaml
 from command_line import run
 
-from irsim_gym.engine import compile
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.perception import Perceived
-from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.robot import robot_export
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.policies.perception import Perceived
+from irsim_gym.evaluation.protocol.protocol import evaluate
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.saved_policies.policies import SavedPolicy
+from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_file
+from irsim_gym.robot import export
+from irsim_gym.robot.contract import RobotContract
+from irsim_gym.robot.export import FILES, RobotExport, export_for_robot
 from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
+from irsim_gym.robot.inputs import measured, robot_values
 from irsim_gym.robot.policy_graph import policy_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
-from irsim_gym.robot.robot_contract import RobotContract
-from irsim_gym.robot.robot_export import FILES, RobotExport, export_for_robot
-from irsim_gym.robot.robot_inputs import measured, robot_values
 from irsim_gym.scenario import load_scenario
+from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, load_task
-from irsim_gym.tasks.graph import Graph
-from irsim_gym.training.policies import SavedPolicy
-from irsim_gym.training.scenario_request import ScenarioRequest
-from irsim_gym.training.shelf import read_policy, shelf_file
+from irsim_gym.tasks.terms.graph import Graph
 
 onnx = pytest.importorskip("onnx")
 onnxruntime = pytest.importorskip("onnxruntime")
@@ -87,7 +87,7 @@ def test_what_cannot_leave_is_refused_by_name(policy: str, words: list[str], tmp
 
 
 def test_nothing_is_written_where_the_graph_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(robot_export, "TOLERANCE", 1e-12)
+    monkeypatch.setattr(export, "TOLERANCE", 1e-12)
     with pytest.raises(IrsimGymError, match="nothing is written: the graph of 'cluttered_room' differs by"):
         export_for_robot("cluttered_room", tmp_path / "out", levels=2)
     assert not (tmp_path / "out").exists()

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym import families
-from irsim_gym.engine import compile
-from irsim_gym.robot.robot_inputs import measured, robot_values
+from irsim_gym.base import families
+from irsim_gym.robot.inputs import measured, robot_values
 from irsim_gym.scenario import load_scenario
+from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, load_task
-from irsim_gym.tasks.graph import Graph, HasGraph
+from irsim_gym.tasks.terms.graph import Graph, HasGraph
 
 onnx = pytest.importorskip("onnx")
 onnxruntime = pytest.importorskip("onnxruntime")

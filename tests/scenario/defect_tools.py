@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import pytest
 import yaml
 
-from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.composer import compose
-from irsim_gym.scenario.load import read_scenario
-from irsim_gym.scenario.source import Source, dotted
-from irsim_gym.scenario.spec import BodySpec
+from irsim_gym.scenario.reading.load import read_scenario
+from irsim_gym.scenario.specs.spec import BodySpec
+from irsim_gym.scenario.text.composer import compose
+from irsim_gym.scenario.text.source import Source, dotted
+from irsim_gym.simulator.engine import Simulation, compile
 
 
 def scenario(text: str) -> Scenario:

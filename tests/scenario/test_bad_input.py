@@ -11,7 +11,7 @@ import pytest
 import irsim_gym
 from irsim_gym.errors import ScenarioError, ScenarioWarning
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.validation import MAX_PROBLEMS
+from irsim_gym.scenario.checking.validation import MAX_PROBLEMS
 
 NAMES = "'diff', 'omni', 'omni_angular' or 'acker'"
 WORLD = {

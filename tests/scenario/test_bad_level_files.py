@@ -11,8 +11,8 @@ import pytest
 
 from irsim_gym.errors import ScenarioError, ScenarioWarning
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.level_reading import read_levels
-from irsim_gym.scenario.level_set import LevelSet
+from irsim_gym.scenario.reading.level_reading import read_levels
+from irsim_gym.scenario.specs.level_set import LevelSet
 
 SCENARIO = """\
 world: {name: two}

@@ -9,9 +9,9 @@ import pytest
 from documented import EXAMPLES
 
 import irsim_gym
-from irsim_gym.engine import compile
-from irsim_gym.render import Renderer
+from irsim_gym.rendering import Renderer
 from irsim_gym.scenario import load_scenario
+from irsim_gym.simulator.engine import compile
 
 # The car of one example drives 0.4 m in a step, beyond its goal_threshold of 0.1 m.
 pytestmark = pytest.mark.filterwarnings("ignore:(?s).*may jump over a goal_threshold:irsim_gym.errors.ScenarioWarning")

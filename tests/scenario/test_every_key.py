@@ -8,12 +8,12 @@ import yaml
 from defect_tools import problems
 from test_scenario_schema import LANGUAGE
 
-from irsim_gym import families
-from irsim_gym.engine import compile
-from irsim_gym.render import Renderer
+from irsim_gym.base import families
+from irsim_gym.rendering import Renderer
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.messages import CONTACT_KEYS
-from irsim_gym.scenario.option_tables import option_tables
+from irsim_gym.scenario.reference.option_tables import option_tables
+from irsim_gym.scenario.text.messages import CONTACT_KEYS
+from irsim_gym.simulator.engine import compile
 
 OUTLINE = (
     "random_shape: true, is_convex: true, number: 1, center_range: [0, 0, 0, 0], avg_radius_range: [0.2, 0.3],\n"

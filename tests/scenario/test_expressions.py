@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from irsim_gym.scenario.expressions import evaluate, names_in
+from irsim_gym.scenario.text.expressions import evaluate, names_in
 
 
 @pytest.mark.parametrize(

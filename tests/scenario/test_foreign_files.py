@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from irsim_gym.cli import app
+from irsim_gym.bodies.shapes.circle import Circle
+from irsim_gym.cli.app import app
 from irsim_gym.errors import IgnoredKeyWarning, ScenarioError, ScenarioWarning
-from irsim_gym.footprints.circle import Circle
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.notes import notes
+from irsim_gym.scenario.reading.notes import notes
 from irsim_gym.tasks import load_task
 
 NEEDLESS = """

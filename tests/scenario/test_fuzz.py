@@ -10,12 +10,12 @@ import yaml
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from irsim_gym.base.options import option_fields
 from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.options import option_fields
-from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
-from irsim_gym.scenario.source import SECTIONS, read_file
-from irsim_gym.scenario.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.specs.plot_spec import ObjectPlot, WorldPlot
+from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.text.source import SECTIONS, read_file
 
 OPTIONS = (
     "radius center vertices random_shape length width wheelbase range_low range_high number angle_range offset noise"

@@ -13,8 +13,8 @@ from command_line import run
 import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameError
-from irsim_gym.scenario.ids import IDS, scenario_name
-from irsim_gym.training.folders import labelled
+from irsim_gym.scenario.specs.ids import IDS, scenario_name
+from irsim_gym.training.settings.folders import labelled
 
 WORLD = """
 world: {name: mine, width: 6, height: 6}
@@ -114,7 +114,7 @@ def test_commands_take_ids(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
 
 @pytest.mark.usefixtures("folder")
 def test_ids_that_stand_for_more_or_for_less_than_a_scenario() -> None:
-    made = {"entry_point": "irsim_gym.envs.single:WorldEnv"}
+    made = {"entry_point": "irsim_gym.envs.gymnasium.single:WorldEnv"}
     gymnasium.register("lab/short-v0", **made, kwargs={"scenario": "empty_goal", "max_steps": 7})
     gymnasium.register("lab/plain-v0", **made, kwargs={"scenario": {"robot": {}}})
     assert irsim_gym.make("lab/short-v0").unwrapped.worlds.task.max_steps == 7  # type: ignore[attr-defined]

@@ -12,10 +12,10 @@ import pytest
 from defect_tools import body, problems, run, scenario
 
 import irsim_gym
-from irsim_gym.render import Renderer
-from irsim_gym.render.styles import body_style
+from irsim_gym.rendering import Renderer
+from irsim_gym.rendering.looks.styles import body_style
 from irsim_gym.scenario import load_scenario
-from irsim_gym.scenario.plot_spec import ObjectPlot
+from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 
 DIFF = "kinematics: {name: diff}"
 

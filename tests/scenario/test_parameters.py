@@ -13,7 +13,7 @@ import pytest
 
 from irsim_gym.errors import ScenarioError, UnknownNameError
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.parameters import describe_parameters
+from irsim_gym.scenario.reading.parameters import describe_parameters
 from irsim_gym.tasks import load_task
 
 FILE = """

@@ -14,12 +14,12 @@ import yaml
 from typer.testing import CliRunner
 
 import irsim_gym
-from irsim_gym.cli import app
-from irsim_gym.engine import compile
+from irsim_gym.cli.app import app
 from irsim_gym.errors import IrsimGymError, Problem, ScenarioWarning
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.notes import notes
-from irsim_gym.scenario.option_tables import MARKER, markdown, rewritten
+from irsim_gym.scenario.reading.notes import notes
+from irsim_gym.scenario.reference.option_tables import MARKER, markdown, rewritten
+from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import load_task
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -17,7 +17,7 @@ from defect_tools import body, problems, run, scenario
 import irsim_gym
 from irsim_gym.errors import ScenarioError, UnknownNameError
 from irsim_gym.scenario import load_scenario
-from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.terms.outcome import Outcome
 
 DIFF = "kinematics: {name: diff}"
 OMNI = "kinematics: {name: omni}"

@@ -11,12 +11,12 @@ import jsonschema
 import pytest
 import yaml
 
-from irsim_gym import families
-from irsim_gym.registry import Entry
-from irsim_gym.scenario import library
-from irsim_gym.scenario.option_tables import markdown, option_tables
-from irsim_gym.scenario.options import kind, option
-from irsim_gym.scenario.schema import json_schema
+from irsim_gym.base import families
+from irsim_gym.base.options import kind, option
+from irsim_gym.base.registry import Entry
+from irsim_gym.scenario.reference.option_tables import markdown, option_tables
+from irsim_gym.scenario.reference.schema import json_schema
+from irsim_gym.scenario.specs import library
 
 # Every key of IR-SIM's language, with its documented default where it has one of its own.
 LANGUAGE: dict[str, str] = {
@@ -213,7 +213,9 @@ def test_tables_as_markdown() -> None:
 
 def test_the_package_reads_without_compiling() -> None:
     code = (
-        "import sys; from irsim_gym.scenario import spec, load, schema, library; library.scenario_names(); "
+        "import sys; from irsim_gym.scenario.reading import load; "
+        "from irsim_gym.scenario.reference import schema; "
+        "from irsim_gym.scenario.specs import library, spec; library.scenario_names(); "
         "print([name for name in ('numba', 'matplotlib', 'shapely', 'torch') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

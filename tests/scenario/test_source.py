@@ -11,7 +11,7 @@ import pytest
 
 from irsim_gym.errors import ScenarioError, UnknownNameError
 from irsim_gym.scenario import MissingFileError, load_scenario
-from irsim_gym.scenario.source import MAX_BYTES, read_file
+from irsim_gym.scenario.text.source import MAX_BYTES, read_file
 
 LAUGHS = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
     f"{b}: &{b} [{', '.join(['*' + a] * 10)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from irsim_gym.scenario import Scenario, library, load_scenario
-from irsim_gym.scenario.plot_spec import ROBOT_COLOR
+from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.specs import library
+from irsim_gym.scenario.specs.plot_spec import ROBOT_COLOR
 
 Load = Callable[[str], Scenario]
 PI = math.pi

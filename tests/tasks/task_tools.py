@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.engine import compile
 from irsim_gym.scenario import load_scenario
+from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, load_task
 
 ROBOT: dict[str, Any] = {

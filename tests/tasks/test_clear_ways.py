@@ -9,9 +9,9 @@ import pytest
 from task_tools import play
 
 from irsim_gym.errors import ScenarioError
-from irsim_gym.paths.cell_lines import free_cell
+from irsim_gym.simulator.cell_paths.cell_lines import free_cell
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.observations.seen_ways import find_way
+from irsim_gym.tasks.observations.seen_map.seen_ways import find_way
 
 WALL: list[dict[str, Any]] = [
     {"shape": {"name": "linestring", "vertices": [[4, 2], [4, 4.75]]}},

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from task_tools import BALL, ROBOT, drive, play, scenario
 
-from irsim_gym.engine import compile
 from irsim_gym.scenario import load_scenario
+from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, Outcome, load_task
-from irsim_gym.tasks.account import decide_outcomes
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.outcome import PRECEDENCE
+from irsim_gym.tasks.episodes.account import decide_outcomes
+from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.outcome import PRECEDENCE
 
 
 def test_success_at_the_hand_computed_step() -> None:

@@ -10,11 +10,11 @@ import pytest
 import shapely
 from task_tools import BALL, ROBOT, drive, play
 
-from irsim_gym.arraytypes import Bytes
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.base.arraytypes import Bytes
+from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.errors import ScenarioError
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.observations.painting import LINE
+from irsim_gym.tasks.observations.images.painting import LINE
 
 # 32 pixels for 8 m: 4 pixels for each metre, the agent at 16, 16.
 SMALL = {"name": "occupancy_image", "pixels": 32, "metres": 8.0}

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from task_tools import play
 
-from irsim_gym import families
+from irsim_gym.base import families
 from irsim_gym.errors import KindError
-from irsim_gym.tasks import Episodes, term_watch
+from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.plugin_checks import term_watch
 
 HEAD = """
 import numpy as np
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.base.options import kind, option
 from irsim_gym.tasks import Outcome
 
 """

@@ -6,14 +6,14 @@ import pytest
 from task_tools import BALL, ROBOT
 
 import irsim_gym
-from irsim_gym import families
-from irsim_gym.envs.description_text import headlines
-from irsim_gym.evaluation.perception import perceived_task, perception_from
+from irsim_gym.base import families
+from irsim_gym.envs.described.description_text import headlines
+from irsim_gym.evaluation.policies.perception import perceived_task, perception_from
+from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_files
 from irsim_gym.plugins import OBSERVATIONS
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
-from irsim_gym.tasks.term import NEEDS, needs_of
-from irsim_gym.training.shelf import read_policy, shelf_files
+from irsim_gym.tasks.terms.term import NEEDS, needs_of
 
 WORLD = {"robot": ROBOT, "obstacle": BALL}
 

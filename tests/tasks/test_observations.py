@@ -10,11 +10,11 @@ import shapely
 from shapely import affinity, geometry
 from task_tools import BALL, ROBOT, drive, play
 
-from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.ranges import RangeCode
-from irsim_gym.tasks.observations.scan import Scan, Sectors, encode, pool, sector_beams
-from irsim_gym.tasks.term import Bound
-from irsim_gym.world.group import records
+from irsim_gym.simulator.world.group import records
+from irsim_gym.tasks.observations.scan.ranges import RangeCode
+from irsim_gym.tasks.observations.scan.scan import Scan, Sectors, encode, pool, sector_beams
+from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.term import Bound
 
 
 def part(episodes: Any, name: str) -> Any:

@@ -10,7 +10,7 @@ from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.errors import ScenarioError
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.observations import past_scans
+from irsim_gym.tasks.observations.scan import past_scans
 
 STAND = (-1.0, 0.0)
 FREE = 6.0

@@ -15,9 +15,9 @@ from cell_costs import reference_costs
 from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.errors import ScenarioError
-from irsim_gym.paths.grid import BLOCKED, FREE, Grid
-from irsim_gym.paths.scan_marks import OCCUPIED, PASSED
-from irsim_gym.paths.wavefront import TIGHT
+from irsim_gym.simulator.cell_paths.scan_marks import OCCUPIED, PASSED
+from irsim_gym.simulator.cell_paths.wavefront import TIGHT
+from irsim_gym.simulator.paths.grid import BLOCKED, FREE, Grid
 from irsim_gym.tasks import Episodes
 
 CELL = 0.2

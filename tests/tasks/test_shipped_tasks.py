@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import irsim_gym
-from irsim_gym.evaluation.perception import perception_differences, perception_of
-from irsim_gym.families import OBSERVATIONS, REWARDS
+from irsim_gym.base.families import OBSERVATIONS, REWARDS
+from irsim_gym.evaluation.policies.perception import perception_differences, perception_of
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Task, load_task
-from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
+from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 
 SINGLE = {"cluttered_room": {}, "rooms": {}, "maze": {}, "cellular_cave": {}, "jaxnav_single": {},
           "crowd_nav": {"goal_change": 0.5}}  # fmt: skip

@@ -11,9 +11,9 @@ import yaml
 from task_tools import BALL, ROBOT, scenario
 from typer.testing import CliRunner
 
-from irsim_gym.cli import app
+from irsim_gym.cli.app import app
 from irsim_gym.tasks import load_task
-from irsim_gym.tasks.sight import unseen
+from irsim_gym.tasks.definition.sight import unseen
 
 PAIR = [ROBOT, {**ROBOT, "state": [2, 8, 0], "goal": [8, 8, 0]}]
 MARK = {**BALL, "unobstructed": True}

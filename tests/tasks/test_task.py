@@ -8,11 +8,12 @@ from typing import Any
 import pytest
 from task_tools import BALL, ROBOT, play, scenario
 
+from irsim_gym.base.families import ENDINGS, REWARDS
 from irsim_gym.errors import ScenarioError, UnknownNameError
-from irsim_gym.families import ENDINGS, REWARDS
-from irsim_gym.scenario import library, load_scenario
+from irsim_gym.scenario import load_scenario
+from irsim_gym.scenario.specs import library
 from irsim_gym.tasks import load_task
-from irsim_gym.tasks.outcome import PRECEDENCE
+from irsim_gym.tasks.terms.outcome import PRECEDENCE
 
 TIMED = {"name": "time", "weight": 2.0}
 

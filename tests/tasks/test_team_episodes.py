@@ -10,7 +10,7 @@ from task_tools import BALL, ROBOT, drive, play, scenario
 
 from irsim_gym.errors import ScenarioError
 from irsim_gym.tasks import Episodes, Outcome, load_task
-from irsim_gym.tasks.outcome import HitKind
+from irsim_gym.tasks.terms.outcome import HitKind
 
 LANES = [{**ROBOT, "state": [2, y, 0], "goal": [8, y, 0]} for y in (2, 5, 8)]
 OMNI = {**ROBOT, "kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -1], "vel_max": [1, 1, 1]}

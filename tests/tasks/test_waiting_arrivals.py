@@ -10,8 +10,8 @@ from task_tools import BALL, ROBOT, drive, play
 
 import irsim_gym
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.reference_policies import reference_policy
-from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.tasks import Episodes, Outcome
 
 NEAR = {**ROBOT, "state": [2, 2, 0], "goal": [3.05, 2, 0]}

@@ -10,7 +10,8 @@ import pytest
 from task_tools import ROBOT, drive, play
 
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.observations import free_travel, trail
+from irsim_gym.tasks.observations.own import trail
+from irsim_gym.tasks.observations.scan import free_travel
 
 
 def inverse(depth: float) -> float:

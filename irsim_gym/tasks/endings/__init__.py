@@ -1,6 +1,9 @@
-"""The endings of episodes; the time limit is part of ``Episodes``."""
+"""When an episode ends.
 
-from irsim_gym.families import ENDINGS
+One file for each ending, named as in YAML.
+"""
+
+from irsim_gym.base.families import ENDINGS
 from irsim_gym.tasks.endings.arrived import Arrived
 from irsim_gym.tasks.endings.collided import Collided
 from irsim_gym.tasks.endings.deadlocked import Deadlocked

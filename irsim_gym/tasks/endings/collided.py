@@ -6,9 +6,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.tasks.outcome import HitKind, Outcome
+from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, State, Term, kernel, kind, option
+from irsim_gym.tasks.terms.outcome import HitKind, Outcome
 
 Touched = Literal["obstacle", "moving_obstacle", "robot", "map"]
 

@@ -1,29 +1,32 @@
-"""Observations of agents."""
+"""What an agent sees.
 
-from irsim_gym.families import OBSERVATIONS
-from irsim_gym.tasks.observations.drive import Drive
-from irsim_gym.tasks.observations.exact_free_travel import ExactFreeTravel
-from irsim_gym.tasks.observations.free_travel import FreeTravel
-from irsim_gym.tasks.observations.goal import Goal
-from irsim_gym.tasks.observations.goal_heading import GoalHeading
-from irsim_gym.tasks.observations.goal_record import GoalRecord
-from irsim_gym.tasks.observations.has_arrived import HasArrived
-from irsim_gym.tasks.observations.heading import Heading
-from irsim_gym.tasks.observations.last_action import LastAction
-from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
-from irsim_gym.tasks.observations.neighbors import Neighbors
-from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
-from irsim_gym.tasks.observations.own_body import OwnBody
-from irsim_gym.tasks.observations.past_scans import PastScans
-from irsim_gym.tasks.observations.position import Position
-from irsim_gym.tasks.observations.route import Route
-from irsim_gym.tasks.observations.scan import Scan
-from irsim_gym.tasks.observations.seen_map_image import SeenMapImage
-from irsim_gym.tasks.observations.time_to_collision import TimeToCollision
-from irsim_gym.tasks.observations.trail import Trail
-from irsim_gym.tasks.observations.velocity import Velocity
-from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
-from irsim_gym.tasks.observations.yielding_way import YieldingWay
+One file for each observation, named as in YAML, by what it is about.
+"""
+
+from irsim_gym.base.families import OBSERVATIONS
+from irsim_gym.tasks.observations.bodies.exact_free_travel import ExactFreeTravel
+from irsim_gym.tasks.observations.bodies.nearest_bodies import NearestBodies
+from irsim_gym.tasks.observations.bodies.neighbors import Neighbors
+from irsim_gym.tasks.observations.bodies.time_to_collision import TimeToCollision
+from irsim_gym.tasks.observations.goal.goal import Goal
+from irsim_gym.tasks.observations.goal.goal_heading import GoalHeading
+from irsim_gym.tasks.observations.goal.goal_record import GoalRecord
+from irsim_gym.tasks.observations.goal.route import Route
+from irsim_gym.tasks.observations.images.occupancy_image import OccupancyImage
+from irsim_gym.tasks.observations.images.seen_map_image import SeenMapImage
+from irsim_gym.tasks.observations.own.drive import Drive
+from irsim_gym.tasks.observations.own.has_arrived import HasArrived
+from irsim_gym.tasks.observations.own.heading import Heading
+from irsim_gym.tasks.observations.own.last_action import LastAction
+from irsim_gym.tasks.observations.own.own_body import OwnBody
+from irsim_gym.tasks.observations.own.position import Position
+from irsim_gym.tasks.observations.own.trail import Trail
+from irsim_gym.tasks.observations.own.velocity import Velocity
+from irsim_gym.tasks.observations.scan.free_travel import FreeTravel
+from irsim_gym.tasks.observations.scan.past_scans import PastScans
+from irsim_gym.tasks.observations.scan.scan import Scan
+from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
+from irsim_gym.tasks.observations.seen_map.yielding_way import YieldingWay
 
 OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)

@@ -1,6 +1,9 @@
-"""Reward terms."""
+"""What is rewarded.
 
-from irsim_gym.families import REWARDS
+One file for each reward, named as in YAML.
+"""
+
+from irsim_gym.base.families import REWARDS
 from irsim_gym.tasks.rewards.arrival import Arrival
 from irsim_gym.tasks.rewards.clearance import Clearance
 from irsim_gym.tasks.rewards.collision import Collision

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.tasks.outcome import SUCCESS, Outcome
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Role, Shard, State, Term, kernel, kind, option
+from irsim_gym.tasks.terms.outcome import SUCCESS, Outcome
 
 
 @kind

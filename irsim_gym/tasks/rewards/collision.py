@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.tasks.outcome import COLLISION, HitKind, Outcome
-from irsim_gym.tasks.term import Role, Term, forget
+from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
+from irsim_gym.tasks.terms.outcome import COLLISION, HitKind, Outcome
+from irsim_gym.tasks.terms.term import Role, Term, forget
 
 
 @kind

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.tasks.outcome import DEADLOCK, Outcome
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome
 from irsim_gym.tasks.terms import EpisodeState, Model, Role, Shard, State, Term, kind, option
+from irsim_gym.tasks.terms.outcome import DEADLOCK, Outcome
 
 
 @kind

@@ -7,12 +7,12 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints
-from irsim_gym.paths.clearance import Obstacles, mark_standing
-from irsim_gym.paths.geodesic import distance_field, field_at
-from irsim_gym.paths.grid import Grid, Search
-from irsim_gym.tasks.scaling import diagonal
+from irsim_gym.base.arraytypes import Bytes, CellMaps, Flags, Floats, Ints
+from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
+from irsim_gym.simulator.paths.geodesic import distance_field, field_at
+from irsim_gym.simulator.paths.grid import Grid, Search
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, row_of
+from irsim_gym.tasks.terms.scaling import diagonal
 
 
 @dataclass

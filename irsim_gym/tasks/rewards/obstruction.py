@@ -6,12 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Spans
-from irsim_gym.paths.grid import Grid, centre
-from irsim_gym.tasks.observations.route import Route, RouteWays, entry, find_ways
-from irsim_gym.tasks.outcome import RUNNING, Outcome
-from irsim_gym.tasks.term import Bound, Role, Term, forget
+from irsim_gym.base.arraytypes import Ints, Spans
+from irsim_gym.simulator.paths.grid import Grid, centre
+from irsim_gym.tasks.observations.goal.route import Route, RouteWays, entry, find_ways
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
+from irsim_gym.tasks.terms.outcome import RUNNING, Outcome
+from irsim_gym.tasks.terms.term import Bound, Role, Term, forget
 
 
 @kind

@@ -7,11 +7,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
-from irsim_gym.tasks.scaling import diagonal
-from irsim_gym.tasks.term import Bound, Role, Term
 from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, Simulation, State, Struct, kernel, kind, option
+from irsim_gym.tasks.terms.scaling import diagonal
+from irsim_gym.tasks.terms.term import Bound, Role, Term
 
 
 @dataclass

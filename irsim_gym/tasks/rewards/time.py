@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Role, Shard, State, Term, kernel, kind, option
 
 

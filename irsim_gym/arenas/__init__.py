@@ -1,1 +1,0 @@
-"""Arenas: which policy solves which level, and how the others fail."""

@@ -1,0 +1,4 @@
+"""Compiled code on disk: its keys, folders, locks, whether it can be trusted, and who compiles it.
+
+No kernel of the simulator.
+"""

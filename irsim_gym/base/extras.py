@@ -1,0 +1,47 @@
+"""What parts of the package need that it does not install by itself."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from types import MappingProxyType
+
+from irsim_gym.base.errors import MissingExtraError
+
+EXTRAS = MappingProxyType(
+    {
+        "train": ("torch", "stable_baselines3", "tensorboard"),
+        "contrib": ("torch", "stable_baselines3", "tensorboard", "sb3_contrib"),
+        "tune": ("torch", "stable_baselines3", "tensorboard", "optuna"),
+        "rllib": ("torch", "stable_baselines3", "tensorboard", "ray"),
+        "robot": ("onnx", "onnxruntime", "rosbags"),
+        "play": ("pynput",),
+    }
+)
+"""The modules that each extra brings and that this package imports."""
+
+
+def missing(extra: str) -> tuple[str, ...]:
+    """Return the modules of an extra that are not installed."""
+    return tuple(module for module in EXTRAS[extra] if find_spec(module) is None)
+
+
+def pip_command(extra: str) -> str:
+    """Return the command that installs an extra."""
+    return f'pip install "irsim_gym[{extra}]"'
+
+
+def require(extra: str, what: str) -> None:
+    """Make sure that an extra is installed.
+
+    Args:
+        extra: One of ``EXTRAS``.
+        what: What needs it, as the message begins.
+
+    Raises:
+        MissingExtraError: It is not; the message names the extra, what is missing and the command that installs it.
+    """
+    absent = missing(extra)
+    if absent:
+        raise MissingExtraError(
+            f"{what} needs the extra '{extra}' ({', '.join(absent)} not found): {pip_command(extra)}"
+        )

@@ -1,0 +1,74 @@
+"""The registries of all families. A family's package fills its own when it is imported."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from irsim_gym.base.registry import Registry
+
+_OWN = "; your own is registered by @irsim_gym.{}, on the command line from --import FILE.py"
+
+_WORLD, _TASK = "irsim_gym.simulator.world.kinds", "irsim_gym.tasks.plugin_checks.term_contract"
+
+KINEMATICS = Registry("kinematics", _OWN.format("drive"), (_WORLD, "DRIVE"))
+BEHAVIORS = Registry("behavior", _OWN.format("behavior"), (_WORLD, "BEHAVIOR"))
+GROUP_BEHAVIORS = Registry("group behavior", _OWN.format("group_behavior"), (_WORLD, "BEHAVIOR"))
+FOOTPRINTS = Registry("shape", contract=(_WORLD, "FOOTPRINT"))
+PLACEMENTS = Registry("distribution", _OWN.format("placement"), (_WORLD, "PLACEMENT"))
+SENSORS = Registry("sensor", _OWN.format("sensor"), (_WORLD, "SENSOR"))
+MAPS = Registry("obstacle map", contract=(_WORLD, "MAP"))
+ACTIONS = Registry("action", _OWN.format("action"), (_TASK, "ACTION"))
+OBSERVATIONS = Registry("observation", _OWN.format("observation"), (_TASK, "OBSERVATION"))
+REWARDS = Registry("reward", _OWN.format("reward"), (_TASK, "REWARD"))
+ENDINGS = Registry("ending", _OWN.format("ending"), (_TASK, "ENDING"))
+SECTIONS = Registry("section")
+"""Sections of a scenario file whose keys a package beyond ``scenario`` declares: for the reference and the schema."""
+
+_PACKAGES = (
+    *("bodies.drives", "bodies.behaviors", "bodies.shapes", "bodies.placements", "bodies.sensors", "bodies.maps"),
+    "tasks",
+)
+
+
+def load() -> None:
+    """Import the packages that fill the registries. By name, so that nothing here depends on a kind."""
+    for package in _PACKAGES:
+        importlib.import_module(f"irsim_gym.{package}")
+
+
+def every() -> tuple[Registry, ...]:
+    """Return the registries of all families of kinds."""
+    return (
+        KINEMATICS,
+        BEHAVIORS,
+        GROUP_BEHAVIORS,
+        FOOTPRINTS,
+        PLACEMENTS,
+        SENSORS,
+        MAPS,
+        ACTIONS,
+        OBSERVATIONS,
+        REWARDS,
+        ENDINGS,
+    )
+
+
+def kind_named(family: str, name: str) -> Any:
+    """Return the kind of a family that is registered under a name.
+
+    Raises:
+        UnknownNameError: Nothing is; the message says how one's own is registered.
+    """
+    load()
+    return next(one for one in every() if one.family == family).entry(name).kind
+
+
+def commands(behavior: object, drive: type[Any]) -> bool:
+    """Return whether a behaviour, or its kind, commands a kind of drive: it names it, or names none."""
+    return not hasattr(behavior, "kinematics") or KINEMATICS.name_of(drive) in behavior.kinematics
+
+
+def steers(behavior: Any, drive: type[Any]) -> bool:
+    """Return whether a behaviour commands a drive by way of velocities: it is for ``omni``, and the drive steers."""
+    return hasattr(drive, "steer") and not commands(behavior, drive) and "omni" in behavior.kinematics

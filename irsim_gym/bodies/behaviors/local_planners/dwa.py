@@ -1,0 +1,105 @@
+"""DWA: the dynamic window approach (Fox, Burgard and Thrun 1997) on the body's own scan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.bodies.behaviors.local_planners.dwa_search import Turns, decide_dwa, forget_turns
+from irsim_gym.bodies.behaviors.local_planners.options import LocalPlanner
+from irsim_gym.bodies.behaviors.local_planners.paths import find_paths
+from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
+from irsim_gym.bodies.behaviors.local_planners.way import forget_ways
+from irsim_gym.bodies.behaviors.shared.renewal import renewal_problems
+from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
+
+MOST_SAMPLES = 1000
+"""Maximum number of values along an axis."""
+
+
+@kind
+class Dwa(LocalPlanner):
+    """Choose the command with the lowest cost among admissible commands that can be reached within a step.
+
+    The body sees what its first range sensor hits, and assumes that it stands still. A constant command moves the body
+    along a circular arc. A command is admissible if the body can stop before the arc touches anything. The cost is
+    ``obstacle_weight * c + path_weight * p + goal_weight * g``. c is 253 exp(-cost_scaling d) for the smallest distance
+    d [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), and 0 beyond; for an arc that ends
+    at an obstacle, it is 253 to 506, higher for earlier ends. p is the distance of the arc's end from the path [m], and
+    g is the rest of the path from there [m]. An arc that arrives early counts as if it continued for the time saved.
+    """
+
+    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "acker")
+    reads_neighbors: ClassVar[bool] = False
+    reads_scan: ClassVar[bool] = True
+
+    samples: tuple[int, int] = option(
+        (7, 21),
+        meaning="Number of values of each of the command's two numbers: speed and turn rate or steering angle, or the "
+        "velocities along two axes.",
+        consequence="Few: it swerves, or finds no way. Computing time grows with the product.",
+    )
+    sim_time: float = option(1.5, gt=0.0, le=60.0, unit="s", meaning="Duration of the ways that are compared.")
+    sim_granularity: float = option(
+        0.1, gt=0.0, unit="s", meaning="Time between the poses at which a way is compared with the scan."
+    )
+    free_time: float | None = option(
+        None,
+        ge=0.0,
+        unit="s",
+        meaning="How long a way has to be free (default: a step and half of the time to stop).",
+    )
+    min_speed: float = option(
+        0.0,
+        unit="m/s",
+        meaning="Minimum speed of diff and acker, apart from turns on the spot; negative to drive backwards.",
+    )
+    escape_speed: float = option(
+        0.0, le=0.0, unit="m/s", meaning="Speed straight back when no way ahead is admissible; 0: it stands."
+    )
+    min_turn_rate: float = option(
+        0.5,
+        ge=0.0,
+        unit="rad/s",
+        meaning="Minimum turn rate of diff on the spot, or the highest that a step can reach.",
+    )
+    oscillation_distance: float = option(
+        0.25,
+        ge=0.0,
+        unit="m",
+        meaning="After turns on the spot to both sides, it makes no further one before it has moved this far.",
+        consequence="0: it may turn to and fro for ever.",
+    )
+    obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from renewal_problems(self)
+        if min(self.samples) < 1 or max(self.samples) > MOST_SAMPLES:
+            yield "samples", f"must be two numbers from 1 to {MOST_SAMPLES}, got {list(self.samples)}"
+        if self.sim_granularity > self.sim_time:
+            yield "sim_granularity", f"must not exceed sim_time = {self.sim_time:g}, got {self.sim_granularity:g}"
+
+    @staticmethod
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
+        """Allocate memory for the members' scans, paths and turns."""
+        shape = len(model.present), len(group.members)
+        # All slots share these rows: a shard touches those of its own worlds only.
+        turns = Turns(np.full((*shape, 2), np.nan), np.zeros(shape, np.int64))
+        group.tables = [(tables, turns) for tables in LocalTables.reserve(group, model, n_slots)]
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Clear the paths and turns."""
+        tables, turns = group.tables[shard.slot]
+        forget_ways(shard.worlds, tables.ways)
+        forget_turns(shard.worlds, turns)
+
+    @staticmethod
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Write the members' commands."""
+        tables, turns = group.tables[shard.slot]
+        find_paths(group, model, state, shard, tables)
+        decide_dwa(shard.worlds, group.members, group.params, group.scan, model, state, tables, turns)

@@ -1,0 +1,4 @@
+"""Optimal reciprocal collision avoidance.
+
+Only parts of ``orca``.
+"""

@@ -1,0 +1,4 @@
+"""A path is followed with room to stop.
+
+Only parts of ``pursuit``.
+"""

@@ -1,0 +1,144 @@
+"""Pursuit: the shortest path on the map, followed by regulated pure pursuit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import CellMaps, Ints
+from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving, pursue
+from irsim_gym.bodies.behaviors.pursuit.seen import pursue_seen
+from irsim_gym.bodies.behaviors.pursuit.tables import PursuitTables, forget_ways
+from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
+from irsim_gym.bodies.behaviors.shared.steering import clear_command
+from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
+from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
+
+
+@kind
+class Pursuit(RenewsGoals):
+    """Plan the shortest path to the goal around all standing obstacles, and follow it by regulated pure pursuit.
+
+    A body counts as the disc about its origin that encloses it. Moving bodies are not part of the plan: the body waits
+    for those close ahead, and does not drive around them. With ``known: seen``, it knows only what its scans have hit,
+    including bodies that have moved since, and plans again if a new obstacle blocks its path; without a path, it
+    forgets all but its latest scan.
+    """
+
+    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
+    reads_neighbors: ClassVar[bool] = False
+
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
+    )
+    known: Literal["all", "seen"] = option(
+        "all",
+        meaning="What it knows: all that stands, or what its own scans have shown, with unknown space taken as free.",
+    )
+    clearance: float = option(
+        0.1,
+        ge=0.0,
+        unit="m",
+        meaning="Distance that the way keeps from obstacles; half, a quarter or nothing of it where no way does.",
+    )
+    cell: float | None = option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Cell size of the grid on which ways are found; default: half the radius of the body.",
+        consequence="Large: ways through narrow gaps are missed.",
+    )
+    speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")
+    lookahead_time: float = option(
+        0.6, ge=0.0, unit="s", meaning="The point aimed at is as far ahead as the body drives in this time."
+    )
+    lookahead_min: float = option(0.3, gt=0.0, unit="m", meaning="Minimum distance of that point.")
+    lookahead_max: float | None = option(None, gt=0.0, unit="m", meaning="Maximum distance of that point.")
+    min_radius: float = option(
+        0.5, ge=0.0, unit="m", meaning="Curves of a smaller radius are driven slower, in proportion to the radius."
+    )
+    proximity: float = option(
+        0.1,
+        ge=0.0,
+        unit="m",
+        meaning="Nearer to an obstacle it drives slower, in proportion to the distance.",
+    )
+    proximity_gain: float = option(1.0, gt=0.0, le=1.0, meaning="Factor of that: the lower the slower.")
+    min_speed: float = option(0.25, ge=0.0, unit="m/s", meaning="Curves and obstacles never slow it below this.")
+    approach: float = option(
+        0.6,
+        ge=0.0,
+        unit="m",
+        meaning="From here on it slows down for the goal, in proportion to what is left.",
+    )
+    approach_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Minimum speed at the goal.")
+    turn_angle: float = option(
+        0.785, gt=0.0, unit="rad", meaning="A differential drive turns on the spot for a point ahead beyond this angle."
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from renewal_problems(self)
+        if self.lookahead_max is not None and self.lookahead_max < self.lookahead_min:
+            yield "lookahead_max", f"must be >= lookahead_min, {self.lookahead_min:g}, got {self.lookahead_max:g}"
+
+    @property
+    def reads_scan(self) -> bool:
+        """Whether the body needs a range sensor."""
+        return self.known == "seen"
+
+    @staticmethod
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
+        """Allocate memory for the paths, and fill in default options."""
+        speed = group.params["speed"]
+        # NaN stands for None in tables of options; infinity is no limit in every minimum.
+        group.params["speed"] = np.where(np.isnan(speed), np.inf, speed)
+        group.tables = PursuitTables.reserve(group, model, n_slots)
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Clear the paths of worlds that begin."""
+        forget_ways(shard.worlds, group.tables)
+
+    @staticmethod
+    def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Write the members' commands; all members of a group have one drive."""
+        worlds, slot, members, params, tables = shard.worlds, shard.slot, group.members, group.params, group.tables
+        if group.scan is None:
+            pursue_known(worlds, slot, members, params, tables, model, model.cells, state)
+        else:
+            pursue_seen(worlds, slot, members, params, tables, group.scan, model, state)
+
+
+@kernel
+def pursue_known(
+    worlds: Ints,
+    slot: int,
+    members: Ints,
+    params: Any,
+    tables: PursuitTables,
+    model: Model,
+    cells: CellMaps | None,
+    state: State,
+) -> None:
+    """Write the commands of bodies that know all that stands.
+
+    Reads: tables (back, by_rate, coarse, count, everything, fine, goal, margin, points, retry, side, standing, whole),
+        model (has_goal, heedless, movable, present, role, seen_row, stands, unobstructed, watchers), state (arrived,
+        goal, stopped).
+    Writes: tables (back, coarse, count, everything, fine, goal, margin, points, retry, side, standing, whole), state
+        (command).
+    """
+    standing, everything = tables.standing[slot], tables.everything[slot]
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b = members[k]
+            clear_command(state, w, b)
+            if not is_under_way(model, state, w, b):
+                continue
+            mark_standing(model, w, b, standing)
+            mark_moving(model, w, b, params[k].target_roles, standing, everything)
+            fixed = Obstacles(model, state, w, standing, cells, None)
+            pursue(fixed, Obstacles(model, state, w, everything, cells, None), params[k], tables, slot, b)

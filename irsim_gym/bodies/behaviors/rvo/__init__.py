@@ -1,0 +1,4 @@
+"""Reciprocal velocity obstacles.
+
+Only parts of ``rvo``.
+"""

@@ -1,0 +1,4 @@
+"""What several behaviours share: steering, renewal of goals, surroundings.
+
+Nothing that one behaviour alone needs.
+"""

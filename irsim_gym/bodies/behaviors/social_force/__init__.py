@@ -1,0 +1,4 @@
+"""Forces between people, groups and walls.
+
+Only parts of ``social_force``.
+"""

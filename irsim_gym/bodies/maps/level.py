@@ -1,0 +1,136 @@
+"""Common parts of maps that are drawn for each level: their size, and memory for drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.base.errors import OptionError
+from irsim_gym.base.options import kind, option, unordered_ranges
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Struct, kernel
+from irsim_gym.simulator.world.outline import Outline
+
+MOST_CELLS = 4_000_000
+"""Maximum number of cells of a map that all worlds share."""
+MOST_LEVEL_CELLS = 65_536
+"""Maximum number of cells of a map that differs between worlds."""
+LEAST_ORDER = 512
+"""Minimum length of ``MapTables.order``, in which ``rooms`` keeps its table."""
+
+
+@dataclass(repr=False)
+class MapTables(Struct):
+    """Memory for drawing a map; the first axis is the slot.
+
+    Attributes:
+        occupied: Occupied cells, shape ``(n_slots, columns, rows)``.
+        before: Scratch, a flag for each cell, in the same way.
+        line: Scratch for ``lay_cells``, shape ``(n_slots, columns)``.
+        order: Scratch, a number for each cell and at least ``LEAST_ORDER``, shape ``(n_slots, n)``.
+    """
+
+    occupied: Flags
+    before: Flags
+    line: Floats
+    order: Ints
+
+
+def map_tables(model: Model, n_slots: int) -> MapTables:
+    """Return memory for maps of the model's size."""
+    columns, rows = model.map_room.shape[1:]
+    return MapTables(
+        occupied=np.zeros((n_slots, columns, rows), np.bool_),
+        before=np.zeros((n_slots, columns, rows), np.bool_),
+        line=np.zeros((n_slots, columns)),
+        order=np.zeros((n_slots, max(columns * rows, LEAST_ORDER)), np.int64),
+    )
+
+
+@kind
+class CellsKind:
+    """The base class of maps of cells."""
+
+    disc_radius: float | None = option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Each occupied cell holds a disc of this radius in its middle, at most half a cell; default: all of it "
+        "is occupied.",
+    )
+
+    def outline(self) -> Outline:
+        """Return an outline without rows: cells are no outline."""
+        return Outline(solid=False)
+
+
+@kind
+class LevelMap(CellsKind):
+    """The base class of maps that are drawn for each level."""
+
+    is_random: ClassVar[bool] = True
+
+    resolution: float = option(
+        1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
+    )
+    border: bool = option(True, meaning="Occupy the outermost cells in every level.")
+
+    @staticmethod
+    def prepare(group: Group, model: Model, n_slots: int) -> None:
+        """Allocate memory for drawing."""
+        group.tables = map_tables(model, n_slots)
+
+
+def map_size(resolution: float, width: float, height: float, most: int = MOST_LEVEL_CELLS) -> tuple[int, int]:
+    """Return the numbers of columns and rows of a map over a world.
+
+    Args:
+        resolution: Side of a cell [m], rounded so that whole cells fill the world.
+        width: Width of the world [m].
+        height: Height of the world [m].
+        most: Maximum number of cells.
+
+    Raises:
+        OptionError: If there would be too many cells.
+    """
+    columns, rows = (max(1, round(side / resolution)) for side in (width, height))
+    if columns * rows > most:
+        raise OptionError("resolution", f"makes {columns} x {rows} cells, at most {most}")
+    return columns, rows
+
+
+def bordered(options: LevelMap, width: float, height: float) -> Flags:
+    """Return the cells that are occupied in all levels: the border, if any, shape ``(columns, rows)``.
+
+    Raises:
+        OptionError: If there would be too many cells, or none within the border.
+    """
+    columns, rows = map_size(options.resolution, width, height)
+    if options.border and min(columns, rows) < 3:
+        raise OptionError("resolution", f"makes {columns} x {rows} cells, of which the border leaves none free")
+    occupied = np.full((columns, rows), options.border, np.bool_)
+    if options.border:
+        occupied[1:-1, 1:-1] = False
+    return occupied
+
+
+def span(length: float, resolution: float) -> int:
+    """Return the number of cells along a length [m], at least one."""
+    return max(1, round(length / resolution))
+
+
+def share_problems(options: LevelMap, name: str) -> Iterator[tuple[str, str]]:
+    """Yield a problem if an option is not a pair of bounds between 0 and 1."""
+    yield from unordered_ranges(options, name, least=0.0)
+    if getattr(options, name)[1] > 1.0:
+        yield name, f"must lie between 0 and 1, got up to {getattr(options, name)[1]:g}"
+
+
+@kernel
+def clear_inside(occupied: Flags, edge: int) -> None:
+    """Free all cells of a map, but occupy so many rings of them along its edge."""
+    columns, rows = occupied.shape
+    occupied[:] = edge > 0
+    occupied[edge : columns - edge, edge : rows - edge] = False

@@ -1,0 +1,362 @@
+"""The command ``irsim-gym``. Each command imports the heavy packages that it needs."""
+
+from __future__ import annotations
+
+import gc
+import io
+import signal
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.base.extras import require
+from irsim_gym.cli import completion as cli_completion
+from irsim_gym.cli import options as opt
+from irsim_gym.cli.arena import arena
+from irsim_gym.cli.levels import levels
+from irsim_gym.cli.policies import policies as shelf
+from irsim_gym.cli.robot import export
+from irsim_gym.cli.run import run_by_itself
+from irsim_gym.cli.start import doctor, new, options, schema
+from irsim_gym.cli.suite import suite
+from irsim_gym.cli.tools import one_policy, print_shipped, read_parameters, scenario_request
+from irsim_gym.cli.train import train, tune
+
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+app.add_typer(suite, name="suite")
+app.add_typer(levels, name="levels")
+app.add_typer(shelf, name="policies")
+
+
+@app.command("list")
+def list_shipped() -> None:
+    """List the shipped scenarios, benchmarks and tasks."""
+    print_shipped()
+
+
+@app.command()
+def check(
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            help="Scenario files, shipped names or environment ids.", autocompletion=cli_completion.scenarios
+        ),
+    ],
+    team: Annotated[
+        bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
+    ] = False,
+    task: opt.Task = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Check scenario files and their tasks, and run each for some steps. Print every problem with its line.
+
+    Files run in another process, so a crash is reported like any other problem. For a valid file, the command prints
+    its parameters, and notes on allowed but unusual values. The exit status is 1 if a file cannot be used. Notes do
+    not change it, nor do reasons why robots cannot learn together (unless --team is given), or why none can learn in a
+    file without a section task.
+    """
+    from irsim_gym.cli.work.check import check_files
+    from irsim_gym.cli.work.trial import ReadOptions
+
+    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient, task, team)):
+        raise typer.Exit(1)
+
+
+@app.command()
+def describe(
+    scenario: opt.Scenario,
+    task: opt.Task = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "--picture",
+            help="Draw the observed sectors into this .png, .pdf or .svg file, and replace it if it exists.",
+        ),
+    ] = None,
+    team: Annotated[
+        bool, typer.Option("--team", help="Describe the team: all robots learn (or those that the task names).")
+    ] = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Describe each number: observations by column, actions, rewards, endings, infos."""
+    from irsim_gym.cli.work.describe import describe_scenario
+
+    asked = scenario_request(scenario, task, team, given, lenient)
+    describe_scenario(asked, as_json=as_json, picture=out)
+
+
+app.command()(options)
+app.command()(schema)
+app.command()(train)
+app.command()(tune)
+app.command()(export)
+
+
+@app.command()
+def evaluate(
+    scenario: opt.Scenario,
+    policies: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of "
+            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training.",
+            autocompletion=cli_completion.policies,
+        ),
+    ] = None,
+    levels: opt.Levels = 1000,
+    split: opt.Split = "test",
+    task: opt.Task = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the results (default: runs/evaluation-SCENARIO[-team]-SPLIT, numbered)."),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
+    references: Annotated[
+        bool, typer.Option(help="Add the references random and dash; for teams, also rvo and orca.")
+    ] = True,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
+    from irsim_gym.cli.work.commands import run_evaluation
+
+    asked = scenario_request(scenario, task, team, given, lenient)
+    how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
+    run_evaluation(asked, policies or [], levels=levels, split=split, **how)
+
+
+app.command()(arena)
+
+
+@app.command()
+def record(
+    scenario: opt.Scenario,
+    policies: Annotated[
+        list[str],
+        typer.Argument(
+            help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.",
+            autocompletion=cli_completion.policies,
+        ),
+    ],
+    level: Annotated[
+        list[int] | None,
+        typer.Option(min=0, max=opt.LAST_LEVEL, help="Number of a level; may be repeated (default: 0)."),
+    ] = None,
+    split: opt.Split = "test",
+    task: opt.Task = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on, numbered)."),
+    ] = None,
+    overwrite: opt.ReplaceFile = False,
+    html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
+    sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
+    strobe: Annotated[
+        bool,
+        typer.Option("--strobe", help="Write one picture with the trajectories of each episode, coloured by time."),
+    ] = False,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Film policies on the same levels, side by side.
+
+    With --html, write a replay page with scans and rewards for browsers; with --sheet or --strobe, write one picture.
+    """
+    from irsim_gym.cli.work.commands import run_record
+
+    kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
+    if len(kinds) > 1:
+        raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
+    asked = scenario_request(scenario, task, team, given, lenient)
+    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder of the demonstration.")] = Path("runs/demo"),
+    scenario: Annotated[str, typer.Option(help="Scenario to learn.")] = "cluttered_room",
+    steps: opt.Steps = None,
+    levels: opt.Levels = 1000,
+    seed: opt.Seed = 0,
+) -> None:
+    """Train PPO on cluttered_room, evaluate and film it. After Ctrl-C, the same command resumes."""
+    require("train", "irsim-gym demo")
+    from irsim_gym.cli.work.demo import run_demo
+
+    run_demo(out, scenario=scenario, steps=steps, levels=levels, seed=seed)
+
+
+@app.command()
+def rollout(
+    scenario: opt.Scenario,
+    policy: opt.Reference = None,
+    levels: opt.Levels = 4,
+    split: opt.Split = "dev",
+    task: opt.Task = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--out",
+            "--frames",
+            "--record",
+            help="File to write: a film (.mp4, .gif) or demonstrations (.npz); may be repeated.",
+        ),
+    ] = None,
+    overwrite: opt.ReplaceFile = False,
+    named: opt.PolicyOption = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Run a policy on a few levels and print how they ended."""
+    from irsim_gym.cli.work.commands import run_rollout
+
+    asked = scenario_request(scenario, task, team, given, lenient)
+    chosen = one_policy(policy, named) or "dash"
+    run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
+
+
+app.command("run")(run_by_itself)
+app.command()(new)
+app.command()(doctor)
+
+
+@app.command()
+def play(
+    scenario: opt.Scenario,
+    policy: opt.Watched = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "--record", help="Write demonstrations to this .npz file; append if it exists."),
+    ] = None,
+    task: opt.Task = None,
+    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help="First level.")] = 0,
+    split: opt.Split = "train",
+    robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
+    speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
+    named: opt.PolicyOption = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Drive a robot by hand in a window, level after level, or watch a policy. The window lists the keys; esc quits."""
+    from irsim_gym.cli.play.manual_play import PlaySettings
+    from irsim_gym.cli.play.manual_play import play as play_by_hand
+
+    parameters = read_parameters(given)
+    watched = one_policy(policy, named)
+    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, watched, not lenient)
+    played = play_by_hand(settings)
+    print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
+    if played.record is not None:
+        print(f"{played.record}: {played.recorded} episode{'' if played.recorded == 1 else 's'}")
+
+
+@app.command()
+def draw(
+    scenario: opt.Scenario,
+    level: Annotated[int, typer.Option(min=0, max=opt.LAST_LEVEL, help="Number of the level.")] = 0,
+    split: opt.Split = "dev",
+    task: opt.Task = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
+    ] = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Draw the start of a level."""
+    from irsim_gym.cli.work.inspection import draw_level
+
+    print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))
+
+
+@app.command()
+def warmup(
+    scenarios: Annotated[
+        list[str] | None,
+        typer.Argument(help="Scenarios, benchmarks or tiers of the suite (default: all in configs/scenarios)."),
+    ] = None,
+    task: opt.Task = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Compile the kernels of scenarios in advance, so that later commands start at once."""
+    from irsim_gym.cli.work.warmup import warm_up
+    from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+    from irsim_gym.evaluation.suite.members import shipped_suite
+    from irsim_gym.scenario.specs.library import scenario_names
+
+    suite = shipped_suite()
+    worlds: list[tuple[str, Mapping[str, Any] | None]] = []
+    for name in scenarios or scenario_names():
+        of_suite = suite.chosen([name]) if name in suite.tiers or name in suite.members else []
+        worlds += [(one.scenario, one.parameters) for one in of_suite] or [(name, None)]
+    warm_up([ScenarioRequest(name, task, parameters=given, strict=not lenient) for name, given in worlds])
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line. Errors of irsim_gym print a message without a traceback.
+
+    Args:
+        arguments: The command and its arguments; None for those of the process.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # as the package sets it while it is loaded
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.set_threshold(100_000)  # objects of imports stay, so there is little to find among them
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a redirected output may lack characters
+        sys.stdout.reconfigure(errors="replace")
+    _guarded(arguments)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from irsim_gym.base.version import __version__
+
+        print(f"irsim_gym {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _general(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them."""
+
+
+def _guarded(arguments: Sequence[str] | None) -> None:
+    try:
+        app(arguments)
+    except IrsimGymError as error:
+        print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
+        sys.exit(128 + error.signal if hasattr(error, "signal") else 1)
+    except MemoryError as error:
+        print(error or "there is not enough memory", file=sys.stderr)
+        sys.exit(1)
+    except OSError as error:
+        what = "" if error.filename is None else f"cannot use {error.filename}: "
+        print(f"{what}{error.strerror or error}", file=sys.stderr)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+"""The command ``irsim-gym arena``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.cli import options as opt
+from irsim_gym.cli.completion import policies as policies_that_begin
+from irsim_gym.cli.tools import scenario_request
+
+
+def arena(
+    scenario: opt.Scenario,
+    policies: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Folders of runs, policy.zip files, random, behaviors such as dash, rvo, sfm, orca.",
+            autocompletion=policies_that_begin,
+        ),
+    ] = None,
+    levels: opt.Levels = 1000,
+    split: opt.Split = "test",
+    task: opt.Task = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results (default: runs/arena-SCENARIO[-team]-SPLIT, numbered).")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
+    replays: Annotated[int, typer.Option(min=0, help="Maximum number of episodes that the page can play.")] = 200,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Play the same levels with several policies, and write a page of the results, with replays of failures."""
+    from irsim_gym.cli.work.commands import print_evaluation, requested_evaluation
+    from irsim_gym.evaluation.arena.contest import arena as play
+    from irsim_gym.evaluation.saved_policies.policy_places import cure_of
+
+    asked = scenario_request(scenario, task, team, given, lenient)
+    if not policies:
+        raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
+    asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "arena")
+    chosen: dict[str, Any] = {"levels": levels, "split": split, "replays": replays, "overwrite": overwrite}
+    found = play(policies=methods, folder=folder, **vars(asked), **chosen)
+    print_evaluation(found.evaluation)
+    print(f"rows, figures and table: {folder}\npage: {found.page}")

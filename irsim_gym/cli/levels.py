@@ -1,0 +1,129 @@
+"""The commands ``irsim-gym levels``: levels as files. Each command imports the heavy packages that it needs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irsim_gym.cli import options as opt
+from irsim_gym.cli.tools import scenario_request
+
+levels = typer.Typer(
+    help="Levels as files: draw them, import those of other projects, certify and show them.",
+    no_args_is_help=True,
+    add_completion=False,
+)
+
+Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
+Count = Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help="Number of levels of each split.")]
+Policies = Annotated[
+    list[str] | None, typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit).")
+]
+Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
+OutOrBeside = Annotated[
+    Path | None, typer.Option(help="File to write, .npz (default: beside the file, NAME.certificate.npz).")
+]
+Out = Annotated[Path, typer.Option(help="File to write, .npz.")]
+
+
+@levels.command()
+def draw(
+    scenario: opt.Scenario,
+    out: Out,
+    split: Splits = "test",
+    count: Count = 1000,
+    task: opt.Task = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Write levels to a file. Scenarios read it with `levels: FILE.npz`; NumPy can open it, too."""
+    from irsim_gym.evaluation.levels.level_commands import run_draw
+
+    run_draw(scenario_request(scenario, task, team, given, lenient), split.split(","), count, out)
+
+
+@levels.command()
+def certify(
+    scenario: Certified,
+    policies: Policies = None,
+    out: OutOrBeside = None,
+    split: opt.Split = "test",
+    count: Count = 1000,
+    task: opt.Task = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Measure levels, play them with reference policies, and write a certificate (docs/levels.md).
+
+    `evaluate` finds the certificate beside the scenario, or beside its file of levels, and reports by difficulty.
+    """
+    from irsim_gym.evaluation.levels.level_commands import run_certify
+
+    wanted = scenario_request(scenario, task, team, given, lenient)
+    run_certify(wanted, split, count, policies or None, out)
+
+
+imports = typer.Typer(help="Convert levels of other projects, from your own copy.", no_args_is_help=True)
+levels.add_typer(imports, name="import")
+
+
+@imports.command()
+def barn(
+    path: Annotated[Path, typer.Argument(help="Folder of world_N.world files, or an .npz of cylinders.")], out: Out
+) -> None:
+    """Convert the worlds of the BARN challenge into levels of the benchmark `barn`: `irsim-gym evaluate OUT dwa`."""
+    from irsim_gym.evaluation.levels.barn import import_barn
+    from irsim_gym.evaluation.levels.level_commands import write_levels
+
+    write_levels(import_barn(path), out)
+
+
+@imports.command()
+def jaxnav(
+    path: Annotated[Path, typer.Argument(help="Pickle of states (.pkl), or an .npz with cells, starts and goals.")],
+    out: Out,
+) -> None:
+    """Convert levels of JaxNav. A pickle is read without loading any of its classes."""
+    from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
+    from irsim_gym.evaluation.levels.level_commands import write_levels
+
+    write_levels(import_jaxnav(path), out)
+
+
+@levels.command("certify-suite")
+def certify_suite(
+    folder: Annotated[
+        Path, typer.Argument(help="A run of the suite; its methods, of one policy each, are the reference policies.")
+    ],
+    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks; default: all of the run.")] = None,
+) -> None:
+    """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""
+    from irsim_gym.evaluation.suite.certificates import certify_members
+
+    certify_members(folder, names or [])
+
+
+@levels.command()
+def show(
+    scenario: Certified,
+    out: Annotated[Path | None, typer.Option(help="Picture to write, .png (default: SCENARIO-levels.png).")] = None,
+    split: opt.Split = "test",
+    number: Annotated[int, typer.Option(min=4, max=100, help="Number of levels in the picture.")] = 16,
+    count: Count = 1000,
+    task: opt.Task = None,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Draw levels into one picture, from the easiest to the hardest if they have a certificate."""
+    from irsim_gym.evaluation.levels.level_sheet import show_levels
+
+    wanted = scenario_request(scenario, task, team, given, lenient)
+    print(show_levels(wanted, split, count, number, out))

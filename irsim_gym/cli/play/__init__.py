@@ -1,0 +1,4 @@
+"""A person drives.
+
+The loop of ``play``.
+"""

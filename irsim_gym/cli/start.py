@@ -1,0 +1,56 @@
+"""The commands ``irsim-gym new``, ``doctor``, ``options`` and ``schema``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irsim_gym.cli.options import Imports
+from irsim_gym.cli.tools import print_options
+
+
+def new(file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write, .yaml.")]) -> None:
+    """Write a commented scenario to start from."""
+    from irsim_gym.scenario.specs.library import write_template
+
+    write_template(file)
+    print(f"{file}: change it, then\n  irsim-gym check {file}\n  irsim-gym train {file}")
+
+
+def doctor() -> None:
+    """Show versions, the cache of kernels, processors, display and graphics card, and what commands need."""
+    from irsim_gym.cli.work.doctor import print_examination
+
+    if not print_examination():
+        raise typer.Exit(1)
+
+
+def options(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="Family such as reward, section or kind such as rvo, or a Markdown file whose tables to update."
+        ),
+    ] = None,
+    modules: Imports = None,
+) -> None:
+    """Print the kinds of a family, the options of one kind or of all, or update the tables of a Markdown page."""
+    from irsim_gym.scenario.reference.option_tables import markdown, rewritten
+
+    if name is None:
+        print(markdown())
+    elif (page := Path(name)).suffix == ".md" and page.is_file():
+        page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
+    else:
+        print_options(name)
+
+
+def schema() -> None:
+    """Write the JSON Schema of scenario files, for editors."""
+    import json
+
+    from irsim_gym.scenario.reference.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))

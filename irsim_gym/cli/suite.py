@@ -1,0 +1,79 @@
+"""The command ``irsim-gym suite``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irsim_gym.base.errors import IrsimGymError, report_together
+from irsim_gym.base.outside_files import reading
+from irsim_gym.cli.options import Imports, Levels, Split
+
+suite = typer.Typer(help="The benchmark suite: list it, play policies on it, print tables.", no_args_is_help=True)
+
+
+@suite.command("list")
+def list_suite(
+    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks (default: all).")] = None,
+) -> None:
+    """List benchmarks: id, tiers, what each tests, and its reference results."""
+    from irsim_gym.evaluation.suite.listing import print_suite
+
+    print_suite(names or [])
+
+
+@suite.command("run")
+def run_suite(
+    names: Annotated[
+        str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help="Tiers or benchmarks, separated by commas.")
+    ],
+    policies: Annotated[
+        list[str], typer.Argument(help="Policies as in evaluate; NAME=POLICY,POLICY,... for the seeds of one training.")
+    ],
+    levels: Levels = 1000,
+    split: Split = "test",
+    out: Annotated[Path | None, typer.Option(help="Folder for rows and summary (default: runs/suite-NAMES).")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
+    modules: Imports = None,
+) -> None:
+    """Play policies on benchmarks and print the table. The same command continues an interrupted run."""
+    from irsim_gym.evaluation.requests.inputs import check_folder, check_policies
+    from irsim_gym.evaluation.requests.methods import read_methods
+    from irsim_gym.evaluation.suite.members import shipped_suite
+    from irsim_gym.evaluation.suite.playing import play_suite
+    from irsim_gym.evaluation.suite.suite_tables import markdown
+    from irsim_gym.tasks.episodes.levels import check_split
+
+    chosen = [name for name in names.split(",") if name]
+    if not chosen:
+        raise IrsimGymError("name a tier or a benchmark, such as core; `irsim-gym suite list` shows them")
+    report_together(
+        lambda: shipped_suite().chosen(chosen),
+        lambda: check_policies(policies),
+        lambda: check_split(split),
+        lambda: check_folder(out),
+    )
+    members = shipped_suite().chosen(chosen)
+    folder = out or Path("runs") / f"suite-{names.replace(',', '-')}"
+    record = play_suite(members, read_methods(policies), folder, levels=levels, split=split, overwrite=overwrite)
+    print(markdown(record))
+    print(f"rows and summary: {folder}")
+
+
+@suite.command("table")
+def print_table(
+    folder: Annotated[Path, typer.Argument(help="Folder of a run of the suite.")],
+    latex: Annotated[bool, typer.Option("--latex", help="LaTeX (package booktabs) instead of Markdown.")] = False,
+) -> None:
+    """Print the tables of a run, with the conditions of its results."""
+    from irsim_gym.evaluation.suite import suite_tables
+    from irsim_gym.evaluation.suite.scores import score_suite
+    from irsim_gym.evaluation.suite.suite_record import RECORD, SUMMARY, read_record
+
+    record = read_record(folder)
+    with reading(folder / SUMMARY, RECORD):
+        score_suite(record, folder)
+        tables = suite_tables.latex(record) if latex else suite_tables.markdown(record)
+    print(tables)

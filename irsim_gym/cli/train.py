@@ -1,0 +1,137 @@
+"""The commands ``irsim-gym train`` and ``irsim-gym tune``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.base.extras import require
+from irsim_gym.cli import options as opt
+from irsim_gym.cli.tools import read_changes, read_parameters
+
+
+def check_resumable(out: Path | None) -> None:
+    """Check that the folder that a user names for ``--resume`` holds a run, or those of several seeds.
+
+    Raises:
+        IrsimGymError: If it does not.
+    """
+    if out is not None and not any((*out.glob("config.json"), *out.glob("seed_*/config.json"))):
+        raise IrsimGymError(f"--resume: {out} holds no run; without --resume the same command begins one there")
+
+
+def train(
+    scenario: opt.Scenarios,
+    algorithm: opt.Algorithm = None,
+    seed: opt.Seed = 0,
+    steps: opt.Steps = None,
+    task: opt.Task = None,
+    out: opt.RunFolder = None,
+    hyperparameters: opt.Hyperparameters = None,
+    changes: opt.Changes = None,
+    resume: opt.Resume = False,
+    more_steps: opt.MoreSteps = None,
+    until: opt.Until = None,
+    overwrite: opt.BeginAnew = False,
+    origin: opt.Origin = None,
+    device: opt.Device = None,
+    dev_levels: opt.DevLevels = 1000,
+    team: opt.TeamMode = None,
+    curriculum: opt.Curriculum = None,
+    seeds: opt.Seeds = None,
+    test_levels: opt.TestLevels = 1000,
+    mixture: opt.Mixture = False,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+    engine: opt.EngineName = None,
+    workers: opt.Workers = None,
+    worlds_per_worker: opt.WorldsPerWorker = None,
+    learner_gpus: opt.LearnerGpus = None,
+    address: opt.Address = None,
+) -> None:
+    """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
+    from irsim_gym.cli.work.commands import run_training
+    from irsim_gym.cli.work.seed_runs import run_seeds
+    from irsim_gym.training.requests.training_request import TrainingRequest
+    from irsim_gym.training.settings.engines import engine_of
+    from irsim_gym.training.settings.mixture import requested_mixture
+
+    if more_steps is not None and seeds is not None:
+        raise IrsimGymError("--more-steps is for one run: name its folder with --out, and leave out --seeds")
+    check_resumable(out if resume else None)
+    mixed = requested_mixture(scenario, mixture)
+    request = TrainingRequest(
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
+        *(device, origin, curriculum),
+        engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
+        changes=read_changes(changes),
+        until=until,
+    )
+    request = request if mixed is None else request.with_mixture(mixed)
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
+    if seeds is None:
+        run_training(request, out, more_steps=more_steps, **how)
+    else:
+        run_seeds(request, seeds, out, test_levels=test_levels, **how)
+
+
+def tune(
+    scenario: Annotated[
+        list[str], typer.Argument(metavar="SCENARIO...", help="Scenario of the trials, or several.", show_default=False)
+    ],
+    trials: Annotated[
+        int | None, typer.Option(min=1, help="Number of trials with those in the folder (default: 40, or the grid).")
+    ] = None,
+    space: Annotated[
+        Path | None, typer.Option(help="YAML file of the search space (default: the shipped one of the algorithm).")
+    ] = None,
+    grid: Annotated[bool, typer.Option("--grid", help="Train all combinations of the lists in the space.")] = False,
+    algorithm: opt.Algorithm = None,
+    seed: opt.Seed = 0,
+    steps: opt.Steps = None,
+    task: opt.Task = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the study (default: runs/tune-RUN, RUN as the folder of train).")
+    ] = None,
+    hyperparameters: opt.Hyperparameters = None,
+    changes: opt.Changes = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the study in the folder.")] = False,
+    device: opt.Device = None,
+    dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
+    team: opt.TeamMode = None,
+    curriculum: opt.Curriculum = None,
+    given: opt.Given = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=10_000, help="Trials at a time (default: 1; on a cluster, its processors).")
+    ] = None,
+    address: Annotated[str | None, typer.Option(help="Address of a Ray cluster that runs the trials.")] = None,
+) -> None:
+    """Search with Optuna, or through a grid, for hyper-parameters, weights of rewards, parameters, seeds, scenarios.
+
+    Each trial is a training run. The same command continues an interrupted study. In a search, trials whose success on
+    dev levels stays below the median are pruned.
+    """
+    require("tune", "irsim-gym tune")
+    if address is not None:
+        require("rllib", "irsim-gym tune --address")
+        from irsim_gym.training.rllib.ray_session import prepare
+
+        prepare(address)
+    from irsim_gym.training.requests.training_request import TrainingRequest
+    from irsim_gym.training.searches.tuning import run_tuning
+
+    parameters = read_parameters(given)
+    request = TrainingRequest(
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
+        curriculum=curriculum,
+        changes=read_changes(changes),
+    )
+    how: dict[str, Any] = {"dev_levels": dev_levels, "modules": tuple(modules or ())}
+    how |= {"workers": workers, "address": address, "overwrite": overwrite, "grid": grid}
+    run_tuning(request, trials, scenarios=scenario, space=space, out=out, **how)

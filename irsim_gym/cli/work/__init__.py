@@ -1,0 +1,4 @@
+"""What commands do.
+
+Output and order; the rest is in the rooms below.
+"""

@@ -1,0 +1,4 @@
+"""What each number means, and the present of a world.
+
+No adapter.
+"""

@@ -1,0 +1,389 @@
+"""What an environment is, as plain data: what each number of an observation, an action, a reward or an info means."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium import Space
+from gymnasium.spaces import Box, Dict
+
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.envs.parts.spaces import action_space, observation_space, observed
+from irsim_gym.tasks import Episodes, HitKind, Outcome
+from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.term import NEEDS, IsImage, Needs, Term
+from irsim_gym.tasks.terms.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
+
+STATE_NAMES = {"is_success": "success"}
+"""Keys of infos that ``EpisodeState`` has under another name."""
+CODES = {"outcome": Outcome, "hit_kind": HitKind}
+"""Keys of infos whose numbers stand for words."""
+OF_TEAMS = {
+    "idle": "it had ended before the step (black_death)",
+    "action_mask": "1 for each choice that is not masked, int8",
+}
+"""Keys of infos that the parallel environment adds."""
+SIGNS = {"potential": "+ or -", "bonus": "+", "penalty": "-", "running": "-"}
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some neighbouring columns of a block; of a picture, channels.
+
+    Attributes:
+        start: Index of the first one, in the array of the observation that holds the block.
+        stop: Index after the last one.
+        meaning: What they hold.
+        scale: How a number follows from the measured quantity, with its unit.
+        low: Least value of any column, without unit; see ``scale``.
+        high: Greatest value of any column, without unit; see ``scale``.
+        sectors: Where each looks, from which angle to which [degree], 0 straight ahead of the robot, positive to its
+            left; empty where columns are no directions.
+    """
+
+    start: int
+    stop: int
+    meaning: str
+    scale: str
+    low: float
+    high: float
+    sectors: tuple[tuple[float, float], ...]
+
+    @property
+    def directions(self) -> str:
+        """Where its columns look, in words; empty where they are no directions."""
+        return turning(tuple((math.radians(begin), math.radians(end)) for begin, end in self.sectors), self.start)
+
+
+@dataclass(frozen=True)
+class Block:
+    """What one observation of the task contributes.
+
+    Attributes:
+        name: Its name in the task.
+        key: Key of the array that holds it, in an observation that is a dict; empty where it is one array.
+        summary: What it is, in a sentence.
+        needs: What a robot must have for it, see ``tasks.terms.term.NEEDS``; None where a plugin does not say.
+        shape: Of the numbers that it contributes.
+        parts: Its columns, or the channels of its picture, in order.
+        is_image: It is a picture: an array of its own, uint8.
+        view: What a picture shows, and what is up in it.
+    """
+
+    name: str
+    key: str
+    summary: str
+    needs: Needs | None
+    shape: tuple[int, ...]
+    parts: tuple[Part, ...]
+    is_image: bool = False
+    view: str = ""
+
+
+@dataclass(frozen=True)
+class Component:
+    """One component of the command that an action becomes.
+
+    Attributes:
+        name: What it is.
+        unit: Its unit.
+        low: Value of the action -1 [``unit``].
+        high: Value of the action 1 [``unit``].
+        most_change: Greatest change per second [``unit``/s]; infinite without a limit.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    most_change: float
+
+
+@dataclass(frozen=True)
+class Action:
+    """What a learner's action means.
+
+    Attributes:
+        name: Its kind.
+        summary: What it is, in a sentence.
+        space: The space of actions, as text.
+        components: The components of the command.
+        choices: Command of each choice [unit of each component]; empty for a continuous action.
+    """
+
+    name: str
+    summary: str
+    space: str
+    components: tuple[Component, ...]
+    choices: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Reward:
+    """One term of the reward.
+
+    Attributes:
+        name: Name of the term in the task.
+        role: What the term is for.
+        sign: ``"+"``, ``"-"`` or ``"+ or -"``.
+        weight: Factor of the term.
+        when: When it pays, and how much.
+    """
+
+    name: str
+    role: str
+    sign: str
+    weight: float
+    when: str
+
+
+@dataclass(frozen=True)
+class Ending:
+    """One way in which an episode ends: its ``name`` in the task, the ``outcome`` in infos, and ``when`` it ends."""
+
+    name: str
+    outcome: str
+    when: str
+
+
+@dataclass(frozen=True)
+class Info:
+    """One ``key`` of the infos: the ``unit`` of its value (empty without one) and its ``meaning``."""
+
+    key: str
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Description:
+    """What an environment is. ``print`` shows it as tables, a notebook too; ``as_dict`` is for programs.
+
+    Attributes:
+        scenario: Name of the scenario.
+        task: Name of the task.
+        agent: Name of the robot that it is about.
+        same_for: Other learners that observe and act alike.
+        max_steps: Time limit [steps].
+        step_time: Duration of a step [s].
+        observation_space: As text.
+        form: ``"flat"`` or ``"dict"``.
+        blocks: What the observation consists of.
+        action: What an action means.
+        rewards: What is paid.
+        endings: What ends an episode, beside the time limit; of several in one step the first counts.
+        infos: What infos hold.
+        numbers: Other numbers of the task, with their units.
+    """
+
+    scenario: str
+    task: str
+    agent: str
+    same_for: tuple[str, ...]
+    max_steps: int
+    step_time: float
+    observation_space: str
+    form: str
+    blocks: tuple[Block, ...]
+    action: Action
+    rewards: tuple[Reward, ...]
+    endings: tuple[Ending, ...]
+    infos: tuple[Info, ...]
+    numbers: tuple[tuple[str, str], ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data, such as ``json.dumps`` takes; an infinite number is None there."""
+        plain: dict[str, Any] = _plain(asdict(self))
+        return plain
+
+    @property
+    def needs(self) -> Needs:
+        """What a robot must have to observe all of it, as far as the observations say."""
+        known = {need for block in self.blocks for need in block.needs or ()}
+        return tuple(need for need in NEEDS if need in known)
+
+    def block(self, name: str) -> Block:
+        """Return the block of an observation; KeyError where the task has none of that name."""
+        return {block.name: block for block in self.blocks}[name]
+
+    def __str__(self) -> str:
+        from irsim_gym.envs.described.description_text import as_text
+
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        from irsim_gym.envs.described.description_text import as_html
+
+        return as_html(self)
+
+
+def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, own: bool = False) -> Description:
+    """Return what an environment is to one of its learners.
+
+    Args:
+        info: An info of that learner, as the environment hands it out.
+        agent: Which of the learners.
+        own: Observations and actions have the columns of this agent alone; else all that the richest agent has.
+    """
+    task = episodes.task
+    terms = episodes.terms
+    chosen, act = agent if own else None, terms["action"][0]
+    each = [(_blocks(episodes, a, own), _components(episodes, act, a)) for a in range(episodes.n_agents)]
+    blocks, _ = each[agent]
+    alike = [a for a, one in enumerate(each) if one == each[agent] and a != agent]
+    numbers = {
+        "deadlock_speed": f"{task.deadlock_speed:g} m/s",
+        "deadlock_time": f"{task.deadlock_time:g} s",
+        "ended": task.ended,
+        "team_reward": f"{task.team_reward:g}",
+    }
+    return Description(
+        scenario=episodes.simulation.scenario.name,
+        task=task.name,
+        agent=episodes.agent_names[agent],
+        same_for=tuple(episodes.agent_names[a] for a in alike),
+        max_steps=task.max_steps,
+        step_time=float(episodes.simulation.model.step_time[0]),
+        observation_space=_short(observation_space(episodes, chosen)),
+        form=task.observation_form,
+        blocks=blocks,
+        action=_action(episodes, act, agent, _short(action_space(episodes, chosen))),
+        rewards=tuple(_reward(term) for term in terms["rewards"]),
+        endings=tuple(Ending(term.name, term.options.outcome.name, _when(term)) for term in terms["endings"]),
+        infos=tuple(_infos(info)),
+        numbers=tuple(numbers.items()),
+    )
+
+
+def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
+    """Return the blocks of an agent's observations, in the order of the flat observation; pictures stand apart."""
+    blocks: list[Block] = []
+    held: Counter[str] = Counter()
+    for key, term in observed(episodes):
+        said, (low, high) = (first_sentence(type(term.options)), term.options.needs), term.bounds
+        columns = _columns_of(episodes, term, agent)
+        if isinstance(term.options, IsImage):
+            view = getattr(term.options, "view", "")
+            parts = _parts(columns, np.ones(sum(one.count for one in columns), np.bool_), (0.0, 255.0), 0)
+            blocks.append(Block(term.name, key, *said, term.image.shape[2:], parts, True, view))
+            continue
+        used = episodes.feature_mask[agent, term.column : term.column + low.size]
+        kept = used if own else np.ones(low.size, np.bool_)
+        if kept.any():
+            width = int(kept.sum())
+            blocks.append(Block(term.name, key, *said, (width,), _parts(columns, kept, (low, high), held[key])))
+            held[key] += width
+    return tuple(blocks)
+
+
+def _columns_of(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]:
+    """Return what an observation says of its columns; one part for all of them where it says nothing."""
+    if isinstance(term.options, TellsColumns):
+        return term.options.columns(term, episodes.simulation.model, agent)
+    if isinstance(term.options, IsImage):
+        return [Columns("not described", count=term.options.image_shape[2])]
+    return [Columns("not described", count=term.bounds[0].size)]
+
+
+def _parts(columns: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:
+    """Return the parts of a block, without columns that are not kept.
+
+    Args:
+        kept: Which of them the agent has, ``(width,)``.
+        bounds: Least and greatest values, ``(width,)`` or a number.
+        start: Place of the first column that is kept.
+    """
+    parts, at = [], 0
+    lows, highs = (np.broadcast_to(bound, kept.shape) for bound in bounds)
+    for one in columns:
+        here = slice(at, at + one.count)
+        chosen = np.flatnonzero(kept[here])
+        at += one.count
+        if not len(chosen):
+            continue
+        low, high = (float(values[here][chosen].min()) for values in (lows, -highs))
+        sectors = _degrees([one.sectors[k] for k in chosen]) if one.sectors else ()
+        parts.append(Part(start, start + len(chosen), one.meaning, one.scale, low, -high + 0.0, sectors))
+        start += len(chosen)
+    return tuple(parts)
+
+
+def _degrees(sectors: Sequence[tuple[float, float]]) -> Sectors:
+    return tuple((math.degrees(begin), math.degrees(end)) for begin, end in sectors)
+
+
+def _limits(episodes: Episodes, agent: int) -> Floats:
+    """Return least and greatest commands and their greatest changes, ``(3, n_components)``."""
+    model, body, size = episodes.simulation.model, episodes.task.agents[agent], int(episodes.action_sizes[agent])
+    fields = model.velocity_min, model.velocity_max, model.acceleration_limit
+    return np.array([field[0, body, :size] for field in fields])
+
+
+def _components(episodes: Episodes, term: Term, agent: int) -> tuple[Component, ...]:
+    lows, highs, changes = _limits(episodes, agent).tolist()
+    rows = zip(term.components[agent], lows, highs, changes, strict=True)
+    return tuple(Component(name, unit, low, high, change) for (name, unit), low, high, change in rows)
+
+
+def _action(episodes: Episodes, term: Term, agent: int, space: str) -> Action:
+    """Return the meaning of an action, with its choices if the kind describes them."""
+    choices: tuple[tuple[float, ...], ...] = ()
+    if episodes.n_discrete and isinstance(term.options, TellsActions):
+        low, high, _ = _limits(episodes, agent)
+        asked = term.options.samples(term)[agent][:, : len(low)]
+        commands = 0.5 * (low + high) + asked * (0.5 * (high - low))
+        choices = tuple(map(tuple, (commands + 0.0).tolist()))
+    components = _components(episodes, term, agent)
+    return Action(term.name, first_sentence(type(term.options)), space, components, choices)
+
+
+def _reward(term: Term) -> Reward:
+    options = term.options
+    return Reward(term.name, options.role, SIGNS[options.role], float(options.weight), _when(term))
+
+
+def _when(term: Term) -> str:
+    """Return when a term pays or applies: in its own words, else by its docstring."""
+    if isinstance(term.options, TellsWhen):
+        return term.options.when(term)
+    return first_sentence(type(term.options)) or "not described"
+
+
+def _infos(info: Mapping[str, object]) -> list[Info]:
+    """Return the keys of an info with what they mean, which their arrays declare."""
+    declared = EpisodeState.columns()
+    found = []
+    for key in info:
+        name = STATE_NAMES.get(key, key)
+        if "/" in key:
+            found.append(Info(key, "", f"what the term {key.split('/', 1)[1]} paid in the step"))
+        elif name in declared:
+            codes = ", ".join(f"{code.value} {code.name}" for code in CODES.get(key, ()))
+            column = declared[name]
+            found.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
+        else:
+            found.append(Info(key, "", OF_TEAMS.get(key, "not described")))
+    return found
+
+
+def _short(space: Space[Any]) -> str:
+    """Return a space as text, of a box with different bounds the least and the greatest one."""
+    if isinstance(space, Dict):
+        return f"Dict({', '.join(f'{name}: {_short(part)}' for name, part in space.items())})"
+    if isinstance(space, Box):
+        return f"Box({space.low.min():.4g}, {space.high.max():.4g}, {space.shape}, {space.dtype})"
+    return str(space)
+
+
+def _plain(value: object) -> Any:
+    """Return data with lists in place of tuples and None in place of infinite numbers."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,4 @@
+"""Gymnasium's environments, single and in batches, and their ids.
+
+No other library.
+"""

@@ -1,0 +1,4 @@
+"""What adapters share: spaces, infos, limits, levels, pictures, masks.
+
+No learning library.
+"""

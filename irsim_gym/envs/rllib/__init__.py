@@ -1,0 +1,4 @@
+"""Ray RLlib: runners and batches.
+
+The only folder with Ray, but for ``training.rllib``.
+"""

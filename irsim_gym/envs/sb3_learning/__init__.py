@@ -1,0 +1,4 @@
+"""Stable-Baselines3: policies, algorithms and callbacks of ours.
+
+No environment.
+"""

@@ -1,0 +1,4 @@
+"""Many learners: PettingZoo, arrays, tensors.
+
+No learning library.
+"""

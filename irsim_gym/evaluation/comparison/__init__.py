@@ -1,0 +1,4 @@
+"""Several policies on the same levels: results, films, demonstrations.
+
+No protocol of its own.
+"""

@@ -1,0 +1,179 @@
+"""Films, replay pages and contact sheets of policies on the same levels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.base.arraytypes import Bytes
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.comparison.players import Players, load_players
+from irsim_gym.evaluation.protocol.progress_bars import progress_bar
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+
+if TYPE_CHECKING:
+    from irsim_gym.rendering.replay.replay_data import Recording
+
+FILMS = (".mp4", ".gif")
+REPLAYS = (".html",)
+PICTURES = (".png", ".jpg", ".webp", ".tif")
+DRAWINGS = (".pdf", ".svg")
+
+
+def record_film(
+    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
+) -> Path:
+    """Film policies on levels, one level after the other with one panel per policy, and return the film's path.
+
+    The film has a frame at the start, one every ``sample_time``, and one at the end of each episode.
+
+    Args:
+        sources: Policies, as ``load_policy`` takes them.
+        path: Film to write, ``.mp4`` or ``.gif``.
+        **chosen: ``split`` and ``names`` of ``load_players``.
+
+    Raises:
+        IrsimGymError: If the file's suffix is not that of a film.
+    """
+    from irsim_gym.rendering.films.film import EpisodeFilm
+
+    check_suffix(path, FILMS, "a film")
+    cast = load_players(asked, sources, **chosen)
+    film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
+    with progress_bar() as bar:
+        film.write(
+            (
+                [_frames(cast, w, level) for w in range(len(cast.policies))]
+                for level in bar.track(levels, description="filming")
+            ),
+            path,
+        )
+    cast.renderer.close()
+    return path
+
+
+def record_html(
+    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
+) -> Path:
+    """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
+
+    Args:
+        sources: Policies, as ``load_policy`` takes them.
+        path: Page to write, ``.html``.
+        **chosen: ``split`` and ``names`` of ``load_players``.
+
+    Raises:
+        IrsimGymError: If the file's suffix is not ``.html``.
+    """
+    from irsim_gym.rendering.replay.replay_page import save_html
+
+    check_suffix(path, REPLAYS, "a replay")
+    cast = load_players(asked, sources, **chosen)
+    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
+    with progress_bar() as bar:
+        recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
+    cast.renderer.close()
+    return save_html(path, recordings)
+
+
+def record_sheet(
+    asked: ScenarioRequest,
+    sources: Sequence[str | Path],
+    levels: Sequence[int],
+    path: Path,
+    *,
+    strobe: bool = False,
+    **chosen: Any,
+) -> Path:
+    """Draw policies on levels into one picture, and return its path.
+
+    Args:
+        sources: Policies, as ``load_policy`` takes them.
+        path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``; with ``strobe`` and a single episode also
+            ``.pdf`` or ``.svg``.
+        strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.
+            Otherwise each episode is a row of frames, evenly spaced from the start to the end.
+        **chosen: ``split`` and ``names`` of ``load_players``.
+
+    Raises:
+        IrsimGymError: If the file's suffix is not that of such a picture.
+    """
+    from irsim_gym.rendering.films.film import EpisodeFilm
+    from irsim_gym.rendering.films.sheet import contact_sheet, save_sheet
+    from irsim_gym.rendering.films.strobe import draw_strobe, save_strobe
+
+    cast = load_players(asked, sources, **chosen)
+    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
+    check_output(path, "strobe" if strobe else "sheet", len(pairs))
+    with progress_bar() as bar:
+        track = bar.track(pairs, description="drawing")
+        if not strobe:
+            shown = [_moments(cast, w, level) for w, level in track]
+            return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
+        recordings = [_recorded(cast, w, level) for w, level in track]
+    if len(recordings) == 1:
+        return save_strobe(recordings[0], path, cast.renderer.layout)
+    panels = [draw_strobe(recording, cast.renderer.layout) for recording in recordings]
+    film = EpisodeFilm([recording.name for recording in recordings], fps=1.0 / cast.step_time)
+    return save_sheet(film.compose(panels), path)
+
+
+def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
+    """Play a level, and return the title of the episode and some of its frames."""
+    from irsim_gym.rendering.films.sheet import Moments
+
+    moments = Moments()
+    for status in cast.play(world, level):
+        moments.offer(lambda status=status: cast.renderer.frame(world, status))  # type: ignore[misc]
+    return cast.title(world, level, status), moments.frames()
+
+
+def _recorded(cast: Players, world: int, level: int) -> Recording:
+    """Play a level, and return its recording."""
+    from irsim_gym.rendering.replay.replay_data import Recording
+
+    scenario, policy = cast.simulation.scenario, cast.names[world]
+    details = {"policy": policy, "level": f"{level} ({cast.split})"}
+    recording = Recording(scenario, cast.episodes[world].agent_names, details)
+    for status in cast.play(world, level):
+        scene = cast.renderer.scene(world, status)
+        recording.note(scene, cast.simulation.state.pose[world], cast.values(world))
+    recording.name = cast.title(world, level, status)
+    return recording
+
+
+def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
+    """Play a level, and yield its frames: the start, every ``sample_time``, and the end."""
+    for status in cast.play(world, level):
+        if cast.is_frame(world):
+            yield cast.renderer.frame(world, status)
+
+
+def check_suffix(path: Path, known: Sequence[str], what: str) -> None:
+    """Check that the name of a file has one of the known suffixes.
+
+    Raises:
+        IrsimGymError: If it has another one.
+    """
+    if path.suffix.lower() not in known:
+        raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")
+
+
+def check_output(path: Path | None, kind: str, episodes: int) -> None:
+    """Check that the name of a file, if any, fits what is written into it.
+
+    Args:
+        path: The file; None for a default name.
+        kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
+        episodes: Number of episodes.
+
+    Raises:
+        IrsimGymError: If it has another suffix.
+    """
+    drawings = DRAWINGS if kind == "strobe" and episodes == 1 else ()
+    known, what = {"film": (FILMS, "a film"), "replay": (REPLAYS, "a replay")}.get(
+        kind, ((*PICTURES, *drawings), "such a picture")
+    )
+    if path is not None:
+        check_suffix(path, known, what)

@@ -1,0 +1,4 @@
+"""What is measured in an episode, and the statistics of many.
+
+No tables and no files.
+"""

@@ -1,0 +1,4 @@
+"""The benchmark suite: members, records, scores, tables.
+
+No statistics of its own.
+"""

@@ -1,0 +1,230 @@
+"""Computes the figures of tables from rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from pathlib import Path
+from statistics import fmean
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.evaluation.levels.played import QUARTER_NAMES
+from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
+from irsim_gym.evaluation.measures.statistics import (
+    Estimate,
+    interquartile_mean,
+    probability_of_improvement,
+    stratified_mean,
+)
+from irsim_gym.evaluation.measures.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
+from irsim_gym.evaluation.measures.worst_levels import worst_shares
+from irsim_gym.evaluation.protocol.tables import plain
+from irsim_gym.evaluation.suite.certificates import certified_levels
+from irsim_gym.evaluation.suite.row_files import read_rows
+from irsim_gym.evaluation.suite.suite_record import SuiteRecord
+
+OF_SUMMARIES = (
+    *("spl", "sct", "makespan", "acceleration", "jerk", "intrusion_025", "intrusion_045"),
+    *("time_to_collision", "throughput"),
+)
+"""Figures of a score that are means of those of summaries with the same name."""
+Repetitions = Sequence[Sequence[TeamRow]]
+"""The levels that the policies of one method played, one list per policy."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """The figures of one method on one benchmark: means over its policies; NaN if there are no values.
+
+    Attributes:
+        repetitions: Number of its policies.
+        success: Share of levels in which all robots arrive. Its interval is Wilson's for one policy, and a bootstrap
+            interval over policies for several.
+        individual: Share of robots that arrive.
+        outcomes: Share of episodes by outcome.
+        hits: Share of episodes that ended in a collision, by what was hit.
+        deadlocked: Share of robots whose episode ended while they stood still.
+        spl: Success weighted by path length.
+        sct: Success weighted by completion time.
+        worst: Success of each policy on its own worst 5 % and 1 % of levels.
+        worst_shared: The same on levels that are chosen by half of the policies and scored by the other half.
+        quarters: Success by quarter of difficulty; empty if the levels have no certificate.
+        time: Mean time of successful episodes [s].
+        path: Mean path length of successful episodes [m].
+        common_levels: Number of levels that all compared methods solved.
+        common_time: Mean time on these levels [s].
+        common_path: Mean path length on these levels [m].
+        makespan: Mean time until the last robot arrives [s]; the time limit if one never arrives.
+        clearance: Mean of the smallest clearances [m].
+        acceleration: Mean size of acceleration [m/s2].
+        jerk: Mean size of jerk [m/s3].
+        intrusion_025: Share of steps nearer than 0.25 m to a person; NaN if there are no people.
+        intrusion_045: The same for 0.45 m.
+        time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
+        throughput: Mean over levels of the goals that all robots reach per minute; NaN if each has one goal.
+    """
+
+    repetitions: int
+    success: Estimate
+    individual: float
+    outcomes: Mapping[str, float]
+    hits: Mapping[str, float]
+    deadlocked: float
+    spl: float
+    sct: float
+    worst: Mapping[str, float]
+    worst_shared: Mapping[str, float]
+    quarters: Mapping[str, float]
+    time: float
+    path: float
+    common_levels: int
+    common_time: float
+    common_path: float
+    makespan: float
+    clearance: float
+    acceleration: float
+    jerk: float
+    intrusion_025: float
+    intrusion_045: float
+    time_to_collision: float
+    throughput: float
+
+
+def score_suite(record: SuiteRecord, folder: Path) -> None:
+    """Read all rows, and write the figures of all methods into the record."""
+    played: dict[str, dict[str, Repetitions]] = {}
+    for member, methods in record.runs.items():
+        files = {method: [entry["file"] for entry in entries if "file" in entry] for method, entries in methods.items()}
+        played[member] = {
+            method: [read_rows(folder / file, record.played(member)) for file in found]
+            for method, found in files.items()
+            if found
+        }
+    scores: dict[str, dict[str, Score]] = {}
+    for member, repetitions in played.items():
+        levels = certified_levels(record.members[member])
+        record.members[member]["conditions"] |= levels.conditions()
+        scores[member] = score_member(repetitions, levels.quarters)
+    record.figures = plain(scores)
+    success = {
+        member: {method: [_share(rows) for rows in repetitions] for method, repetitions in methods.items()}
+        for member, methods in played.items()
+    }
+    record.overall = plain(overall(success, list(record.methods)))
+
+
+def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = None) -> dict[str, Score]:
+    """Return the figures of several methods on the same levels.
+
+    Args:
+        methods: Levels that the policies of each method played.
+        quarters: Quarter of difficulty of each level, from 0; None if it is not known.
+    """
+    solved = {name: _solved(repetitions) for name, repetitions in methods.items()}
+    n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
+    compared = [name for name, levels in solved.items() if len(levels) >= max(COMPARED * n_levels[name], 1)]
+    common = set.intersection(*(solved[name] for name in compared)) if len(compared) > 1 else set()
+    return {
+        name: score_method(repetitions, common if name in compared else set(), quarters)
+        for name, repetitions in methods.items()
+    }
+
+
+def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Score:
+    """Return the figures of one method.
+
+    Args:
+        repetitions: Levels that its policies played.
+        common: Levels that all compared methods solved.
+        quarters: Quarter of difficulty of each level, from 0; None if it is not known.
+    """
+    summaries = [summarize_team("", rows) for rows in repetitions]
+    success = _successes(repetitions)
+    own = [worst_shares([levels]) for levels in success]
+    episodes = [agent.episode for rows in repetitions for row in rows for agent in row.agents]
+    there = [episode for episode in episodes if episode.level in common]
+
+    def over(read: Callable[[TeamSummary], float]) -> float:
+        return mean([read(summary) for summary in summaries])
+
+    same: dict[str, Any] = {name: over(attrgetter(name)) for name in OF_SUMMARIES}
+    return Score(
+        repetitions=len(summaries),
+        success=_success(summaries),
+        individual=over(lambda summary: summary.individual_success.value),
+        outcomes={name: fmean(episode.outcome == name for episode in episodes) for name in OUTCOMES},
+        hits={hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
+        deadlocked=over(lambda summary: summary.deadlocked.value),
+        worst={share: mean([one[share] for one in own]) for share in own[0]},
+        worst_shared=worst_shares(success) if len(success) > 1 else {},
+        quarters=_by_quarter(success, quarters),
+        time=_of_successes(episodes, lambda episode: episode.time),
+        path=over(lambda summary: summary.path_length),
+        common_levels=len(common),
+        common_time=_of_successes(there, lambda episode: episode.time),
+        common_path=_of_successes(there, lambda episode: episode.path_length),
+        clearance=over(lambda summary: summary.min_clearance),
+        **same,
+    )
+
+
+def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Sequence[str]) -> dict[str, object]:
+    """Return figures over the benchmarks that all methods played.
+
+    Args:
+        success: By benchmark and method, the success of each policy.
+
+    Returns:
+        ``benchmarks``: their names. ``success``: the interquartile mean over benchmarks and policies of each method,
+        with its stratified bootstrap interval. ``improvement``: by two methods, the probability that a policy of the
+        first beats one of the second.
+    """
+    common = [member for member, found in success.items() if all(method in found for method in methods)]
+    if not common or not methods:
+        return {"benchmarks": [], "success": {}, "improvement": {}}
+    scores = {method: [success[member][method] for member in common] for method in methods}
+    better = {
+        first: {
+            second: probability_of_improvement(scores[first], scores[second]) for second in methods if second != first
+        }
+        for first in methods
+    }
+    means = {method: interquartile_mean(scores[method]) for method in methods}
+    return {"benchmarks": common, "success": means, "improvement": better}
+
+
+def _success(summaries: Sequence[TeamSummary]) -> Estimate:
+    if len(summaries) == 1:
+        found = summaries[0].cooperative_success
+        return Estimate(found.value, found.low, found.high)
+    return stratified_mean([[summary.cooperative_success.value for summary in summaries]])
+
+
+def _successes(repetitions: Repetitions) -> Floats:
+    return np.array([[row.is_success for row in rows] for rows in repetitions], np.float64)
+
+
+def _by_quarter(success: Floats, quarters: Ints | None) -> dict[str, float]:
+    """Return the success in each quarter of difficulty; empty if the quarters are not known."""
+    if quarters is None:
+        return {}
+    return {name: float(success[:, quarters == k].mean()) for k, name in enumerate(QUARTER_NAMES)}
+
+
+def _share(rows: Sequence[TeamRow]) -> float:
+    return fmean(row.is_success for row in rows)
+
+
+def _solved(repetitions: Repetitions) -> set[int]:
+    """Return the levels that every policy of a method solved."""
+    return set.intersection(*({row.level for row in rows if row.is_success} for rows in repetitions))
+
+
+def _of_successes(episodes: Sequence[EpisodeRow], read: Callable[[EpisodeRow], float]) -> float:
+    found = [read(episode) for episode in episodes if episode.outcome == "success"]
+    return fmean(found) if found else math.nan

@@ -1,1 +1,0 @@
-"""Plane geometry as pure kernels on numbers and small arrays."""

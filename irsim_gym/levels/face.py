@@ -1,8 +1,0 @@
-"""Levels as data: collections of others, and certificates."""
-
-from irsim_gym.levels.barn import import_barn
-from irsim_gym.levels.certificate import Certificate, read_certificate
-from irsim_gym.levels.jaxnav import import_jaxnav
-from irsim_gym.scenario.level_set import LevelSet
-
-__all__ = ["Certificate", "LevelSet", "import_barn", "import_jaxnav", "read_certificate"]

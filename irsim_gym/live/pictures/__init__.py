@@ -1,0 +1,4 @@
+"""Pictures, films and windows of a world.
+
+It asks ``rendering`` and draws nothing.
+"""

@@ -1,0 +1,123 @@
+"""Records a world: frames for films and sheets, figures for replays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.base.arraytypes import Bytes
+from irsim_gym.live.session import moves
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.simulator.engine.telemetry import telemetry
+
+if TYPE_CHECKING:
+    from irsim_gym.rendering.looks.packing import PackedFrame
+    from irsim_gym.rendering.replay.replay_data import Recording
+    from irsim_gym.rendering.scene.frame_layout import Layout
+    from irsim_gym.rendering.scene.scene import Scene
+
+NOTHING_KEPT = "nothing was kept: load the world with record=True"
+
+
+class Reel:
+    """Frames since the last film, and the numbers of all episodes.
+
+    Frames are compressed, as flat colours shrink to a few percent. Those of the last film remain until the next frame
+    is kept, so that a sheet can be made of them, too.
+    """
+
+    def __init__(self) -> None:
+        self._frames: list[PackedFrame] = []
+        self._filmed = False
+        self._recordings: list[Recording] = []
+        self._is_begun = False
+
+    def begin(self) -> None:
+        """Begin another episode."""
+        self._is_begun = False
+
+    def keep(self, frame: Bytes, scene: Scene, simulation: Simulation) -> None:
+        """Keep a moment: its picture, its numbers, and the outcomes of the robots."""
+        from irsim_gym.rendering.looks.packing import PackedFrame
+        from irsim_gym.rendering.replay.replay_data import Recording
+
+        if self._filmed or (self._frames and frame.shape != self._frames[0].shape):
+            self._frames, self._filmed = [], False  # frames of another shape are those of another file
+        self._frames.append(PackedFrame.of(frame))
+        robots = moves.robots(simulation)
+        names = [simulation.parts.names[body] for body in robots.tolist()]
+        if not self._is_begun:
+            self._recordings.append(Recording(simulation.scenario, names))
+            self._is_begun = True
+        fares = dict(zip(names, telemetry(simulation, 0, robots), strict=True))
+        for name, body in zip(names, robots.tolist(), strict=True):
+            fares[name] = {**fares[name], "outcome": _outcome(simulation, body)}
+        recording = self._recordings[-1]
+        values: list[dict[str, Any]] = [dict(fares.get(name, {"outcome": "gone"})) for name in recording.agents]
+        recording.note(scene, simulation.state.pose[0], values)
+        recording.name = f"episode {len(self._recordings)}: {scene.status.lower()}, {scene.time:.1f} s"
+
+    def keep_again(self, frame: Bytes, scene: Scene) -> None:
+        """Keep the latest moment with other marks over it."""
+        from irsim_gym.rendering.looks.packing import PackedFrame
+
+        self._frames[-1] = PackedFrame.of(frame)
+        self._recordings[-1].redraw(scene)
+
+    def save_film(self, path: Path, fps: float) -> None:
+        """Write the frames to a film, and start another one.
+
+        Raises:
+            ValueError: There are none.
+        """
+        from irsim_gym.rendering.films.video import write_video
+
+        if self._filmed or not self._frames:
+            raise ValueError(f"no frames: {NOTHING_KEPT}")
+        write_video((packed.frame() for packed in self._frames), path, fps, total=len(self._frames))
+        self._filmed = True
+
+    def save_html(self, path: Path) -> None:
+        """Write a page that plays all episodes.
+
+        Raises:
+            ValueError: There are none.
+        """
+        from irsim_gym.rendering.replay.replay_page import save_html
+
+        if not self._recordings:
+            raise ValueError(NOTHING_KEPT)
+        save_html(path, self._recordings)
+
+    def save_sheet(self, path: Path, count: int) -> None:
+        """Write one picture with some frames of the present film, or of the last one written.
+
+        Raises:
+            ValueError: There are no frames, or fewer than two are asked for.
+        """
+        from irsim_gym.rendering.films.sheet import contact_sheet, save_sheet, spaced
+
+        if not self._frames:
+            raise ValueError(NOTHING_KEPT)
+        if count < 2:
+            raise ValueError(f"a sheet shows at least 2 moments, got {count}")
+        frames = [self._frames[k].frame() for k in spaced(len(self._frames), count).tolist()]
+        save_sheet(contact_sheet([frames], [""]), path)
+
+    def save_strobe(self, path: Path, layout: Layout) -> None:
+        """Write one picture with the paths of the robots in the last episode.
+
+        Raises:
+            ValueError: There is none.
+        """
+        from irsim_gym.rendering.films.strobe import save_strobe
+
+        if not self._recordings:
+            raise ValueError(NOTHING_KEPT)
+        save_strobe(self._recordings[-1], path, layout)
+
+
+def _outcome(simulation: Simulation, body: int) -> str:
+    """Return the outcome of a robot so far."""
+    state = simulation.state
+    return "arrived" if state.arrived[0, body] else "collision" if state.collided[0, body] else "running"

@@ -1,0 +1,4 @@
+"""The bodies of a world: adding, removing, reading, moving.
+
+No pictures.
+"""

@@ -1,0 +1,4 @@
+"""Figures by matplotlib.
+
+The only folder that draws with it.
+"""

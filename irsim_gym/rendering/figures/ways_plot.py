@@ -1,0 +1,223 @@
+"""Plots the paths of evaluated policies: where they succeed, and where and how they fail."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap, PowerNorm
+from matplotlib.figure import Figure
+
+from irsim_gym.rendering.figures.figure import READABLE
+from irsim_gym.rendering.figures.ways_density import Density
+from irsim_gym.rendering.figures.ways_levels import DrawnLevel, draw_level
+from irsim_gym.rendering.figures.ways_marks import (
+    BEYOND,
+    ORDER,
+    DrawnWay,
+    draw_ends,
+    draw_lines,
+    draw_starts_and_goals,
+    legend,
+    paler,
+    show_world,
+    words_of,
+)
+from irsim_gym.rendering.frames.card import number_text
+from irsim_gym.rendering.looks import fonts, theme
+from irsim_gym.rendering.looks.files import whole_file
+from irsim_gym.rendering.looks.tiles import few_columns
+from irsim_gym.rendering.scene.frame_layout import DOTS_PER_INCH, tick_positions
+
+PANEL, WIDE_PANEL = 4.6, 9.0
+"""Longer side of a panel, and of a panel with its levels below [inch]."""
+WIDE = 0.6
+"""Ratio of height to width of a world below which its levels are placed below the panel."""
+COLUMNS, ROWS = 3, 2
+SHOWN_LEVELS = COLUMNS * ROWS
+"""Number of levels beside a panel."""
+HEAD, GAP, NARROWEST = 0.4, 0.16, 1.35
+"""Height of the text above a level, gap between levels, and minimum width of a level [inch]."""
+LEFT, RIGHT, TITLE, ABOVE, BELOW = 0.45, 0.2, 0.35, 0.55, 0.6
+"""Margins on the left and right, height of the heading, and room above and below each panel [inch]."""
+LETTER, LINE, ENTRY = 0.064, 0.17, 1.0
+"""Width of a letter and height of a line of the note, and width of an entry of the legend [inch]."""
+FEW = 40
+"""Maximum number of whole successful paths in a panel, and of failed ones; more would be indistinguishable."""
+
+
+@dataclass(frozen=True)
+class WaysPanel:
+    """The results of one policy.
+
+    Attributes:
+        title: Name of the policy.
+        success: Text about its success.
+        ways: Whole paths, and the ends of others.
+        counts: Number of times each outcome occurred, over all levels.
+        levels: Levels that are shown individually; empty if all levels look alike.
+    """
+
+    title: str
+    success: str
+    ways: Sequence[DrawnWay]
+    counts: Mapping[str, int]
+    levels: Sequence[DrawnLevel] = ()
+
+
+Place = tuple[float, float, float, float]
+"""Left edge, upper edge, width and height of axes [inch], from the upper left corner of the picture."""
+
+
+class WaysPlan:
+    """The positions of panels and levels.
+
+    Args:
+        bounds: The world's rectangle [m].
+        panels: The panels.
+
+    Attributes:
+        width: Width of the picture [inch].
+        height: Its height [inch].
+    """
+
+    def __init__(self, bounds: Sequence[float], panels: Sequence[WaysPanel]) -> None:
+        x_min, y_min, x_max, y_max = bounds
+        around = 2.0 * BEYOND * max(x_max - x_min, y_max - y_min)
+        self._share = share = (y_max - y_min + around) / (x_max - x_min + around)
+        most = max(len(panel.levels) for panel in panels)
+        self._is_wide = most > 0 and share < WIDE
+        wide = WIDE_PANEL if self._is_wide else PANEL * min(1.0, 1.0 / share)
+        self._panel = wide, wide * share
+        self._columns = 1 if most else few_columns(len(panels))
+        across, rows = min(most, COLUMNS), math.ceil(most / COLUMNS)
+        if self._is_wide:
+            cell = (wide - (COLUMNS - 1) * GAP) / COLUMNS
+            self._cell = cell, cell * share
+            self._block = wide, self._panel[1] + rows * (HEAD + cell * share)
+        else:
+            high = (self._panel[1] - HEAD) / ROWS
+            self._cell = high / share, high
+            pitch = max(high / share, NARROWEST) + GAP
+            self._block = wide + (2.0 * GAP + across * pitch if across else 0.0), self._panel[1]
+        self.width = LEFT + self._columns * (self._block[0] + LEFT) - LEFT + RIGHT
+        self.height = TITLE + math.ceil(len(panels) / self._columns) * (ABOVE + self._block[1] + BELOW)
+
+    def panel(self, k: int) -> Place:
+        """Return the position of a panel."""
+        row, column = divmod(k, self._columns)
+        left = LEFT + column * (self._block[0] + LEFT)
+        return left, TITLE + ABOVE + row * (ABOVE + self._block[1] + BELOW), *self._panel
+
+    def cells(self, k: int) -> Iterator[Place]:
+        """Yield the positions of the levels of a panel."""
+        left, top, wide, high = self.panel(k)
+        for cell in range(SHOWN_LEVELS):
+            row, column = divmod(cell, COLUMNS)
+            pitch = max(self._cell[0], NARROWEST) + GAP
+            if self._is_wide:
+                yield left + column * pitch, top + high + 0.5 * BELOW + HEAD + row * (HEAD + self._cell[1]), *self._cell
+            else:
+                yield left + wide + 2.0 * GAP + column * pitch, top + row * (HEAD + self._cell[1]), *self._cell
+
+
+def draw_ways(
+    paths: Sequence[Path],
+    panels: Sequence[WaysPanel],
+    density: Density,
+    title: str,
+    note: str,
+    *,
+    dots_per_inch: int = 120,
+) -> None:
+    """Draw the paths of policies into files, with a panel for each policy and some of its levels beside it.
+
+    Green paths have arrived; marks show the ends of the others. Grey areas are occupied, darker ones in more levels.
+
+    Args:
+        paths: Files to write, ``.png``, ``.pdf``, ``.svg``.
+        panels: The policies.
+        density: Density of obstacles.
+        title: Heading of the figure.
+        note: Explanation below the panels.
+        dots_per_inch: Resolution.
+    """
+    figure = plot_ways(panels, density, title, note)
+    for path in paths:
+        with whole_file(path) as part, matplotlib.rc_context(READABLE):
+            figure.savefig(part, dpi=dots_per_inch, facecolor=theme.PAPER)
+
+
+def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: str) -> Figure:
+    """Return the figure of ``draw_ways``."""
+    plan = WaysPlan(density.bounds, panels)
+    entries = legend(outcome for panel in panels for outcome in panel.counts)
+    room = plan.width - LEFT - RIGHT
+    lines = textwrap.wrap(note, max(int(room / LETTER), 20))
+    columns = max(min(len(entries), int(room / ENTRY)), 1)
+    foot = LINE * (len(lines) + 1.5 * math.ceil(len(entries) / columns))
+    width, height = plan.width, plan.height + foot
+    figure = Figure(figsize=(width, height), facecolor=theme.PAPER)
+    FigureCanvasAgg(figure)
+
+    def axes(place: Place) -> Axes:
+        left, top, wide, high = place
+        return figure.add_axes((left / width, 1.0 - (top + high) / height, wide / width, high / height))
+
+    words, face = fonts.families(title, bold=True)
+    figure.text(LEFT / width, 1.0 - 0.2 / height, words, va="center", fontsize=11, color=theme.INK, **face)
+    for k, panel in enumerate(panels):
+        _draw_panel(axes(plan.panel(k)), panel, density)
+        for level, place in zip(panel.levels, plan.cells(k), strict=False):
+            draw_level(axes(place), level, density.bounds)
+    figure.legend(handles=entries, loc="lower left", bbox_to_anchor=(LEFT / width, 0.0), borderaxespad=0.3,
+                  borderpad=0.0, ncols=columns, frameon=False, fontsize=8, title=fonts.label("\n".join(lines)),
+                  title_fontsize=8, alignment="left", labelcolor=theme.INK)  # fmt: skip
+    return figure
+
+
+def _draw_panel(axes: Axes, panel: WaysPanel, density: Density) -> None:
+    x_min, y_min, x_max, y_max = density.bounds
+    dark = ["#DDE2E7", "#9DA9B5"] if density.differs else ["#B8C0CA", "#5B6774"]
+    grey = LinearSegmentedColormap.from_list("occupied", [theme.CARD, *dark])
+    shades = PowerNorm(0.5, vmin=0.0, vmax=1.0)  # makes obstacles of few levels visible
+    axes.imshow(density.shares(), cmap=grey, norm=shades, extent=(x_min, x_max, y_min, y_max), zorder=0)
+    whole = [way for way in panel.ways if len(way.points) > 1]
+    shown = [way for way in whole if way.outcome == "success"][:FEW]
+    shown += [way for way in whole if way.outcome != "success"][:FEW]
+    failed = [way for way in panel.ways if way.outcome != "success"]
+    draw_lines(axes, shown, 0.8)
+    if not panel.levels:
+        draw_starts_and_goals(axes, shown, 12.0)
+    draw_ends(axes, failed, 26.0 * max(paler(len(failed)), 0.5))
+    show_world(axes, density.bounds)
+    _write(axes, panel)
+    _add_ticks(axes, density.bounds)
+
+
+def _write(axes: Axes, panel: WaysPanel) -> None:
+    """Write a panel's name and success above it, and the outcomes below."""
+    title, face = fonts.families(panel.title, bold=True)
+    axes.set_title(title, loc="left", fontsize=9, color=theme.INK, pad=15, **face)
+    axes.text(0.0, 1.012, panel.success, transform=axes.transAxes, fontsize=8, color=theme.INK, family=theme.FONT)
+    counts = ", ".join(
+        f"{words_of(outcome)} {panel.counts[outcome]:,}" for outcome in ORDER if panel.counts.get(outcome)
+    )
+    axes.set_xlabel(counts, fontsize=7.5, color=theme.INK, family=theme.FONT, loc="left")
+
+
+def _add_ticks(axes: Axes, bounds: Sequence[float]) -> None:
+    """Add coordinates; the last one along the x axis has the unit."""
+    x_min, y_min, x_max, y_max = bounds
+    box, scale = axes.get_window_extent(), DOTS_PER_INCH / axes.figure.dpi
+    wide, high = box.width * scale, box.height * scale
+    columns, rows = tick_positions(x_min, x_max, wide).tolist(), tick_positions(y_min, y_max, high).tolist()
+    axes.set_xticks(columns, [number_text(x) + (" m" if x == columns[-1] else "") for x in columns])
+    axes.set_yticks(rows, [number_text(y) for y in rows])
+    axes.tick_params(labelsize=7, colors=theme.INK_LIGHT, length=0, pad=1.0)

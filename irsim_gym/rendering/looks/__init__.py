@@ -1,0 +1,4 @@
+"""Colours, fonts, images, styles.
+
+Nothing that knows a body.
+"""

@@ -1,0 +1,4 @@
+"""Kernels that draw pixels.
+
+Only kernels and their records.
+"""

@@ -1,0 +1,4 @@
+"""Windows in real time, and pictures in notebooks.
+
+No drawing of frames.
+"""

@@ -1,0 +1,123 @@
+"""The contract of an exported policy: what it needs, what it was tested with, and how its graph is run."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from irsim_gym.tasks.terms.term import Needs
+
+FORMAT = 1
+Span = tuple[float, float]
+
+
+class _Fixed(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Hashes(_Fixed):
+    """SHA-256 of what belongs together."""
+
+    scenario: str = Field(description="Scenario and task, without image files.")
+    policy: str = Field(description="The file that was exported.")
+    onnx: str = Field(description="policy.onnx.")
+
+
+class Tested(_Fixed):
+    """Scanners that the policy was played with: least and greatest values. The driver refuses others."""
+
+    beams: tuple[int, int]
+    range_max: Span = Field(description="[m]")
+    field_of_view: Span = Field(description="Angle between the first and the last beam [rad].")
+
+
+class Scanner(_Fixed):
+    """The scan that the graph takes; the driver maps others to it by their angles."""
+
+    beams: int
+    first: float = Field(description="Angle of the first beam in the frame of the scanner, 0 ahead [rad].")
+    step: float = Field(description="Angle from one beam to the next, counter-clockwise [rad]; 0 for a single one.")
+    range_min: float = Field(description="[m]")
+    range_max: float = Field(description="[m]")
+    mount: tuple[float, float, float] = Field(description="Pose of the scanner on the robot [m, m, rad].")
+    no_return: Literal["inf", "zero"] = Field(description="What the scanner reports where nothing is in range.")
+    tested: Tested
+
+
+class RobotLimits(_Fixed):
+    """The robot of the training."""
+
+    drive: str = Field(description="Kind of kinematics.")
+    steers: bool = Field(description="The last component of a command is a steering angle.")
+    wheelbase: float | None = Field(description="Distance of the axles of a car [m].")
+    radius: float = Field(description="Of the disc around the robot's origin that encloses it [m].")
+    low: tuple[float, ...] = Field(description="Least command, in the units of the output.")
+    high: tuple[float, ...] = Field(description="Greatest command.")
+    acceleration: tuple[float | None, ...] = Field(description="Greatest change of each per second; None without one.")
+
+
+class GoalForm(_Fixed):
+    """The goal."""
+
+    frame: Literal["odom", "map"] = Field(description="'map' where the policy knows its place in a fixed frame.")
+    heading: bool = Field(description="The heading counts.")
+    tolerance: float = Field(description="Where the robot has arrived [m, with 1 rad like 1 m where heading counts].")
+
+
+class TensorForm(_Fixed):
+    """An input of the graph."""
+
+    shape: tuple[int | str, ...]
+    dtype: str
+
+
+class StateForm(_Fixed):
+    """A state: the graph takes NAME, and returns NAME_next."""
+
+    shape: tuple[int, ...] = Field(description="Without the axis of the batch.")
+    dtype: str
+    start: Any = Field(description="Before the first step; one number (also 'nan', 'inf') or numbers of that shape.")
+
+
+class Stops(_Fixed):
+    """When the driver stops."""
+
+    scan_age: float = Field(description="[s]")
+    odometry_age: float = Field(description="[s]")
+    lost_beams: float = Field(description="A share.")
+
+
+class Results(_Fixed):
+    """Success on levels of the simulator, with its 95 % Wilson interval."""
+
+    success: float
+    low: float
+    high: float
+    levels: int
+    split: str
+
+
+class RobotContract(_Fixed):
+    """The content of contract.json."""
+
+    format: Literal[1] = 1
+    policy: str
+    irsim_gym: str = Field(description="Version that wrote the file.")
+    hashes: Hashes
+    needs: Needs
+    scan: Scanner | None
+    robot: RobotLimits
+    period: float = Field(description="Time from one command to the next [s].")
+    predict: float = Field(description="Time from measuring until a new command acts, which the graph bridges [s].")
+    goal: GoalForm
+    inputs: dict[str, TensorForm]
+    states: dict[str, StateForm]
+    outputs: dict[str, tuple[str, ...]]
+    stop: Stops
+    results: Results
+
+
+def contract_schema() -> dict[str, Any]:
+    """Return the JSON Schema of contract.json."""
+    return RobotContract.model_json_schema()

@@ -1,0 +1,288 @@
+"""The command ``irsim-gym export``: a policy with its contract, its driver and a check, in a folder for a robot."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.base.families import KINEMATICS
+from irsim_gym.base.version import __version__
+from irsim_gym.evaluation.measures.metrics import rate
+from irsim_gym.evaluation.policies.perception import Perceived
+from irsim_gym.evaluation.policies.policy import Policy
+from irsim_gym.evaluation.protocol.protocol import drive
+from irsim_gym.evaluation.protocol.tables import write_bytes, write_json, write_text
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest, request_of
+from irsim_gym.evaluation.saved_policies.policies import (
+    SavedPolicy,
+    load_policy,
+    policy_digest,
+    policy_file,
+    policy_names,
+)
+from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
+from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
+from irsim_gym.robot.contract import (
+    GoalForm,
+    Hashes,
+    Results,
+    RobotContract,
+    RobotLimits,
+    Scanner,
+    StateForm,
+    Stops,
+    TensorForm,
+    Tested,
+    contract_schema,
+)
+from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
+from irsim_gym.robot.inputs import scanner_of
+from irsim_gym.robot.model_card import model_card
+from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
+from irsim_gym.simulator.world.model import ACKERMANN, STATE
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.tasks.terms.term import needs_of
+from irsim_gym.training.settings.run import run_of
+
+LEVELS, SPLIT = 50, "test"
+TOLERANCE = 1e-5
+"""Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
+PERIODS, LOST = 3.0, 0.3
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py")
+
+
+@dataclass(frozen=True)
+class RobotExport:
+    """A policy that has left.
+
+    Attributes:
+        contract: What it needs.
+        n_commands: Number of commands in which it was compared.
+        difference: How far they were apart at most.
+        n_nodes: Number of nodes of the graph.
+        folder: Where the files are.
+    """
+
+    contract: RobotContract
+    n_commands: int
+    difference: float
+    n_nodes: int
+    folder: Path
+
+
+def export_for_robot(
+    source: str,
+    folder: Path,
+    *,
+    predict: float = 0.0,
+    period: float | None = None,
+    asked: ScenarioRequest | None = None,
+    levels: int = LEVELS,
+) -> RobotExport:
+    """Write a policy as ONNX with its contract, driver, check and model card.
+
+    Args:
+        source: Name of a shipped policy, an exported file, a run's folder or a ``policy.zip`` in it.
+        folder: Where to; it must not hold an export yet.
+        predict: Time from a measurement until a new command acts [s], which the graph bridges; 0 for none.
+        period: Time from one command to the next on the robot [s]; None for that of the training.
+        asked: The scenario with the robot and its scanner; None for that of the training.
+        levels: Number of ``test`` levels that are played by both.
+
+    Raises:
+        IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
+            policy's by more than 1e-5; nothing is written then.
+    """
+    _check_folder(folder)
+    loaded = load_policy(source)
+    if not isinstance(loaded, SavedPolicy):
+        raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
+    is_own, asked = asked is None, asked or _trained_in(source, loaded)
+    name = policy_names([source])[0]
+    played = Perceived(asked.episodes(min(levels, LEVELS))).of(loaded)
+    loaded.check(played)
+    network = _network(loaded)
+    graph = policy_graph(network, played, name)
+    compared = ComparedPolicy(loaded, graph, loaded.perception)
+    results = _results(compared, played, levels)
+    _check_difference(compared, name)
+    own = float(played.simulation.model.step_time[0])
+    period, samples = period or own, compared.samples
+    if predict > 0.0:
+        graph = policy_graph(network, played, name, predict=predict, period=period)
+        ahead = ComparedPolicy(GraphPolicy(graph), graph)
+        results = _results(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        samples = ahead.samples
+    elif is_own:
+        results = _known_results(loaded) or results
+    hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
+    contract = RobotContract(
+        policy=name,
+        irsim_gym=__version__,
+        hashes=hashes,
+        period=period,
+        predict=predict,
+        results=results,
+        stop=Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
+        **_form(played, graph, samples),
+    )
+    _write(folder, contract, graph, samples, played)
+    return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
+
+
+def _check_folder(folder: Path) -> None:
+    known = [name for name in FILES if (folder / name).exists()]
+    if known:
+        raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
+
+
+def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
+    """Return the scenario of a policy's training.
+
+    Raises:
+        IrsimGymError: It is not known.
+    """
+    card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
+    if card is not None:
+        own = card.scenario
+        return ScenarioRequest(own.name, own.task, own.team is not None, own.parameters)
+    run = run_of(policy_file(source))
+    if run.exists():
+        return request_of(run.own_settings())
+    raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
+
+
+def _known_results(policy: SavedPolicy) -> Results | None:
+    """Return the results that the card of a policy has of its own scenario."""
+    card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
+    if card is None:
+        return None
+    own = [one for one in card.results if one.scenario is None and one.parameters == card.scenario.parameters]
+    if not own:
+        return None
+    share = own[0].success
+    return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
+
+
+def _network(policy: SavedPolicy) -> ShelfPolicy:
+    if isinstance(policy.model, ShelfPolicy):
+        return policy.model
+    from irsim_gym.training.export.exported_network import export_network
+
+    network = export_network(policy.model, policy.normalization)
+    return ShelfPolicy(network.form, network.arrays)
+
+
+def _results(policy: Policy, played: Episodes, levels: int) -> Results:
+    """Return in how many levels all robots arrive."""
+    solved = 0
+    for _, worlds, _ in drive(policy, played, levels, SPLIT):
+        solved += int((played.view.infos["outcome"][worlds] == Outcome.SUCCESS).all(axis=1).sum())
+    share = rate(solved, levels)
+    return Results(success=share.value, low=share.low, high=share.high, levels=levels, split=SPLIT)
+
+
+def _check_difference(compared: ComparedPolicy, name: str) -> None:
+    """Raise an IrsimGymError if the graph differs from the policy, or returned something that is not finite."""
+    if not compared.most <= TOLERANCE:
+        raise IrsimGymError(
+            f"nothing is written: the graph of '{name}' differs by {compared.most:.3g} from the policy in "
+            f"{compared.n_commands:,} commands, more than {TOLERANCE:g}"
+        )
+
+
+def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """Return what a contract says of the robot, its scan, its goal, and the tensors of the graph."""
+    model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
+    drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
+    steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
+    limits = [None if np.isinf(limit) else float(limit) for limit in model.acceleration_limit[0, b, :size]]
+    inputs = {
+        name: TensorForm(shape=("batch", *rows.shape[1:]), dtype=str(rows.dtype))
+        for name, rows in samples.items()
+        if name != "command"
+    }
+    return {
+        "needs": needs,
+        "scan": _scanner(played) if "scan" in needs else None,
+        "robot": RobotLimits(
+            drive=KINEMATICS.name_of(type(drive)),
+            steers=bool(steers),
+            wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
+            radius=float(model.reach[0, b]),
+            low=tuple(model.velocity_min[0, b, :size].tolist()),
+            high=tuple(model.velocity_max[0, b, :size].tolist()),
+            acceleration=tuple(limits),
+        ),
+        "goal": GoalForm(
+            frame="map" if "map_frame" in needs else "odom",
+            heading=bool(model.arrive_mode[b] == STATE),
+            tolerance=float(model.goal_threshold[0, b]),
+        ),
+        "inputs": inputs,
+        "states": {
+            name: StateForm(shape=start.shape, dtype=str(start.dtype), start=_start(start))
+            for name, start in graph.starts.items()
+        },
+        "outputs": {
+            "command": tuple(f"{word} [{unit}]" for word, unit in played.terms["action"][0].components[0]),
+        },
+    }
+
+
+def _start(start: NDArray[Any]) -> Any:
+    """Return what a state is at first: one number if all are the same; those that JSON lacks as text."""
+    if start.size and np.array_equal(start, np.full_like(start, start.flat[0]), equal_nan=True):
+        number = float(start.flat[0])
+        return number if np.isfinite(number) else str(number)
+    return start.tolist()
+
+
+def _scanner(played: Episodes) -> Scanner | None:
+    found = scanner_of(played)
+    if found is None:
+        return None
+    options, _, angles = found
+    view, n_beams = float(angles[-1] - angles[0]), len(angles)
+    return Scanner(
+        beams=n_beams,
+        first=float(angles[0]),
+        step=view / (n_beams - 1) if n_beams > 1 else 0.0,
+        range_min=options.range_min,
+        range_max=options.range_max,
+        mount=options.offset,
+        no_return="inf",
+        tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
+    )
+
+
+def _scenario_hash(asked: ScenarioRequest) -> str:
+    assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
+    assert asked.task is None or isinstance(asked.task, str)
+    return take_snapshot(asked.scenario, asked.task, asked.parameters).digest
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _write(
+    folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
+) -> None:
+    check = io.BytesIO()
+    arrays: dict[str, Any] = dict(samples)
+    np.savez_compressed(check, **arrays)
+    write_bytes(folder / "policy.onnx", graph.content)
+    write_bytes(folder / "check.npz", check.getvalue())
+    write_bytes(folder / "drive.py", Path(__file__).with_name("drive.py").read_bytes())
+    write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
+    write_json(folder / "contract.schema.json", contract_schema())
+    write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))

@@ -1,0 +1,63 @@
+"""What a robot measures: as inputs of a graph, and as an environment knows it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.base.arraytypes import Floats, Rays
+from irsim_gym.simulator.world.model import OMNI_WORLD
+from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.terms.graph import Graph, RobotValues, Value
+
+Measured = dict[str, NDArray[Any]]
+
+
+def scanner_of(episodes: Episodes, agent: int = 0) -> tuple[Any, Rays, Floats] | None:
+    """Return the options of an agent's range sensor, its live ranges and its angles; None without one.
+
+    Ranges [m] are ``(n_worlds, n_beams)``, angles [rad] ``(n_beams,)`` in the frame of the sensor.
+    """
+    found = episodes.simulation.scan(episodes.task.agents[agent])
+    if found is None:
+        return None
+    group, member = found
+    return group.options[member], group.arrays["ranges"][:, member], group.arrays["angles"]
+
+
+def measured(episodes: Episodes, agent: int = 0) -> Measured:
+    """Return what an agent's robot would measure in each world, by the names of the graph's inputs."""
+    state, b = episodes.simulation.state, episodes.task.agents[agent]
+    pose, velocity = state.pose[:, b].copy(), state.velocity[:, b, : int(episodes.action_sizes[agent])].copy()
+    velocity[state.stopped[:, b]] = 0.0  # what it was commanded is kept there
+    if episodes.simulation.model.drive[b] == OMNI_WORLD:
+        cosine, sine, (x, y) = np.cos(pose[:, 2]), np.sin(pose[:, 2]), velocity.T.copy()
+        velocity = np.stack([cosine * x + sine * y, cosine * y - sine * x], axis=1)
+    elapsed = np.full((len(pose), 1), episodes.simulation.model.step_time[0])
+    values: Measured = {"pose": pose, "velocity": velocity, "goal": state.goal[:, b].copy(), "elapsed": elapsed}
+    scanner = scanner_of(episodes, agent)
+    return values if scanner is None else {"ranges": scanner[1].copy(), **values}
+
+
+def robot_values(graph: Graph, episodes: Episodes, action: Value, agent: int = 0) -> RobotValues:
+    """Return the inputs of a graph; the scan is cleaned as REP 117 says.
+
+    Args:
+        action: The latest action in [-1, 1], ``(batch, n_components)``, float32.
+    """
+    scanner = scanner_of(episodes, agent)
+    if scanner is None:
+        ranges = graph.input("ranges", np.float32, 0)
+    else:
+        options, readings, _ = scanner
+        ranges = cleaned(graph.input("ranges", np.float32, readings.shape[1]), options.range_min, options.range_max)
+    pose, goal = (graph.input(name, np.float64, 3) for name in ("pose", "goal"))
+    velocity = graph.input("velocity", np.float64, int(episodes.action_sizes[agent]))
+    return RobotValues(graph, ranges, pose, velocity, goal, graph.input("elapsed", np.float64, 1), action)
+
+
+def cleaned(ranges: Value, shortest: float, farthest: float) -> Value:
+    """Return raw ranges as the simulator reports them: +inf and NaN as no return, -inf and less as the shortest."""
+    return (~ranges.is_nan()).where(ranges, farthest).most(shortest).least(farthest)

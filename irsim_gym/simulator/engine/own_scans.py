@@ -1,0 +1,61 @@
+"""Finds the range sensors of bodies whose behaviour reads its own scan (``reads_scan``)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import Ints
+from irsim_gym.simulator.world.group import Group, find_sensor
+from irsim_gym.simulator.world.own_scan import OwnScan
+
+RANGES = "ranges"
+"""Name of the readings of range sensors."""
+
+
+def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group]) -> list[Group]:
+    """Split a group that decides into groups whose members read sensors of one group each.
+
+    Members whose options read no scan form a group, too. A member without a range sensor, which must be one that cannot
+    move, joins the first of the other groups.
+
+    Args:
+        group: A group whose kind has not prepared anything yet; it comes back as it is if nobody in it reads scans.
+        bodies: What the file says of each body.
+        sensors: The groups of sensors, with their readings.
+    """
+    reads = np.array([getattr(options, "reads_scan", False) for options in group.options], np.bool_)
+    if not reads.any():
+        return [group]
+    if not reads.all():
+        blind, rest = (_part(group, np.flatnonzero(chosen)) for chosen in (~reads, reads))
+        return [blind, *with_scans(rest, bodies, sensors)]
+    found = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
+    # Distinct groups of sensors, in the order of members; ``place`` numbers each member's group among them.
+    own = list({id(item[0]): item[0] for item in found if item is not None}.values())
+    numbers = np.array([-1 if item is None else item[1] for item in found], np.int64)
+    place = np.array([0 if item is None else own.index(item[0]) for item in found], np.int64)
+    parts = [np.flatnonzero(place == i) for i in range(len(own))]
+    return [_part(group, part, own_scan(scanners, numbers[part])) for part, scanners in zip(parts, own, strict=True)]
+
+
+def _part(group: Group, chosen: Ints, scan: OwnScan | None = None) -> Group:
+    """Return some members of a group, perhaps with their scans, as a group of its own."""
+    return Group(group.kind, [group.options[k] for k in chosen], group.members[chosen], names=group.names, scan=scan)
+
+
+def own_scan(sensors: Group, members: Ints) -> OwnScan:
+    """Return the scans that some members of a group of range sensors write."""
+    offset = np.array([getattr(one, "offset", (0.0, 0.0, 0.0)) for one in sensors.options], np.float64)
+    angles = np.array([one.angles() for one in sensors.options], np.float64) + offset[:, 2:]
+    return OwnScan(
+        sensors=members,
+        ranges=sensors.arrays[RANGES],
+        angles=angles,
+        beams_x=np.cos(angles),
+        beams_y=np.sin(angles),
+        offset=offset,
+        range_min=np.array([getattr(one, "range_min", 0.0) for one in sensors.options], np.float64),
+        range_max=np.array([getattr(one, "range_max", np.inf) for one in sensors.options], np.float64),
+    )

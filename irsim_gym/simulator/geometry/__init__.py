@@ -1,0 +1,4 @@
+"""Plane geometry: angles, segments, polygons, overlap, rays.
+
+Only kernels on numbers and small arrays.
+"""

@@ -1,0 +1,63 @@
+"""The order of moves: bodies whose behaviour sees others move one after another, as in IR-SIM."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.simulator.world.names import Group, Ints
+
+
+@dataclass
+class Turn:
+    """Bodies that decide together and then move together.
+
+    Attributes:
+        behaviors: Bodies that decide for themselves, by behaviour.
+        movers: Bodies that can move.
+        kinematics: The same, by drive.
+    """
+
+    behaviors: list[Group]
+    movers: Ints
+    kinematics: list[Group]
+
+
+def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Group], *, in_order: bool) -> list[Turn]:
+    """Return the turns of a step.
+
+    A behaviour that reads its neighbours must see the bodies before it after their move, and those behind it before
+    theirs. So a turn begins with each such body and lasts until the next one. A scenario without such bodies has one
+    turn.
+
+    Args:
+        movers: Bodies that can move, ascending.
+        behaviors: Groups of bodies that decide.
+        kinematics: Groups of bodies that move.
+        in_order: Whether bodies move one after another; False for a single turn.
+    """
+    readers = [group.members for group in behaviors if group.kind.reads_neighbors] if in_order else []
+    if not readers:
+        return [Turn(list(behaviors), movers, list(kinematics))]
+    firsts = np.sort(np.concatenate(readers))
+    # Turn k begins with the k-th body that reads its neighbours; turn 0 holds the bodies before the first of them.
+    turn_of_mover = np.searchsorted(firsts, movers, side="right")
+    decided = [_split(group, firsts) for group in behaviors]
+    moved = [_split(group, firsts) for group in kinematics]
+    return [
+        Turn(
+            [parts[turn] for parts in decided if turn in parts],
+            movers[turn_of_mover == turn],
+            [parts[turn] for parts in moved if turn in parts],
+        )
+        for turn in np.unique(turn_of_mover).tolist()
+    ]
+
+
+def _split(group: Group, firsts: Ints) -> dict[int, Group]:
+    """Return the members of a group by turn."""
+    # The parts share the arrays of the whole group, so behaviours index their memory by body or by slot.
+    turns = np.searchsorted(firsts, group.members, side="right")
+    return {turn: group.select(np.flatnonzero(turns == turn)) for turn in np.unique(turns).tolist()}

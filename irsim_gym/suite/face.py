@@ -1,9 +1,0 @@
-"""The benchmark suite: its members, and records of runs."""
-
-from irsim_gym.suite.listing import reference_figures
-from irsim_gym.suite.members import Member, Suite, read_suite, shipped_suite
-from irsim_gym.suite.playing import play_suite
-from irsim_gym.suite.suite_record import SuiteRecord, read_record
-
-__all__ = ["Member", "Suite", "SuiteRecord", "play_suite", "read_record", "read_suite", "reference_figures"]
-__all__ += ["shipped_suite"]

@@ -1,0 +1,4 @@
+"""A task as data: read, checked, compared with its scenario.
+
+Nothing that runs in a step.
+"""

@@ -1,0 +1,240 @@
+"""The bookkeeping of episodes: path, clearance, outcome and the sum of the reward."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import Flags, Ints
+from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
+from irsim_gym.tasks.terms.outcome import RUNNING, SUCCESS, TIMEOUT
+
+
+@kernel
+def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeState) -> None:
+    """Begin an episode for the agents that ``began`` flags.
+
+    Reads: state (goal_distance, pose), episode (began, clearance).
+    Writes: episode (arrival, deadlocked, goal_distance, hit, hit_kind, min_clearance, outcome, over, path_length,
+        position, reward, reward_term, stalled, steps, success, terminated, truncated).
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+    """
+    for w in worlds:
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            if not episode.began[w, a]:
+                continue
+            episode.position[w, a, 0], episode.position[w, a, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
+            episode.min_clearance[w, a], episode.path_length[w, a] = episode.clearance[w, a], 0.0
+            episode.goal_distance[w, a] = state.goal_distance[w, b]
+            episode.stalled[w, a], episode.deadlocked[w, a], episode.arrival[w, a] = 0.0, False, 0
+            episode.steps[w, a], episode.hit[w, a], episode.hit_kind[w, a], episode.outcome[w, a] = 0, -1, 0, RUNNING
+            episode.success[w, a], episode.over[w, a] = False, False
+            episode.terminated[w, a], episode.truncated[w, a] = False, False
+            for k in range(episode.reward_term.shape[2]):
+                episode.reward_term[w, a, k] = 0.0
+            episode.reward[w, a] = 0.0
+
+
+@kernel
+def mark(worlds: Ints, value: bool, flags: Flags) -> None:
+    """Set the flags ``(n_worlds, n_agents)`` of some worlds."""
+    for i in range(worlds.shape[0]):
+        flags[worlds[i], :] = value
+
+
+@kernel
+def note_ended(worlds: Ints, episode: EpisodeState) -> None:
+    """Flag the agents whose episode has ended.
+
+    Reads: episode (terminated, truncated).
+    Writes: episode (over).
+    """
+    for w in worlds:
+        for a in range(episode.over.shape[1]):
+            episode.over[w, a] = episode.terminated[w, a] or episode.truncated[w, a]
+
+
+@kernel
+def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
+    """Write the distance up to which clearances must be exact [m]: for terms, and for a new minimum.
+
+    Reads: episode (min_clearance).
+    Writes: episode (clearance).
+    """
+    for w in worlds:
+        for a in range(episode.clearance.shape[1]):
+            episode.clearance[w, a] = max(episode.min_clearance[w, a], minded)
+
+
+@kernel
+def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState, kinds: Ints) -> None:
+    """Record a step for agents whose episode is running.
+
+    Reads: state (goal_distance, hit, pose), episode (arrival, clearance, hit, min_clearance, outcome, over,
+        path_length, position, steps).
+    Writes: episode (goal_distance, hit, hit_kind, min_clearance, over, path_length, position, steps).
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        kinds: HitKind of each body, ``(n_bodies,)``.
+    """
+    for w in worlds:
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            # The outcome is still that of the step before.
+            episode.over[w, a] = episode.outcome[w, a] != RUNNING
+            if episode.over[w, a]:
+                continue
+            dx, dy = state.pose[w, b, 0] - episode.position[w, a, 0], state.pose[w, b, 1] - episode.position[w, a, 1]
+            if episode.arrival[w, a] == 0:
+                episode.path_length[w, a] += np.sqrt(dx * dx + dy * dy)
+            episode.position[w, a, 0], episode.position[w, a, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
+            if episode.arrival[w, a] == 0:
+                episode.min_clearance[w, a] = min(episode.min_clearance[w, a], episode.clearance[w, a])
+            episode.goal_distance[w, a], episode.hit[w, a] = state.goal_distance[w, b], state.hit[w, b]
+            episode.hit_kind[w, a] = kinds[episode.hit[w, a]] if episode.hit[w, a] >= 0 else 0
+            episode.steps[w, a] += 1
+
+
+@kernel
+def measure_standstill(
+    worlds: Ints, agents: Ints, model: Model, state: State, episode: EpisodeState, slow: float, patience: float
+) -> None:
+    """Measure the time for which agents have stood still away from their goals.
+
+    Reads: model (has_goal, step_time), state (arrived, stopped, twist), episode (arrival, outcome, stalled).
+    Writes: episode (deadlocked, stalled).
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        slow: Speed below which an agent counts as standing still [m/s].
+        patience: Time after which it is deadlocked [s].
+    """
+    for w in worlds:
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            if episode.outcome[w, a] != RUNNING:
+                continue
+            vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
+            is_slow = state.stopped[w, b] or vx * vx + vy * vy < slow * slow
+            has_goal = model.has_goal[b] and not state.arrived[w, b] and episode.arrival[w, a] == 0
+            stands = is_slow and has_goal
+            episode.stalled[w, a] = episode.stalled[w, a] + model.step_time[0] if stands else 0.0
+            # Half a step of tolerance, because a sum of step times may end up just below ``patience``.
+            episode.deadlocked[w, a] = stands and episode.stalled[w, a] > patience - 0.5 * model.step_time[0]
+
+
+@kernel
+def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) -> None:
+    """Determine the outcome of each episode: the first ending that applies, and the time limit last.
+
+    Reads: episode (ending, over, steps, truncated).
+    Writes: episode (outcome, success, terminated, truncated).
+
+    Args:
+        worlds: The worlds to treat.
+        outcomes: Outcome of each ending, in order of precedence, ``(n_endings,)``.
+        max_steps: The time limit.
+    """
+    for w in worlds:
+        for a in range(episode.outcome.shape[1]):
+            if episode.over[w, a]:
+                continue
+            found = RUNNING
+            for k in range(outcomes.shape[0]):
+                # Endings come in order of precedence: the first one that applies counts.
+                if episode.ending[w, a, k] and found == RUNNING:
+                    found = outcomes[k]
+            episode.terminated[w, a] = found != RUNNING
+            episode.truncated[w, a] = found == RUNNING and episode.steps[w, a] >= max_steps
+            episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else found
+            episode.success[w, a] = found == SUCCESS
+
+
+@kernel
+def hold_arrivals(worlds: Ints, episode: EpisodeState) -> None:
+    """Note arrivals, and let agents that have arrived go on for as long as others of their world are on their way.
+
+    At the time limit no agent is on its way any more, since all agents of a world began together.
+
+    Reads: episode (arrival, outcome, over, steps).
+    Writes: episode (arrival, outcome, success, terminated, truncated).
+    """
+    for w in worlds:
+        is_on_its_way = False
+        for a in range(episode.outcome.shape[1]):
+            if episode.outcome[w, a] == SUCCESS and episode.arrival[w, a] == 0:
+                episode.arrival[w, a] = episode.steps[w, a]
+            is_on_its_way |= episode.outcome[w, a] == RUNNING and episode.arrival[w, a] == 0
+        for a in range(episode.outcome.shape[1]):
+            found = episode.outcome[w, a]
+            fails = found != RUNNING and found != SUCCESS and found != TIMEOUT
+            if episode.over[w, a] or episode.arrival[w, a] == 0 or fails:
+                continue
+            episode.outcome[w, a] = RUNNING if is_on_its_way else SUCCESS
+            episode.success[w, a] = episode.terminated[w, a] = not is_on_its_way
+            episode.truncated[w, a] = False
+
+
+@kernel
+def settle_arrivals(worlds: Ints, on_the_way: Flags, episode: EpisodeState) -> None:
+    """Let agents that have arrived and drive on succeed however their episodes end, and clear what the way costs.
+
+    Reads: episode (arrival, outcome, over, steps).
+    Writes: episode (outcome, reward_term, success).
+
+    Args:
+        worlds: The worlds to treat.
+        on_the_way: Whether a reward term is paid on the way only, ``(n_rewards,)``.
+    """
+    for w in worlds:
+        for a in range(episode.outcome.shape[1]):
+            if episode.over[w, a] or episode.arrival[w, a] == 0:
+                continue
+            if episode.outcome[w, a] != RUNNING:
+                episode.outcome[w, a], episode.success[w, a] = SUCCESS, True
+            if episode.arrival[w, a] < episode.steps[w, a]:
+                for k in range(on_the_way.shape[0]):
+                    if on_the_way[k]:
+                        episode.reward_term[w, a, k] = 0.0
+
+
+@kernel
+def sum_rewards(worlds: Ints, episode: EpisodeState) -> None:
+    """Sum the reward terms in order; the reward is 0 for an agent whose episode had ended before.
+
+    Reads: episode (over, reward_term).
+    Writes: episode (reward, reward_term).
+    """
+    for w in worlds:
+        for a in range(episode.reward.shape[1]):
+            total = 0.0
+            for k in range(episode.reward_term.shape[2]):
+                if episode.over[w, a]:
+                    episode.reward_term[w, a, k] = 0.0
+                total += episode.reward_term[w, a, k]
+            episode.reward[w, a] = total
+
+
+@kernel
+def share_rewards(worlds: Ints, share: float, episode: EpisodeState) -> None:
+    """Replace a share of each agent's terms by the mean over all agents of its world.
+
+    An agent whose episode had ended before counts as 0 in the mean.
+
+    Reads: episode (over, reward_term).
+    Writes: episode (reward_term).
+    """
+    for w in worlds:
+        n_agents = episode.reward_term.shape[1]
+        for k in range(episode.reward_term.shape[2]):
+            total = 0.0
+            for a in range(n_agents):
+                total += 0.0 if episode.over[w, a] else episode.reward_term[w, a, k]
+            for a in range(n_agents):
+                episode.reward_term[w, a, k] = (1.0 - share) * episode.reward_term[w, a, k] + share * (total / n_agents)

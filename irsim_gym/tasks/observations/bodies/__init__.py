@@ -1,0 +1,4 @@
+"""Observations of other bodies.
+
+Only kinds.
+"""

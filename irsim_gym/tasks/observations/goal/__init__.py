@@ -1,0 +1,4 @@
+"""Observations of goals and the way to them.
+
+Only kinds and what they share.
+"""

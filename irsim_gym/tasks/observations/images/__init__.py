@@ -1,0 +1,4 @@
+"""Observations as pictures.
+
+Only kinds and what they share.
+"""

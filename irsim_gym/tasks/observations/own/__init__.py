@@ -1,0 +1,4 @@
+"""Observations of the robot itself.
+
+Only kinds.
+"""

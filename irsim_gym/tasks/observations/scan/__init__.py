@@ -1,0 +1,4 @@
+"""Observations of a range sensor.
+
+Only kinds and what they share.
+"""

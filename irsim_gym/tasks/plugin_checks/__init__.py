@@ -1,0 +1,4 @@
+"""What terms of plugins have to keep.
+
+Nothing that a term of ours needs.
+"""

@@ -1,0 +1,48 @@
+"""The names that most observations, rewards and endings import, from one place.
+
+Only what several terms share.
+"""
+
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.simulator.world.names import (
+    Floats,
+    Ints,
+    Model,
+    Rays,
+    Shard,
+    State,
+    Struct,
+    kernel,
+    kind,
+    option,
+    row_of,
+)
+from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.mirrored import IN_WORLD, Mirrored
+from irsim_gym.tasks.terms.outcome import Outcome
+from irsim_gym.tasks.terms.term import Bound, Needs, Role, Term
+from irsim_gym.tasks.terms.words import Columns
+
+__all__ = [
+    "IN_WORLD",
+    "Bound",
+    "Columns",
+    "EpisodeState",
+    "Floats",
+    "Ints",
+    "Mirrored",
+    "Model",
+    "Needs",
+    "Outcome",
+    "Rays",
+    "Role",
+    "Shard",
+    "Simulation",
+    "State",
+    "Struct",
+    "Term",
+    "kernel",
+    "kind",
+    "option",
+    "row_of",
+]

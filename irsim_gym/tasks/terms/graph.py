@@ -1,0 +1,287 @@
+"""Computations as ONNX graphs: what an observation's kernel computes, for a robot that has neither Python nor Numba.
+
+Each value has the batch as its first axis. Double precision is kept until places have been subtracted from each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.base.arraytypes import Floats
+from irsim_gym.tasks.terms import Model
+from irsim_gym.tasks.terms.term import Term
+
+OPSET, IR_VERSION = 17, 8
+BATCH = "batch"
+Number = float | np.floating[Any] | NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Value:
+    """A tensor of a graph; operators on values add nodes. Numbers become constants of the value's type."""
+
+    graph: Graph
+    name: str
+    dtype: np.dtype[Any]
+
+    def __add__(self, other: Value | Number) -> Value:
+        return self._with("Add", other)
+
+    def __sub__(self, other: Value | Number) -> Value:
+        return self._with("Sub", other)
+
+    def __rsub__(self, other: Number) -> Value:
+        return self._alike(other)._with("Sub", self)
+
+    def __mul__(self, other: Value | Number) -> Value:
+        return self._with("Mul", other)
+
+    def __truediv__(self, other: Value | Number) -> Value:
+        return self._with("Div", other)
+
+    def __rtruediv__(self, other: Number) -> Value:
+        return self._alike(other)._with("Div", self)
+
+    def __neg__(self) -> Value:
+        return self.op("Neg")
+
+    def __lt__(self, other: Value | Number) -> Value:  # type: ignore[misc]
+        return self._with("Less", other, np.bool_)
+
+    def __gt__(self, other: Value | Number) -> Value:  # type: ignore[misc]  # both sides are values here
+        return self._with("Greater", other, np.bool_)
+
+    def __ge__(self, other: Value | Number) -> Value:
+        return self._with("GreaterOrEqual", other, np.bool_)
+
+    def __and__(self, other: Value) -> Value:
+        return self._with("And", other)
+
+    def __or__(self, other: Value) -> Value:
+        return self._with("Or", other)
+
+    def __invert__(self) -> Value:
+        return self.op("Not")
+
+    def equals(self, other: Value | Number) -> Value:
+        """Return where it equals another value."""
+        return self._with("Equal", other, np.bool_)
+
+    def least(self, other: Value | Number) -> Value:
+        """Return the smaller of two values."""
+        return self._with("Min", other)
+
+    def most(self, other: Value | Number) -> Value:
+        """Return the larger of two values."""
+        return self._with("Max", other)
+
+    def op(self, kind: str, dtype: Any = None, **attributes: Any) -> Value:
+        """Return an operator of this value alone, of the same type or of ``dtype``."""
+        return self.graph.op(kind, [self], dtype or self.dtype, **attributes)
+
+    def cast(self, dtype: Any) -> Value:
+        """Return the value in another type."""
+        return self if self.dtype == dtype else self.op("Cast", dtype, to=code_of(dtype))
+
+    def columns(self, start: int, stop: int) -> Value:
+        """Return some columns: a slice of the second axis."""
+        ends = [self.graph.constant(np.array([k])) for k in (start, stop, 1)]
+        return self.graph.op("Slice", [self, *ends], self.dtype)
+
+    def take(self, indices: NDArray[Any]) -> Value:
+        """Return columns by their numbers; a table of numbers gives one axis more."""
+        return self.graph.op("Gather", [self, self.graph.constant(np.asarray(indices))], self.dtype, axis=1)
+
+    def part(self, axis: int) -> Value:
+        """Return one number of each row of the last axis, which goes."""
+        return self.graph.op("Gather", [self, self.graph.constant(np.array(axis))], self.dtype, axis=-1)
+
+    def spread(self, axis: int) -> Value:
+        """Return the value with another axis, of length 1."""
+        return self.graph.op("Unsqueeze", [self, self.graph.constant(np.array([axis]))], self.dtype)
+
+    def smallest(self, axis: int) -> Value:
+        """Return the minimum along an axis, which goes."""
+        return self.op("ReduceMin", axes=[axis], keepdims=0)
+
+    def largest(self, axis: int) -> Value:
+        """Return the maximum along an axis, which goes."""
+        return self.op("ReduceMax", axes=[axis], keepdims=0)
+
+    def where(self, yes: Value, no: Value | Number) -> Value:
+        """Return ``yes`` where it is true, else ``no``."""
+        return self.graph.op("Where", [self, yes, yes._alike(no)], yes.dtype)
+
+    def is_nan(self) -> Value:
+        """Return where it is not a number."""
+        return self.op("IsNaN", np.bool_)
+
+    def times(self, matrix: Value) -> Value:
+        """Return the matrix product."""
+        return self._with("MatMul", matrix)
+
+    def _alike(self, other: Value | Number) -> Value:
+        return other if isinstance(other, Value) else self.graph.constant(np.asarray(other, self.dtype))
+
+    def _with(self, kind: str, other: Value | Number, dtype: Any = None) -> Value:
+        return self.graph.op(kind, [self, self._alike(other)], dtype or self.dtype)
+
+
+@dataclass
+class Graph:
+    """A graph under construction.
+
+    Attributes:
+        starts: What each state is before the first step, without the axis of the batch.
+    """
+
+    starts: dict[str, NDArray[Any]] = field(default_factory=dict)
+    _nodes: list[Any] = field(default_factory=list)
+    _constants: dict[tuple[Any, ...], str] = field(default_factory=dict)
+    _arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    _inputs: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = field(default_factory=dict)
+    _outputs: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = field(default_factory=dict)
+
+    def op(self, kind: str, inputs: Sequence[Value], dtype: Any, **attributes: Any) -> Value:
+        """Add a node, and return its output of type ``dtype``."""
+        from onnx import helper
+
+        name = f"{kind.lower()}_{len(self._nodes)}"
+        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], [name], **attributes))
+        return Value(self, name, np.dtype(dtype))
+
+    def constant(self, array: NDArray[Any]) -> Value:
+        """Return a constant; equal ones are stored once."""
+        key = (array.dtype.str, array.shape, array.tobytes())
+        name = self._constants.setdefault(key, f"constant_{len(self._constants)}")
+        self._arrays[name] = array
+        return Value(self, name, array.dtype)
+
+    def input(self, name: str, dtype: Any, *shape: int) -> Value:
+        """Return an input of shape ``(batch, *shape)``."""
+        self._inputs[name] = (np.dtype(dtype), shape)
+        return Value(self, name, np.dtype(dtype))
+
+    def state(self, name: str, start: NDArray[Any]) -> Value:
+        """Return what was kept under a name in the last step; ``start`` before the first one."""
+        self.starts[name] = start
+        return self.input(name, start.dtype, *start.shape)
+
+    def keep(self, name: str, value: Value) -> None:
+        """Keep a state for the next step: the output ``NAME_next``."""
+        self.output(f"{name}_next", value, *self.starts[name].shape)
+
+    def output(self, name: str, value: Value, *shape: int) -> None:
+        """Name an output, of shape ``(batch, *shape)``."""
+        from onnx import helper
+
+        self._nodes.append(helper.make_node("Identity", [value.name], [name]))
+        self._outputs[name] = (value.dtype, shape)
+
+    def join(self, values: Sequence[Value], axis: int = 1) -> Value:
+        """Return values side by side."""
+        return values[0] if len(values) == 1 else self.op("Concat", values, values[0].dtype, axis=axis)
+
+    def model(self, name: str) -> Any:
+        """Return the ``onnx.ModelProto``, without nodes and inputs that no output depends on."""
+        from onnx import helper, numpy_helper
+
+        needed, nodes = set(self._outputs), []
+        for node in reversed(self._nodes):
+            if needed.intersection(node.output):
+                nodes.append(node)
+                needed.update(node.input)
+        inputs, outputs = (
+            [helper.make_tensor_value_info(key, code_of(dtype), [BATCH, *shape]) for key, (dtype, shape) in some]
+            for some in ([pair for pair in self._inputs.items() if pair[0] in needed], self._outputs.items())
+        )
+        arrays = [numpy_helper.from_array(array, key) for key, array in self._arrays.items() if key in needed]
+        graph = helper.make_graph(nodes[::-1], name, inputs, outputs, arrays)
+        return helper.make_model(graph, opset_imports=[helper.make_opsetid("", OPSET)], ir_version=IR_VERSION)
+
+
+def code_of(dtype: Any) -> int:
+    """Return ONNX's number of a type."""
+    from onnx import helper
+
+    return int(helper.np_dtype_to_tensor_dtype(np.dtype(dtype)))
+
+
+@dataclass(frozen=True)
+class RobotValues:
+    """What a robot knows in a step, as values of a graph.
+
+    Attributes:
+        graph: The graph.
+        ranges: Its scan [m], within [0, range_max], ``(batch, n_beams)``, float32.
+        pose: Its pose [m, m, rad], ``(batch, 3)``, float64.
+        velocity: The components of its velocity, in its own frame, ``(batch, n_components)``, float64.
+        goal: Its goal [m, m, rad], the heading NaN where any will do, ``(batch, 3)``, float64.
+        elapsed: Time since the last step [s], ``(batch, 1)``, float64.
+        action: Its latest action in [-1, 1], ``(batch, n_components)``, float32.
+    """
+
+    graph: Graph
+    ranges: Value
+    pose: Value
+    velocity: Value
+    goal: Value
+    elapsed: Value
+    action: Value
+
+    def own_frame(self, x: Value, y: Value) -> tuple[Value, Value]:
+        """Return places [m] in its own frame: ahead and to the left."""
+        heading = self.pose.columns(2, 3)
+        cosine, sine = heading.op("Cos"), heading.op("Sin")
+        dx, dy = x - self.pose.columns(0, 1), y - self.pose.columns(1, 2)
+        return dx * cosine + dy * sine, dy * cosine - dx * sine
+
+    def constant(self, numbers: Sequence[float] | NDArray[Any]) -> Value:
+        """Return the same float32 numbers for each row of the batch, ``(batch, n)``."""
+        nothing = self.elapsed.is_nan().cast(np.float32) * 0.0
+        return nothing + np.asarray(numbers, np.float32)
+
+
+@runtime_checkable
+class HasGraph(Protocol):
+    """An observation with a twin in ONNX operators."""
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return its columns for one agent, as ``write`` writes them, ``(batch, width)``, float32.
+
+        Limits and sizes are those of the first world.
+        """
+
+
+def sector_flags(x: Value, y: Value, count: int) -> Value:
+    """Return in which sector around the robot each place lies, ``(batch, n, count)``; the first begins straight behind.
+
+    Args:
+        x: How far ahead each place is [m], ``(batch, n)``.
+        y: How far to the left it is [m].
+        count: Number of sectors.
+    """
+    if count == 1:
+        return ~(x.is_nan().spread(2))
+    return between_edges(x, y, 2.0 * np.pi * np.arange(count + 1) / count - np.pi)
+
+
+def between_edges(x: Value, y: Value, edges: Floats) -> Value:
+    """Return between which edges each place lies, ``(batch, n, n_edges - 1)``.
+
+    Args:
+        x: How far ahead each place is [m], ``(batch, n)``.
+        y: How far to the left it is [m].
+        edges: Ascending angles [rad]; neighbours are at most half a turn apart.
+    """
+    # A place on an edge belongs to the sector that begins there, whatever is rounded.
+    cosines, sines = (function(edges - 1e-12).astype(x.dtype) for function in (np.cos, np.sin))
+    begun, over = (
+        y.spread(2) * cosines[side] - x.spread(2) * sines[side] for side in (slice(None, -1), slice(1, None))
+    )
+    return (begun >= 0.0) & (over < 0.0)

@@ -1,0 +1,4 @@
+"""What ``train`` is asked for, checked before it begins.
+
+No command.
+"""

@@ -1,0 +1,4 @@
+"""Training with Ray RLlib.
+
+The only folder of ``training`` with Ray.
+"""

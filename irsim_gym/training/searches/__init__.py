@@ -1,0 +1,4 @@
+"""Searches for hyper-parameters and seeds, with Optuna.
+
+No training of their own.
+"""

@@ -1,0 +1,4 @@
+"""Settings of a run, from files and options.
+
+Nothing that trains.
+"""

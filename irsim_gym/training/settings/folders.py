@@ -1,0 +1,210 @@
+"""The default folders of runs and evaluations, and the differences between two runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.base.compiled.lock import sole
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, listed
+from irsim_gym.scenario.specs.ids import scenario_name
+from irsim_gym.scenario.text.messages import show
+from irsim_gym.training.settings.run import Run, Settings
+
+RESULTS = ("summary.json", "episodes.csv", "levels.csv", "table.txt")
+"""Files that an evaluation writes."""
+
+
+def default_folder(
+    scenario: str,
+    algorithm: str,
+    seed: int,
+    parameters: Mapping[str, object] | None = None,
+    team: str | None = None,
+    *,
+    marks: Sequence[str] = (),
+) -> Path:
+    """Return the default folder of a run.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        parameters: Values that the user sets for the scenario's parameters.
+        team: Team mode; None for a single learner.
+        marks: Other differences from the default settings, such as ``steps=500000``.
+    """
+    parts = [algorithm, *([] if team is None else [team]), *map(as_name, marks), str(seed)]
+    return Path("runs") / f"{labelled(scenario, parameters)}-{'-'.join(parts)}"
+
+
+def evaluation_folder(
+    scenario: str,
+    split: str,
+    parameters: Mapping[str, object] | None = None,
+    team: bool = False,
+    *,
+    overwrite: bool = False,
+    kind: str = "evaluation",
+) -> Path:
+    """Return the default folder of an evaluation or an arena.
+
+    This is the first numbered folder without results; with ``overwrite`` the first one.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        parameters: Values that the user sets for the scenario's parameters.
+        team: Whether whole teams are evaluated.
+        overwrite: Replace existing results.
+        kind: ``evaluation`` or ``arena``.
+    """
+    whose = "-team" if team else ""
+    first = Path("runs") / f"{kind}-{labelled(scenario, parameters)}{whose}-{split}"
+    return next(folder for folder in _numbered(first) if overwrite or not has_results(folder))
+
+
+def has_results(folder: Path) -> bool:
+    """Return whether a folder holds results of an evaluation."""
+    return any((folder / name).exists() for name in RESULTS)
+
+
+def check_no_results(folder: Path | None, overwrite: bool) -> None:
+    """Check that results may be written to a folder: it holds none, or they are replaced on purpose.
+
+    Raises:
+        IrsimGymError: If it holds results.
+    """
+    if folder is not None and has_results(folder) and not overwrite:
+        raise IrsimGymError(
+            f"{folder} holds results: choose another folder with --out, or replace them with --overwrite"
+        )
+
+
+def labelled(scenario: str, parameters: Mapping[str, object] | None = None) -> str:
+    """Return the name of a scenario with the values of its parameters, for use in a file name."""
+    given = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
+    return as_name(f"{Path(scenario_name(scenario)).stem}{given}")
+
+
+def as_name(text: str) -> str:
+    """Return text for use in a file name: other characters become underscores."""
+    return re.sub(r"[^\w.=-]", "_", text)
+
+
+def free_folder(first: Path, requested: Settings, now: Snapshot) -> tuple[Path, str]:
+    """Return the folder of a new run, and a remark on it, which may be empty.
+
+    This is the first of ``first``, ``first-run2`` and so on that holds no run, or a run with the same settings.
+
+    Args:
+        first: The preferred folder.
+        requested: Settings of the run.
+    """
+    last: list[str] = []
+    for folder in _numbered(first, "-run"):
+        run = Run(folder)
+        if not run.exists():
+            return folder, f"{first} holds a run with other settings ({listed(last)}): this one is new" if last else ""
+        found = run_differences(run, requested, now)
+        if not found:
+            return folder, ""
+        last = last or found
+    raise AssertionError("there is always another number")
+
+
+def check_free(file: Path | None, overwrite: bool = False) -> None:
+    """Check that a file may be written: it does not exist, or is replaced on purpose; None for no file.
+
+    Raises:
+        IrsimGymError: If it exists.
+    """
+    if file is not None and file.exists() and not overwrite:
+        raise IrsimGymError(f"{file} exists: choose another name with --out, or replace it with --overwrite")
+
+
+def free_file(first: Path, overwrite: bool = False) -> Path:
+    """Return the first of ``film.mp4``, ``film-2.mp4`` and so on that does not exist; with ``overwrite`` the first."""
+    names = (one.with_suffix(first.suffix) for one in _numbered(first.with_suffix("")))
+    return first if overwrite else next(file for file in names if not file.exists())
+
+
+def existing_folders(first: Path) -> list[Path]:
+    """Return the existing folders of runs with a default name, oldest first."""
+    found: list[Path] = []
+    for folder in _numbered(first, "-run"):
+        if not Run(folder).exists():
+            return found
+        found.append(folder)
+    return found
+
+
+def _numbered(first: Path, before: str = "-") -> Iterator[Path]:
+    """Yield a folder, and then the folder with the numbers 2, 3 and so on appended."""
+    yield first
+    for number in count(2):
+        yield first.with_name(f"{first.name}{before}{number}")
+
+
+def run_differences(run: Run, requested: Settings, now: Snapshot) -> list[str]:
+    """Return the settings in which a run on disk and a requested one differ, with both values.
+
+    Raises:
+        IrsimGymError: If the settings of the run on disk cannot be read.
+    """
+    before = run.snapshot()
+    found = setting_differences(run.settings(), requested)
+    return [*found, *([] if before is None else [*differences(before, now), *run.changes_in_others(requested)])]
+
+
+def setting_differences(begun: Settings, requested: Settings) -> list[str]:
+    """Return the settings that differ, with both values of each."""
+    old, new = (dict(_flat(settings.to_plain(), ())) for settings in (begun, requested))
+    names = [name for name in dict.fromkeys([*old, *new]) if old.get(name) != new.get(name)]
+    return [f"{name} {show(old.get(name))}, asked for: {show(new.get(name))}" for name in names]
+
+
+def _flat(data: Mapping[str, object], above: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
+    """Yield the values of nested mappings, each with its dotted name."""
+    for key, value in data.items():
+        place = () if key == "hyperparameters" else (*above, key)
+        if isinstance(value, Mapping) and value:
+            yield from _flat(value, place)
+        else:
+            yield ".".join(place), value
+
+
+@contextmanager
+def sole_writer(folder: Path) -> Iterator[None]:
+    """Hold a folder for a training of this process. The system ends that with the process, however it ends.
+
+    Raises:
+        IrsimGymError: Another process trains into the folder.
+    """
+    place = folder.resolve()
+    made = [one for one in place.parents if not one.exists()]
+    place.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with sole(place.with_name(f".{place.name}.lock")) as is_free:
+            if not is_free:
+                raise IrsimGymError(
+                    f"another process trains into {folder}: wait for its end, or choose another folder with --out"
+                )
+            yield
+    finally:
+        with suppress(OSError):  # folders that hold something stay
+            for one in made:
+                one.rmdir()
+
+
+def check_replaceable(run: Run) -> None:
+    """Check that a new run may replace the contents of a folder.
+
+    Raises:
+        IrsimGymError: If the folder holds something other than a run.
+    """
+    is_empty = not run.folder.exists() or (run.folder.is_dir() and not any(run.folder.iterdir()))
+    if not run.exists() and not is_empty:
+        raise IrsimGymError(f"{run.folder} holds no training run; --overwrite replaces only runs")

@@ -1,1 +1,0 @@
-"""What is stored: arrays with named axes, first axis the world."""

@@ -1,0 +1,192 @@
+"""Levels of others: small made files, and the collections in ../shared/data where they are."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import irsim_gym as ig
+from irsim_gym.errors import IrsimGymError, ScenarioError, UnreadableFileError
+from irsim_gym.evaluation.levels.barn import import_barn
+from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
+
+DATA = Path(__file__).parents[4] / "shared" / "data"
+WORLD = """<sdf version='1.6'><world name='default'>
+<model name='ground_plane'><link><collision><geometry><plane/></geometry></collision></link></model>
+{}<state><model name='unit_cylinder_0'><pose>9 9 0 0 0 0</pose></model></state></world></sdf>"""
+CYLINDER = """<model name='unit_cylinder_{}'><pose frame=''>{} {} 0 0 0 0</pose><link><collision><geometry>
+<cylinder><radius>{}</radius><length>1</length></cylinder></geometry></collision></link></model>"""
+NAV = {
+    "cells": np.zeros((2, 3, 4), np.uint8), "start_xy": np.full((2, 1, 2), 1.5, np.float32),
+    "start_heading": np.array([[0.5], [3.5]], np.float32),
+    "goal_xy": np.array([[[2.5, 0.5]], [[3.5, 1.5]]], np.float32),
+}  # fmt: skip
+NAV["cells"][0, 2, 3] = 1  # y = 2.5, x = 3.5
+
+
+def shared(name: str) -> Path:
+    file = next((folder / name for folder in (DATA, Path("/work/shared/data")) if (folder / name).is_file()), None)
+    if file is None:
+        pytest.skip(f"{name} is not here")
+    return file
+
+
+def test_barn_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    def write(number: int, *cylinders: tuple[float, float, float]) -> None:
+        models = [CYLINDER.format(i, *cylinder) for i, cylinder in enumerate(cylinders)]
+        (tmp_path / f"world_{number}.world").write_text(WORLD.format("".join(models)))
+
+    write(10, (-4.425, 0.075, 0.075))
+    write(2, (-2.175, 5.0249999, 0.075), (-0.075, 9.525, 0.075))
+    levels = import_barn(tmp_path)
+    assert [np.argwhere(cells).tolist() for cells in levels.cells] == [[[15, 33], [29, 63]], [[0, 0]]]
+    file = tmp_path / "levels.npz"
+    file.write_bytes(levels.content())
+    sim = ig.compile(ig.load_scenario(file), 2)  # of the benchmark that it names
+    sim.reset(0)
+    assert sim.state.pose[:, 0].tolist() == [[-2.25, 3.0, np.pi / 2]] * 2
+    assert sim.state.goal[1, 0, :2].tolist() == [-2.25, 13.0]
+    ahead = sim.sensors[0].arrays["ranges"][0, 0, 300:420]
+    # World 2: from 0.065 m behind (-2.25, 3), the post at (-2.175, 5.025) is ahead and a little to the right.
+    assert ahead.min() == pytest.approx(np.hypot(0.075, 2.09) - 0.075, abs=1e-3)
+    write(5, (-2.0, 3.075, 0.075), (-2.025, 3.075, 0.075))
+    write(6, (-2.025, 3.075, 0.175))
+    write(7, (-2.025, 13.575, 0.075))
+    with pytest.raises(ScenarioError, match=r"(?s)3 problems.*5.world.*\(-2, 3.075\).*6.world.*0.175 at.*7.world"):
+        import_barn(tmp_path)
+    (tmp_path / "world_3.world").write_text("<sdf>")
+    (tmp_path / "world_4.world").write_text(WORLD.format(""))
+    with pytest.raises(ScenarioError, match=r"(?s)2 problems.*world_3.world: cannot be read.*world_4.world: holds no"):
+        import_barn(tmp_path)
+
+
+def as_jax_saves(value: Any) -> Any:
+    """Return a stand-in for an array of JAX: it is pickled as JAX does it, by a function of a module of JAX."""
+    made = object.__new__(sys.modules["jax._src.array"].ArrayImpl)
+    made.value = value
+    return made
+
+
+@pytest.fixture
+def foreign(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Modules of JAX and JaxMARL as far as pickles need them; they are gone when the pickle is read."""
+
+    def _reconstruct_array(function: Any, arguments: Any, state: Any, aval: Any) -> None:
+        raise AssertionError("called by the reader")
+
+    class ArrayImpl:
+        def __reduce__(self) -> Any:
+            function, arguments, state = self.value.__reduce__()
+            return _reconstruct_array, (function, arguments, state, {"weak_type": False})
+
+    class EnvInstance:
+        def __init__(self, **values: Any) -> None:
+            self.__dict__.update(values)
+
+        def __setstate__(self, state: Any) -> None:
+            raise AssertionError("called by the reader")
+
+    home = {"jax._src.array": [_reconstruct_array, ArrayImpl], "jaxmarl.environments.jaxnav.jaxnav_env": [EnvInstance]}
+    for place, members in home.items():
+        parts = place.split(".")
+        for k in range(len(parts)):
+            monkeypatch.setitem(sys.modules, ".".join(parts[: k + 1]), types.ModuleType(".".join(parts[: k + 1])))
+        for member in members:
+            member.__module__, member.__qualname__ = place, member.__name__
+            setattr(sys.modules[place], member.__name__, member)
+    return EnvInstance
+
+
+@pytest.mark.parametrize("protocol", [2, 4, 5])
+def test_jaxnav_pickles_are_read_without_their_classes(
+    tmp_path: Path, foreign: Any, protocol: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = {"agent_pos": "start_xy", "agent_theta": "start_heading", "goal_pos": "goal_xy", "map_data": "cells"}
+    state = foreign(**{word: as_jax_saves(NAV[name]) for word, name in words.items()}, rew_lambda=np.float32(0.5))
+    (tmp_path / "levels.pkl").write_bytes(pickle.dumps([state, state], protocol=protocol))
+    np.savez(tmp_path / "levels.npz", **NAV)
+    for name in [one for one in sys.modules if one.split(".")[0] in ("jax", "jaxmarl")]:
+        monkeypatch.delitem(sys.modules, name)
+    levels, twin = import_jaxnav(tmp_path / "levels.pkl"), import_jaxnav(tmp_path / "levels.npz")
+    assert levels.bodies == ("robot_0",)
+    assert "scenario" not in levels.about, "these maps are smaller than the benchmark's"
+    assert twin.hashes().tolist() == levels.hashes().tolist()[:2] == levels.hashes().tolist()[2:]
+    assert np.argwhere(twin.cells).tolist() == [[0, 3, 2]]
+    assert twin.start[:, 0] == pytest.approx(np.array([[1.5, 1.5, 0.5], [1.5, 1.5, 3.5 - 2 * np.pi]]), abs=1e-6)
+    assert twin.goal[1, 0, 0, :2].tolist() == [3.5, 1.5]
+    assert np.isnan(twin.goal[..., 2]).all()
+
+
+class Mischief:
+    def __init__(self, call: Any) -> None:
+        self.call = call
+
+    def __reduce__(self) -> Any:
+        return self.call
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (lambda file: Mischief((Path.touch, (file,))), "it needs pathlib.Path"),
+        (lambda file: Mischief((eval, (f"open({str(file)!r}, 'w')",))), "it needs builtins.eval, which is not read"),
+        (lambda _: np.array([{}], object), "is no pickle of numbers"),
+        (lambda _: [1, 2], "holds no state of JaxNav"),
+    ],
+)
+def test_other_pickles_are_refused_and_do_nothing(tmp_path: Path, content: Any, told: str) -> None:
+    (tmp_path / "bad.pkl").write_bytes(pickle.dumps(content(tmp_path / "touched")))
+    with pytest.raises(IrsimGymError, match=told):
+        import_jaxnav(tmp_path / "bad.pkl")
+    assert not (tmp_path / "touched").exists()
+
+
+def test_bad_arrays_of_others_are_told_all_at_once(tmp_path: Path) -> None:
+    np.savez(tmp_path / "nav.npz", cells=np.zeros((2, 3, 3)), start_xy=np.zeros((3, 1, 2)), goal_xy=np.zeros(3))
+    with pytest.raises(ScenarioError) as caught:
+        import_jaxnav(tmp_path / "nav.npz")
+    for told in (
+        "start_xy: must be numbers with the axes (level, robot, 2): level must be 2 long, got 3",
+        "start_heading: is missing",
+        "goal_xy: must be numbers with the axes (level, robot, 2), got float64",
+    ):
+        assert told in str(caught.value)
+    (tmp_path / "nav.txt").write_text("no archive")
+    for name, told in (("nav.txt", "is no .npz file"), ("none.npz", "no such file"), ("none.pkl", "no such file")):
+        with pytest.raises(UnreadableFileError, match=told):
+            import_jaxnav(tmp_path / name)
+    np.savez(tmp_path / "barn.npz", cylinder_xy=np.zeros((4, 2)), world_start=[0, 3, 9])
+    with pytest.raises(ScenarioError, match="world_start: must rise from 0 to the number of cylinders, 4"):
+        import_barn(tmp_path / "barn.npz")
+
+
+def test_the_published_levels_of_jaxnav(tmp_path: Path) -> None:
+    levels = import_jaxnav(shared("jaxnav_four_1000.npz"))
+    assert (levels.count, levels.bodies) == (1000, ("robot_0", "robot_1", "robot_2", "robot_3"))
+    for ends in (levels.start, levels.goal[:, :, 0]):
+        column, row = np.moveaxis(np.floor(ends[..., :2]).astype(int), 2, 0)
+        assert not levels.cells[np.arange(1000)[:, None], column, row].any()
+    assert levels.about["scenario"] == "jaxnav_four"
+    (tmp_path / "four.npz").write_bytes(levels.content())
+    data = {
+        "world": {"width": 11, "height": 11, "obstacle_map": {"name": "cells"}}, "levels": str(tmp_path / "four.npz"),
+        "robot": {"number": 4, "kinematics": {"name": "diff"}, "distribution": {"name": "cells"},
+                  "shape": {"name": "rectangle", "length": 0.5, "width": 0.5}},
+    }  # fmt: skip
+    sim = ig.compile(ig.load_scenario(data), 2)
+    sim.reset(7)
+    assert sim.state.pose[1, :4] == pytest.approx(levels.start[8])
+    assert (sim.model.map_squares[1, 0] == 0).tolist() == levels.cells[8].tolist()
+
+
+def test_the_worlds_of_barn() -> None:
+    levels = import_barn(shared("barn_worlds.npz"))
+    assert levels.count == 300
+    counts = levels.cells.sum(axis=(1, 2))
+    assert (counts.min(), counts.max(), counts.sum()) == (181, 365, 78925)
