@@ -88,7 +88,7 @@ class Stops(_Fixed):
     lost_beams: float = Field(description="A share.")
 
 
-class SuccessRate(_Fixed):
+class Results(_Fixed):
     """Success on levels of the simulator, with its 95 % Wilson interval."""
 
     success: float
@@ -115,7 +115,7 @@ class RobotContract(_Fixed):
     states: dict[str, StateForm]
     outputs: dict[str, tuple[str, ...]]
     stop: Stops
-    results: SuccessRate
+    results: Results
 
 
 def contract_schema() -> dict[str, Any]:

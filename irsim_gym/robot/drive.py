@@ -1,7 +1,6 @@
-"""Drives a robot by an exported policy: messages in, velocities out. It needs NumPy and onnxruntime alone.
+"""Drives a robot by an exported policy: messages in, velocities out, with NumPy and onnxruntime alone.
 
-Any object with the fields of the ROS messages will do. ``tick`` says why it stands still: its reason is empty while the
-policy drives.
+Any object with the fields of the ROS messages will do. While the robot stands, ``tick`` says why.
 """
 
 import hashlib
@@ -12,36 +11,25 @@ from typing import Any
 import numpy as np
 import onnxruntime
 
-GOOD_SCANS = 3
-FAULTS = "waits for good scans"
-
 
 class Driver:
-    """One robot. ``contract`` is the path of contract.json, or of its folder.
-
-    ``no_return="zero"`` is for scanners that report 0 where nothing is in range, ``ahead`` the distance of the point
-    of a path that is followed [m].
-    """
+    """One robot, by contract.json beside policy.onnx. With no_return="zero", 0 means that nothing is in range."""
 
     def __init__(self, contract: str | Path, no_return: str = "", ahead: float = 2.0) -> None:
-        file = Path(contract) / "contract.json" if Path(contract).is_dir() else Path(contract)
-        self.contract = json.loads(file.read_text(encoding="utf-8"))
-        model = file.with_name("policy.onnx").read_bytes()
+        self.contract = json.loads(Path(contract).read_text(encoding="utf-8"))
+        model, options = Path(contract).with_name("policy.onnx").read_bytes(), onnxruntime.SessionOptions()
         if hashlib.sha256(model).hexdigest() != self.contract["hashes"]["onnx"]:
-            raise ValueError(f"{file} belongs to another policy.onnx: its hash of it is a different one")
-        options = onnxruntime.SessionOptions()
+            raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
         options.intra_op_num_threads = 1
         self.session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
         self.outputs = [one.name for one in self.session.get_outputs()]
-        self.no_return, self.ahead = no_return or self.contract["scan"]["no_return"], ahead
-        self.now, self.good_scans, self.is_stopped, self.lost = -np.inf, 0, False, 0.0
-        self.scan_time, self.pose_time, self.frame, self.goal_frame = -np.inf, -np.inf, "", ""
-        self.ranges: Any = None
-        self.pose: Any = None
-        self.velocity: Any = None
-        self.goal_pose: Any = None
-        self.way: Any = None
-        self.scanner: tuple[int, float, float, float] = (0, 0.0, 0.0, 0.0)
+        self.own: dict[str, Any] = self.contract["scan"] or {"no_return": ""}
+        self.no_return, self.ahead = no_return or self.own["no_return"], ahead
+        self.now = self.scan_time = self.pose_time = -np.inf
+        self.good_scans, self.has_fault, self.scan_fault, self.frame, self.goal_frame = 0, False, "", "", ""
+        nothing: Any = None
+        self.ranges = self.pose = self.way = nothing
+        self.velocity = np.zeros((1, len(self.contract["robot"]["low"])))
         self.states: dict[str, Any] = {}
         self.forget()
 
@@ -49,146 +37,107 @@ class Driver:
         """Begin anew, as for a new goal."""
         for name, state in self.contract["states"].items():
             if name not in kept:
-                start = np.broadcast_to(np.array(state["start"], state["dtype"]), state["shape"])
-                self.states[name] = start[None].copy()
+                start = np.array(state["start"], float).astype(state["dtype"])
+                self.states[name] = np.broadcast_to(start, [1, *state["shape"]]).copy()
 
     def scan(self, msg: Any) -> None:
-        """Take a sensor_msgs/LaserScan; its beams are found by their angles."""
-        ranges, own = np.array(msg.ranges, np.float64), self.contract["scan"]
-        step, size = float(msg.angle_increment), len(ranges)
+        """Take a sensor_msgs/LaserScan: its beams are found by their angles, and the shortest of a share counts."""
+        ranges, step, size = np.array(msg.ranges, float), float(msg.angle_increment), len(msg.ranges)
         if self.no_return == "zero":
             ranges[ranges == 0.0] = np.inf
         lost = np.isnan(ranges) | (ranges < msg.range_min) & np.isfinite(ranges)
-        self.lost = float(lost.mean()) if size else 1.0
-        ranges[lost | (ranges > msg.range_max)] = np.inf
-        ranges[ranges == -np.inf] = 0.0
-        # Places of its beams, counted in beams of the contract.
-        span, n_beams = own["step"] or 2.0 * np.pi, own["beams"]
-        place = _from_edge(float(msg.angle_min) + step * np.arange(size) - own["first"], 0.5 * span, n_beams) / span
-        beam = np.rint(place).astype(int)
-        mapped, inside = np.full(n_beams, np.inf), (beam >= 0) & (beam < n_beams)
-        np.minimum.at(mapped, beam[inside], ranges[inside])
-        bare = np.setdiff1d(np.arange(n_beams), beam[inside])
-        if size and len(bare):
-            away = np.abs((place - bare[:, None]) * span)
-            away = np.minimum(away, np.abs(2.0 * np.pi - away))
-            nearest = away.argmin(axis=1)
-            is_near = away[np.arange(len(bare)), nearest] <= 0.51 * max(abs(step), span)
-            mapped[bare[is_near]] = ranges[nearest[is_near]]
-        self.ranges, self.scan_time = mapped.astype(np.float32)[None], _seconds(msg.header.stamp)
-        self.scanner = (size, float(msg.range_max), abs(step) * max(size - 1, 0), abs(step))
-        self.good_scans = self.good_scans + 1 if self._scan_fault() == "" else 0
+        ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
+        n_beams, share = self.own["beams"], self.own["step"] or 2.0 * np.pi
+        angles = msg.angle_min + step * np.arange(size) - self.own["first"]
+        outside = (angles < -0.5 * share) | (angles >= (n_beams - 0.5) * share)
+        places = np.where(outside, np.remainder(angles + 0.5 * share, 2.0 * np.pi) / share - 0.5, angles / share)
+        beams, self.ranges = np.rint(places).astype(int), np.full((1, n_beams), np.inf, np.float32)
+        inside = (beams >= 0) & (beams < n_beams)
+        np.minimum.at(self.ranges[0], beams[inside], ranges[inside].astype(np.float32))
+        for k in np.setdiff1d(np.arange(n_beams), beams[inside]) if size else ():  # beams of a coarser scanner
+            away = np.abs(np.remainder((places - k) * share + np.pi, 2.0 * np.pi) - np.pi)
+            if away.min() <= 0.51 * max(abs(step), share):
+                self.ranges[0, k] = ranges[away.argmin()]
+        found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
+        self.scan_time, self.scan_fault = _seconds(msg.header.stamp), ""
+        for name, (low, high) in self.own["tested"].items():
+            slack = abs(step) + 0.01 if name == "field_of_view" else 0.01 * high
+            if not low - slack <= found[name] <= high + slack:
+                self.scan_fault = f"the scanner's {name} is {found[name]:.4g}, tested from {low:.4g} to {high:.4g}"
+        if size and lost.mean() > self.contract["stop"]["lost_beams"]:
+            self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
+        self.good_scans = 0 if self.scan_fault else self.good_scans + 1
 
     def odometry(self, msg: Any) -> None:
         """Take a nav_msgs/Odometry."""
-        self.pose, self.pose_time = _pose(msg.pose.pose), _seconds(msg.header.stamp)
-        self.frame, robot, twist = msg.header.frame_id, self.contract["robot"], msg.twist.twist
-        ahead, left, turn = float(twist.linear.x), float(twist.linear.y), float(twist.angular.z)
-        if robot["drive"] == "omni":
-            self.velocity = np.array([[ahead, left]])
-        elif robot["drive"] == "omni_angular":
-            self.velocity = np.array([[ahead, left, turn]])
-        elif robot["steers"]:  # at rest the wheels stay where they were
-            before = 0.0 if self.velocity is None else float(self.velocity[0, 1])
-            self.velocity = np.array([[ahead, np.arctan(turn * robot["wheelbase"] / ahead) if ahead else before]])
-        else:
-            self.velocity = np.array([[ahead, turn]])
+        self.pose, self.pose_time, self.frame = _pose(msg.pose.pose), _seconds(msg.header.stamp), msg.header.frame_id
+        robot, twist = self.contract["robot"], msg.twist.twist
+        x, y, turn, before = twist.linear.x, twist.linear.y, twist.angular.z, self.velocity[0, 1]
+        if robot["steers"]:  # the wheels of a car that stands are taken to stay where they were
+            turn = np.arctan(turn * robot["wheelbase"] / x) if x else before
+        self.velocity = np.array([{"omni": [x, y], "omni_angular": [x, y, turn]}.get(robot["drive"], [x, turn])], float)
 
     def goal(self, msg: Any) -> None:
         """Take a geometry_msgs/PoseStamped as the goal; a new place begins anew."""
         found = _pose(msg.pose)
-        if not self.contract["goal"]["heading"]:
-            found[0, 2] = np.nan
-        if self.goal_pose is None or np.any(found[0, :2] != self.goal_pose[0, :2]):
+        if self.way is None or np.any(found[0, :2] != self.way[-1, :2]):
             self.forget("action", "pending")
-        self.goal_pose, self.goal_frame, self.way = found, msg.header.frame_id, None
+        self.way, self.goal_frame = found, msg.header.frame_id
 
     def path(self, msg: Any) -> None:
-        """Take a nav_msgs/Path: its point some metres ahead is the goal, at last its end."""
-        if msg.poses:
-            self.way = np.concatenate([_pose(one.pose) for one in msg.poses])
-            self.goal_pose, self.goal_frame = self.way[-1:].copy(), msg.header.frame_id
+        """Take a nav_msgs/Path: the goal is its point ``ahead`` metres on, at last its end."""
+        self.way = np.concatenate([_pose(one.pose) for one in msg.poses]) if msg.poses else None
+        self.goal_frame = msg.header.frame_id
 
     def tick(self, now: float) -> tuple[Any, ...]:
-        """Return what to drive: (v, w, reason), (vx, vy, reason) for omni, (vx, vy, w, reason) for omni_angular."""
-        elapsed, is_back = now - self.now, now < self.now
-        self.now = now
+        """Return what to drive: (v, w, reason), of omni (vx, vy, reason), of omni_angular (vx, vy, w, reason)."""
+        elapsed, is_back, self.now = now - self.now, now < self.now, now
         fault = "the clock jumps back" if is_back else self._fault()
-        if fault:
-            self.good_scans, self.is_stopped = 0, True
-            return (*self._still(), fault)
-        if self.is_stopped and self.good_scans < GOOD_SCANS:
-            return (*self._still(), FAULTS)
-        self.is_stopped = False
-        reason = self._rest()
+        self.good_scans = 0 if fault else self.good_scans
+        self.has_fault = bool(fault) or (self.has_fault and self.good_scans < 3)
+        reason = fault or ("waits for good scans" if self.has_fault else self._rest())
         if reason:
-            return (*self._still(), reason)
-        values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": self._aim()}
-        values["elapsed"] = np.array([[elapsed if np.isfinite(elapsed) else 0.0]])
+            return self._still(reason)
+        away = np.hypot(*(self.way[:, :2] - self.pose[0, :2]).T)
+        beyond = np.flatnonzero((np.arange(len(away)) >= away.argmin()) & (away >= self.ahead))
+        goal, waited = self.way[[beyond[0] if len(beyond) else -1]], np.array([[elapsed if elapsed < np.inf else 0.0]])
+        values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": goal, "elapsed": waited}
         given = {name: value for name, value in {**values, **self.states}.items() if name in self.contract["inputs"]}
         found = dict(zip(self.outputs, self.session.run(None, given), strict=True))
-        command = [float(number) for number in found["command"][0]]
-        if not np.all(np.isfinite(command)):
-            self.good_scans, self.is_stopped = 0, True
-            return (*self._still(), "the command is not finite")
+        command, robot = found["command"][0].astype(float), self.contract["robot"]
+        if not np.isfinite(command).all():
+            self.good_scans, self.has_fault = 0, True
+            return self._still("the command is not finite")
         self.states = {name: found[f"{name}_next"] for name in self.states}
-        if self.contract["robot"]["steers"]:
-            command[1] = command[0] * float(np.tan(command[1])) / self.contract["robot"]["wheelbase"]
-        return (*command, "")
+        if robot["steers"]:
+            command[1] = command[0] * np.tan(command[1]) / robot["wheelbase"]
+        return (*command.tolist(), "")
 
-    def _still(self) -> list[float]:
-        """Return a command to stand, and remember that it was given."""
-        if "pending" in self.states:
-            pending = self.states["pending"]
-            self.states["pending"] = np.concatenate([pending[:, 1:], np.zeros_like(pending[:, :1])], axis=1)
-        return [0.0] * len(self.contract["outputs"]["command"])
+    def _still(self, reason: str) -> tuple[Any, ...]:
+        if "pending" in self.states:  # this command is under way, too
+            kept = self.states["pending"][:, 1:]
+            self.states["pending"] = np.concatenate([kept, np.zeros_like(self.states["pending"][:, :1])], axis=1)
+        return (*[0.0] * self.velocity.shape[1], reason)
 
     def _fault(self) -> str:
-        stop = self.contract["stop"]
-        if "ranges" in self.contract["inputs"]:
-            if self.now - self.scan_time > stop["scan_age"]:
-                return f"the scan is {self.now - self.scan_time:.2f} s old"
-            if fault := self._scan_fault():
-                return fault
-        if self.now - self.pose_time > stop["odometry_age"]:
-            return f"the odometry is {self.now - self.pose_time:.2f} s old"
-        finite = all(np.isfinite(part).all() for part in (self.pose, self.velocity))
-        return "" if finite else "the odometry is not finite"
-
-    def _scan_fault(self) -> str:
-        tested, names = self.contract["scan"]["tested"], ("beams", "range_max", "field_of_view")
-        for name, found in zip(names, self.scanner, strict=False):
-            low, high = tested[name]
-            slack = self.scanner[3] + 0.01 if name == "field_of_view" else 0.01 * high
-            if not low - slack <= found <= high + slack:
-                return f"the scanner's {name} is {found:.4g}, tested from {low:.4g} to {high:.4g}"
-        share = self.contract["stop"]["lost_beams"]
-        return f"{self.lost:.0%} of the beams are lost" if self.lost > share else ""
+        stop, scan_age, pose_age = self.contract["stop"], self.now - self.scan_time, self.now - self.pose_time
+        if "tested" in self.own and scan_age > stop["scan_age"]:
+            return f"the scan is {scan_age:.2f} s old"
+        if pose_age > stop["odometry_age"]:
+            return f"the odometry is {pose_age:.2f} s old"
+        is_finite = np.isfinite(self.pose).all() and np.isfinite(self.velocity).all()
+        return self.scan_fault if is_finite else "the odometry is not finite"
 
     def _rest(self) -> str:
-        if self.goal_pose is None:
+        if self.way is None:
             return "no goal"
         if self.goal_frame != self.frame:
             return f"the goal is in frame '{self.goal_frame}', the odometry in '{self.frame}'"
-        if not np.isfinite(self.goal_pose[0, :2]).all():
+        gap = self.way[-1] - self.pose[0]
+        gap[2] = np.remainder(gap[2] + np.pi, 2.0 * np.pi) - np.pi if self.contract["goal"]["heading"] else 0.0
+        if not np.isfinite(gap).all():
             return "the goal is not finite"
-        gap = self.goal_pose[0] - self.pose[0]
-        gap[2] = 0.0 if np.isnan(gap[2]) else np.remainder(gap[2] + np.pi, 2.0 * np.pi) - np.pi
         return "arrived" if np.sqrt(gap @ gap) < self.contract["goal"]["tolerance"] else ""
-
-    def _aim(self) -> Any:
-        if self.way is None:
-            return self.goal_pose
-        away = np.hypot(*(self.way[:, :2] - self.pose[0, :2]).T)
-        nearest = int(away.argmin())
-        beyond = np.flatnonzero(away[nearest:] >= self.ahead)
-        return self.way[-1:] if not len(beyond) else self.way[nearest + beyond[0]][None]
-
-
-def _from_edge(angles: Any, half: float, n_beams: int) -> Any:
-    """Return angles [rad] from the first beam on, those before half a beam or after all of them a turn further."""
-    outside = (angles < -half) | (angles >= (2 * n_beams - 1) * half)
-    return np.where(outside, np.remainder(angles + half, 2.0 * np.pi) - half, angles)
 
 
 def _seconds(stamp: Any) -> float:
@@ -196,6 +145,6 @@ def _seconds(stamp: Any) -> float:
 
 
 def _pose(pose: Any) -> Any:
-    q = pose.orientation
+    place, q = pose.position, pose.orientation
     heading = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-    return np.array([[pose.position.x, pose.position.y, heading]], np.float64)
+    return np.array([[place.x, place.y, heading]], float)

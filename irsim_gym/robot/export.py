@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import KINEMATICS
 from irsim_gym.base.version import __version__
-from irsim_gym.evaluation.measures.metrics import Rate, rate
+from irsim_gym.evaluation.measures.metrics import rate
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.protocol import drive
@@ -33,12 +33,12 @@ from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
 from irsim_gym.robot.contract import (
     GoalForm,
     Hashes,
+    Results,
     RobotContract,
     RobotLimits,
     Scanner,
     StateForm,
     Stops,
-    SuccessRate,
     TensorForm,
     Tested,
     contract_schema,
@@ -105,27 +105,24 @@ def export_for_robot(
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
-    asked = asked or _trained_in(source, loaded)
+    is_own, asked = asked is None, asked or _trained_in(source, loaded)
     name = policy_names([source])[0]
     played = Perceived(asked.episodes(min(levels, LEVELS))).of(loaded)
     loaded.check(played)
     network = _network(loaded)
     graph = policy_graph(network, played, name)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
-    success = _success(compared, played, levels)
-    if not compared.most <= TOLERANCE:
-        raise IrsimGymError(
-            f"nothing is written: the graph of '{name}' differs by {compared.most:.3g} from the policy in "
-            f"{compared.n_commands:,} commands, more than {TOLERANCE:g}"
-        )
+    results = _results(compared, played, levels)
+    _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
     period, samples = period or own, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        success = _success(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        results = _results(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
-    results = SuccessRate(success=success.value, low=success.low, high=success.high, levels=levels, split=SPLIT)
+    elif is_own:
+        results = _known_results(loaded) or results
     hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
         policy=name,
@@ -163,6 +160,18 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
 
 
+def _known_results(policy: SavedPolicy) -> Results | None:
+    """Return the results that the card of a policy has of its own scenario."""
+    card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
+    if card is None:
+        return None
+    own = [one for one in card.results if one.scenario is None and one.parameters == card.scenario.parameters]
+    if not own:
+        return None
+    share = own[0].success
+    return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
+
+
 def _network(policy: SavedPolicy) -> ShelfPolicy:
     if isinstance(policy.model, ShelfPolicy):
         return policy.model
@@ -172,12 +181,22 @@ def _network(policy: SavedPolicy) -> ShelfPolicy:
     return ShelfPolicy(network.form, network.arrays)
 
 
-def _success(policy: Policy, played: Episodes, levels: int) -> Rate:
+def _results(policy: Policy, played: Episodes, levels: int) -> Results:
     """Return in how many levels all robots arrive."""
     solved = 0
     for _, worlds, _ in drive(policy, played, levels, SPLIT):
         solved += int((played.view.infos["outcome"][worlds] == Outcome.SUCCESS).all(axis=1).sum())
-    return rate(solved, levels)
+    share = rate(solved, levels)
+    return Results(success=share.value, low=share.low, high=share.high, levels=levels, split=SPLIT)
+
+
+def _check_difference(compared: ComparedPolicy, name: str) -> None:
+    """Raise an IrsimGymError if the graph differs from the policy, or returned something that is not finite."""
+    if not compared.most <= TOLERANCE:
+        raise IrsimGymError(
+            f"nothing is written: the graph of '{name}' differs by {compared.most:.3g} from the policy in "
+            f"{compared.n_commands:,} commands, more than {TOLERANCE:g}"
+        )
 
 
 def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -246,8 +265,8 @@ def _scanner(played: Episodes) -> Scanner | None:
 
 
 def _scenario_hash(asked: ScenarioRequest) -> str:
-    if not isinstance(asked.scenario, str):
-        return ""
+    assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
+    assert asked.task is None or isinstance(asked.task, str)
     return take_snapshot(asked.scenario, asked.task, asked.parameters).digest
 
 
@@ -259,7 +278,8 @@ def _write(
     folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
 ) -> None:
     check = io.BytesIO()
-    np.savez_compressed(check, **dict(samples))
+    arrays: dict[str, Any] = dict(samples)
+    np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
     write_bytes(folder / "drive.py", Path(__file__).with_name("drive.py").read_bytes())

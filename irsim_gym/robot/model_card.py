@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.tasks.terms.term import NEEDS
 
+WIDTH = 120
 CARD = """---
 library_name: irsim_gym
 tags: [reinforcement-learning, robotics, navigation, onnx, irsim_gym]
@@ -19,10 +22,9 @@ model-index:
 
 # {name}
 
-A policy of [irsim_gym](https://pypi.org/project/irsim-gym/) {version} for a robot with the drive `{drive}`, trained in
-`{scenario}`. It solves {rate}.{predicted}
+{what}
 
-**It needs** {needs}. A command goes out each {period:g} s: {command}.{scan}
+{needs}
 
 | file | content |
 |---|---|
@@ -70,22 +72,24 @@ def model_card(contract: RobotContract, scenario: str) -> str:
     played, scan = contract.results, contract.scan
     percent = [f"{100.0 * share:.1f}" for share in (played.success, played.low, played.high)]
     delay = f", with commands that act {contract.predict:g} s late" if contract.predict else ""
-    beams = (
-        ""
-        if scan is None
-        else f" Its scan has {scan.beams} beams up to {scan.range_max:g} m; others are mapped to it by angle."
-    )
+    success = f"{percent[0]} % [{percent[1]}, {percent[2]}] of {played.levels:,} {played.split} levels{delay}"
+    what = [
+        f"A policy of irsim_gym {contract.irsim_gym} for a robot with the drive `{contract.robot.drive}`.",
+        f"It solves {success} of `{scenario}`, with the 95 % interval in brackets.",
+        *([f"The graph predicts {contract.predict:g} s ahead."] if contract.predict else []),
+    ]
+    needs = [
+        f"It needs {', '.join(f'`{need}` ({NEEDS[need]})' for need in contract.needs) or 'nothing'}.",
+        f"A command goes out each {contract.period:g} s: {', '.join(contract.outputs['command'])}.",
+    ]
+    if scan is not None:
+        needs.append(f"Its scan has {scan.beams} beams up to {scan.range_max:g} m; others are mapped to it by angle.")
     return CARD.format(
         name=contract.policy,
         scenario=scenario,
-        version=contract.irsim_gym,
-        drive=contract.robot.drive,
-        rate=f"{percent[0]} % [{percent[1]}, {percent[2]}] of {played.levels:,} {played.split} levels{delay}",
-        predicted=f" The graph predicts {contract.predict:g} s ahead." if contract.predict else "",
-        needs=", ".join(f"`{need}` ({NEEDS[need]})" for need in contract.needs) or "nothing",
-        period=contract.period,
-        command=", ".join(contract.outputs["command"]),
-        scan=beams,
+        rate=success,
+        what=fill(" ".join(what), WIDTH),
+        needs=fill(" ".join(needs), WIDTH),
         age=contract.stop.scan_age,
         lost=contract.stop.lost_beams,
     )

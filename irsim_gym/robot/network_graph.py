@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Box
 
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import IrsimGymError
@@ -33,6 +34,7 @@ def network_graph(policy: ShelfPolicy, graph: Graph, seen: Mapping[str, Value]) 
     found = _applied(policy.trunk, policy.trunk_arrays, features)
     if policy.output == "argmax":
         return found.op("ArgMax", np.int64, axis=1, keepdims=0)
+    assert isinstance(policy.action_space, Box)
     low, high = policy.action_space.low.astype(np.float64), policy.action_space.high.astype(np.float64)
     if policy.output == "squash":
         found = (found.op("Tanh") + 1.0) * (0.5 * (high - low)) + low
@@ -70,13 +72,13 @@ def _gru(rows: Value, memory: Value, arrays: Arrays) -> Value:
 
 
 def _standardized(rows: Value, arrays: Arrays, step: Options) -> Value:
-    scaled = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])
+    scaled: Value = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])
     return scaled.most(-step["clip"]).least(step["clip"]).cast(np.float32).cast(np.float64)
 
 
 def _gelu(rows: Value, arrays: Arrays, step: Options) -> Value:
     # ONNX Runtime has Erf in single precision only.
-    return rows * ((rows * np.sqrt(0.5)).cast(np.float32).op("Erf").cast(np.float64) + 1.0) * 0.5
+    return rows * ((rows * math.sqrt(0.5)).cast(np.float32).op("Erf").cast(np.float64) + 1.0) * 0.5
 
 
 def _negative(slope: Callable[[Value, Options], Value]) -> Callable[[Value, Arrays, Options], Value]:
@@ -88,7 +90,7 @@ def _named(kind: str) -> Callable[[Value, Arrays, Options], Value]:
     return lambda rows, arrays, step: rows.op(kind)
 
 
-STEPS: dict[str, Callable[[Value, Arrays, Options], Any]] = {
+STEPS: dict[str, Callable[[Value, Arrays, Options], Value]] = {
     "linear": lambda rows, arrays, step: _dense(rows, arrays["weight"], arrays["bias"]),
     "standardize": _standardized,
     "flatten": lambda rows, arrays, step: rows,

@@ -20,10 +20,10 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from irsim_gym.base.arraytypes import Ints
-from irsim_gym.base.kernels.workers import Job
 from irsim_gym.base.kernels import Calls, Kernel, config, hooks, kernel
 from irsim_gym.base.kernels.layout import COUNT, WORLDS
 from irsim_gym.base.kernels.structs import NotPackableError, Struct, Words, words_of
+from irsim_gym.base.kernels.workers import Job
 
 BLOCK = 128
 """Worlds that all calls treat before the next ones: few enough to stay in the processor's cache."""

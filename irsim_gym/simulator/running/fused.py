@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.kernels.workers import Job, compile_together
 from irsim_gym.base.contract import is_foreign, place_of
 from irsim_gym.base.kernels import Calls, is_recording, kernel, record
 from irsim_gym.base.kernels.replay import BLOCK, NotRecordableError, Packer, Program, call_all, is_possible
+from irsim_gym.base.kernels.workers import Job, compile_together
 from irsim_gym.simulator.running.promise import place_of_write
 from irsim_gym.simulator.world.names import Ints, Shard
 
