@@ -152,7 +152,7 @@ class KernelLower(Lower):  # type: ignore[misc]
             return super().lower_binop(resty, expr, op)
         try:
             compute = self.context.get_function(self.context.typing_context.resolve_value_type(op), signature)
-        except KeyError:  # Numba has learnt more meanings of the operator since
+        except KeyError:  # Numba notes the implementation only when it resolves the operator again
             return super().lower_binop(resty, expr, op)
         values = [
             self.context.cast(build, self.loadvar(one.name), self.typeof(one.name), wanted)
