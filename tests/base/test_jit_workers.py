@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.base import kernels as jit
-from irsim_gym.base.compiled import workers
+from irsim_gym.base.kernels import workers
 from irsim_gym.base.compiled.watch import Watch
 from irsim_gym.base.kernels import hooks
 from irsim_gym.base.kernels.replay import Packer, is_possible
@@ -31,7 +31,7 @@ JOBS = """
 import os, sys, time
 import numpy as np
 from irsim_gym.simulator.contact.contact import fill
-from irsim_gym.base.compiled import workers
+from irsim_gym.base.kernels import workers
 from irsim_gym.base.compiled.watch import compilation
 from irsim_gym.base.kernels.replay import Packer
 from irsim_gym.tasks.terms.term import overwrite
