@@ -626,10 +626,7 @@ def test_what_kernels_access_is_read_from_their_bodies() -> None:
 
 
 def test_files_from_outside_have_one_reader() -> None:
-    """Others read what they have just written, what a child of theirs has, or objects after their own checks.
-
-    ``robot/drive.py`` leaves without the package.
-    """
+    """Others read what they have just written, what a child of theirs has, or objects after their own checks."""
     calls = {"np.load", "json.load", "json.loads", "pickle.load", "pickle.loads", "zipfile.ZipFile"}
     others = {
         *(
@@ -646,7 +643,6 @@ def test_files_from_outside_have_one_reader() -> None:
             "training/searches/tuning.py",
         ),
         "evaluation/saved_policies/trusted.py",
-        "robot/drive.py",
     }
     places = {
         module.place

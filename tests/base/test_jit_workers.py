@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 
 from irsim_gym.base import kernels as jit
-from irsim_gym.base.kernels import workers
 from irsim_gym.base.compiled.watch import Watch
-from irsim_gym.base.kernels import hooks
+from irsim_gym.base.kernels import hooks, workers
 from irsim_gym.base.kernels.replay import Packer, is_possible
 from irsim_gym.scenario import load_scenario
 from irsim_gym.simulator.engine import compile

@@ -12,8 +12,9 @@ import numpy as np
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.cli.work.inspection import check_drawing
-from irsim_gym.envs.described.description import Block, Description
+from irsim_gym.envs.described.description import Description
 from irsim_gym.envs.described.description_text import show
+from irsim_gym.envs.described.parts import Block
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.evaluation.requests.inputs import check_inputs
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest

@@ -7,10 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from io import StringIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from irsim_gym.envs.described.description import Block, Description, Part
+from irsim_gym.envs.described.parts import Block, Described, Part
 
 WIDTH = 120
 """Characters in a line of plain text."""
@@ -36,7 +35,7 @@ class Sheet:
     widest: int
 
 
-def as_text(description: Description) -> str:
+def as_text(description: Described) -> str:
     """Return plain text, without colours or lines."""
     from rich.console import Console
 
@@ -45,7 +44,7 @@ def as_text(description: Description) -> str:
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
 
 
-def show(description: Description) -> None:
+def show(description: Described) -> None:
     """Print tables where the output is a terminal, else plain text."""
     from rich.console import Console
 
@@ -56,7 +55,7 @@ def show(description: Description) -> None:
         print(as_text(description))
 
 
-def as_html(description: Description) -> str:
+def as_html(description: Described) -> str:
     """Return the tables for a notebook."""
     parts = [f"<b>{escape(line)}</b><br>" for line in headlines(description)]
     for sheet in sheets(description):
@@ -70,7 +69,7 @@ def _cell(text: str) -> str:
     return escape(text).replace("\n", "<br>")
 
 
-def _write(console: Any, description: Description, *, lined: bool) -> None:
+def _write(console: Any, description: Described, *, lined: bool) -> None:
     from rich.box import ROUNDED
     from rich.table import Table
     from rich.text import Text
@@ -88,7 +87,7 @@ def _write(console: Any, description: Description, *, lined: bool) -> None:
         console.print(table, highlight=False)
 
 
-def headlines(description: Description) -> list[str]:
+def headlines(description: Described) -> list[str]:
     """Return what stands above the tables."""
     said = description
     others = f" (the same for {_some(said.same_for)})" if said.same_for else ""
@@ -102,7 +101,7 @@ def headlines(description: Description) -> list[str]:
     ]
 
 
-def _needed(description: Description) -> str:
+def _needed(description: Described) -> str:
     """Return what a robot must have, and which observations of plugins do not say."""
     unsaid = [block.name for block in description.blocks if block.needs is None]
     unknown = [f"not said by {', '.join(unsaid)} (declare 'needs')"] if unsaid else []
@@ -114,7 +113,7 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:MOST_NAMES]) + more
 
 
-def sheets(description: Description) -> Iterator[Sheet]:
+def sheets(description: Described) -> Iterator[Sheet]:
     """Yield the tables of a description."""
     rows = [row for block in description.blocks for row in _block_rows(block, description.form)]
     yield Sheet("observation", ("columns", "block", "from", "to", "what it holds"), tuple(rows), 4)
@@ -146,7 +145,7 @@ def _said(part: Part) -> str:
     return "\n".join(line for line in (f"- {part.meaning}", part.scale, part.directions) if line)
 
 
-def _action_sheets(description: Description) -> Iterator[Sheet]:
+def _action_sheets(description: Described) -> Iterator[Sheet]:
     action = description.action
     heads = ("component", "-1 means", "1 means", "changes at most")
     rows = []

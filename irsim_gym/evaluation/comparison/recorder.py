@@ -157,9 +157,8 @@ def record_demonstrations(
         DemonstrationError: If the existing file cannot be appended to, or the policy was trained with other
             observations.
     """
-    from irsim_gym.evaluation.saved_policies.policies import (
-        load_policy,  # can load PyTorch, which manual play does not need
-    )
+    # This can load PyTorch, which manual play does not need.
+    from irsim_gym.evaluation.saved_policies.policies import load_policy
 
     env = make(scenario, task=task, strict=strict, **parameters)
     world, driver = env.unwrapped, load_policy(policy)
@@ -178,9 +177,8 @@ def record_demonstrations(
                 while not ended:
                     action = driver.act(world.worlds.episodes, first)[0]
                     observation, reward, terminated, truncated, info = env.step(action)
-                    recorder.add(
-                        RecordedStep(action, observation, float(reward), terminated, truncated, int(info["outcome"]))
-                    )
+                    outcome = int(info["outcome"])
+                    recorder.add(RecordedStep(action, observation, float(reward), terminated, truncated, outcome))
                     ended = terminated or truncated
     finally:
         recorder.save()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Floats
 from irsim_gym.rendering.frames.letters import Masks
+from irsim_gym.rendering.frames.stamps import dot_mask, flag_mask
 from irsim_gym.rendering.looks import theme
 from irsim_gym.rendering.looks.colours import CLEAR, Colour, colour, shade
 from irsim_gym.rendering.looks.styles import (
@@ -23,7 +24,6 @@ from irsim_gym.rendering.looks.styles import (
     scan_style,
 )
 from irsim_gym.rendering.raster import records
-from irsim_gym.rendering.raster.areas import paint_disc, paint_line, paint_polygon
 from irsim_gym.rendering.scene import vocabulary
 from irsim_gym.rendering.scene.primitives import Figure, Ink
 from irsim_gym.rendering.scene.scene import DrawnBody, Form, GoalView
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 LINE_STYLES = {"solid": 0, "dashed": 1, "dashdot": 2, "dotted": 3}
 FORMS = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE, "linestring": records.CURVE}
-WHITE = np.array([255.0, 1.0])
 RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
 DRAWN_BY_KIND = ("shadows", "fixed", "bodies", "headings", "fields", "ghosts")
 """Ranks of a body's shapes with kernels of their own; other shapes are drawn as the vocabulary describes them."""
@@ -215,7 +214,7 @@ class Plan:
         shown = [body for body, style in enumerate(self._styles) if style.show_goal]
         if not shown:
             return
-        dot, flag = _dot(self._masks, vocabulary.WAYPOINT.dot * self._point), _flag(self._masks, self._point)
+        dot, flag = dot_mask(self._masks, vocabulary.WAYPOINT.dot * self._point), flag_mask(self._masks, self._point)
         for body in shown:
             near, far, reached = (_goal(self._styles[body], *how) for how in ((1.0, False), (2.0, False), (1.0, True)))
             inks: dict[str, Colour] = {}
@@ -294,7 +293,7 @@ class Plan:
 
     def _scan_items(self) -> Iterator[Item]:
         beams, angles = list[Rows](), list[Floats]()
-        first, dot = 0, _dot(self._masks, 1.3 * self._point)
+        first, dot = 0, dot_mask(self._masks, 1.3 * self._point)
         for group in self.groups:
             for k, body in enumerate(group.members.tolist()):
                 style = scan_style(group.options[k])
@@ -377,31 +376,3 @@ def _table(rows: Sequence[Item]) -> Rows:
     for number, (_, item) in enumerate(sorted(rows, key=lambda row: row[0])):
         table[number] = item
     return table
-
-
-def _dot(masks: Masks, radius: float) -> int:
-    """Return the mask of a dot in the middle of a pixel."""
-    return masks.drawn(
-        radius + 0.5,
-        lambda picture, sheet, box, corner: paint_disc(
-            records.RasterCanvas(picture, sheet, box), (corner + 0.5, corner + 0.5), radius, WHITE
-        ),
-    )
-
-
-def _flag(masks: Masks, point: float) -> int:
-    """Return the mask of a flag's pole; the next mask is that of its pennant."""
-    pole, pennant = (np.array(part) * [point, -point] for part in (theme.FLAG_POLE, theme.FLAG_PENNANT))
-    number = masks.drawn(
-        10.0 * point,
-        lambda picture, sheet, box, middle: paint_line(
-            records.RasterCanvas(picture, sheet, box), pole + middle, 0, 2, 1.3 * point, False, False, WHITE
-        ),
-    )
-    masks.drawn(
-        10.0 * point,
-        lambda picture, sheet, box, middle: paint_polygon(
-            records.RasterCanvas(picture, sheet, box), pennant + middle, 0, 3, False, WHITE
-        ),
-    )
-    return number
