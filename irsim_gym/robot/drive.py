@@ -122,9 +122,9 @@ class Driver:
     def _fault(self) -> str:
         stop, scan_age, pose_age = self.contract["stop"], self.now - self.scan_time, self.now - self.pose_time
         if "tested" in self.own and scan_age > stop["scan_age"]:
-            return f"the scan is {scan_age:.2f} s old"
+            return "no scan yet" if self.ranges is None else f"the scan is {scan_age:.2f} s old"
         if pose_age > stop["odometry_age"]:
-            return f"the odometry is {pose_age:.2f} s old"
+            return "no odometry yet" if self.pose is None else f"the odometry is {pose_age:.2f} s old"
         is_finite = np.isfinite(self.pose).all() and np.isfinite(self.velocity).all()
         return self.scan_fault if is_finite else "the odometry is not finite"
 

@@ -17,7 +17,8 @@ from irsim_gym.robot.network_graph import network_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.actions import DiscreteAction, VelocityAction
+from irsim_gym.tasks.actions.discrete import DiscreteAction
+from irsim_gym.tasks.actions.velocity import VelocityAction
 from irsim_gym.tasks.terms.graph import Graph, HasGraph, RobotValues, Value
 from irsim_gym.tasks.terms.term import NEEDS, IsImage, Term
 

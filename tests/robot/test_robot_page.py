@@ -1,0 +1,25 @@
+"""What docs/to_your_robot.md shows is run."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import run
+from test_readme import ROOT, blocks, commands
+
+PAGE = ROOT / "docs" / "to_your_robot.md"
+
+
+def test_the_page_works_as_it_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    _, command = commands(PAGE)
+    assert run(monkeypatch, *shlex.split(command)[1:]) == 0
+    for block in blocks(PAGE, "python"):
+        exec(compile(block.text, str(block), "exec", dont_inherit=True), {"__name__": "__main__"})
+    assert capsys.readouterr().out.splitlines()[-1] == "no scan yet"
