@@ -30,7 +30,7 @@ help:
 	@echo "make test        ruff, mypy, pytest"
 	@echo "make test-slow   the longer checks too"
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
-	@echo "make test-random 3,000 random scenarios: no value out of its space, no hang, no traceback (an hour or more)"
+	@echo "make test-random 3,000 random scenarios: no value out of its space, no hang, no traceback (half an hour or more)"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
 	@echo "make test-libraries  a dozen other libraries with our environments, in build/libraries (LIBRARY_SETS=zoo: some)"

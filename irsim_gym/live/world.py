@@ -13,6 +13,7 @@ from irsim_gym.live.pictures.camera import Camera
 from irsim_gym.live.pictures.media import MediaWriter
 from irsim_gym.live.pictures.viewer import Viewer
 from irsim_gym.live.planning.path_planner import PathPlanner
+from irsim_gym.live.planning.wayless import WaylessBodies
 from irsim_gym.live.population.forwarding import Attribute, Method
 from irsim_gym.live.population.late_behaviors import LateBehaviors
 from irsim_gym.live.population.population import Population
@@ -88,6 +89,7 @@ class World:
         self._info = WorldInfo(self._session, self._status)
         self._population = Population(self._session, self._status)
         self._late_behaviors = LateBehaviors(self._session)
+        self._wayless = WaylessBodies()
         self._planner = PathPlanner(self._session, self._population)
         self.draw = Drawing()
         self._irsim_drawing = IrSimDrawing(self._session, self.draw)
@@ -321,6 +323,7 @@ class World:
             simulation.step(commands, bodies)
         else:
             simulation.step()
+        self._wayless.warn(simulation)
         self._status.note_step()
         self.track.note(simulation)
         self._media.note_moment()

@@ -369,3 +369,14 @@ def test_small_functions_are_irsims() -> None:
         assert relative_position(here, np.array(there)) == expected
         assert relative_position([1, 2], np.ravel(there)) == expected
     assert relative_position([0, 0], [-1, 0], topi=False) == (1.0, np.pi)
+
+
+@pytest.mark.parametrize("name", ["pursuit", "hybrid_astar"])
+def test_a_body_whose_planner_finds_no_way_is_named_once(name: str) -> None:
+    here = world(BLOCK, robot={"goal": [5, 4], "behavior": {"name": name}})
+    with pytest.warns(UserWarning, match=r"'robot_0' stands: its behavior finds no way to \(5, 4\)"):
+        here.step()
+    here.step()  # warnings are errors: it is told once
+    assert here.robot.state.tolist() == [1, 1, 0]
+    here.robot.set_goal([1, 9])
+    here.step()  # there is a way now

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Literal
 
-from irsim_gym.base.arraytypes import CellMaps, Ints
+import numpy as np
+
+from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.bodies.behaviors.hybrid_astar.drive import drive_poses
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, forget_poses
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving
@@ -56,6 +58,11 @@ class HybridAstar(RenewsGoals):
     def begin(group: Group, shard: Shard) -> None:
         """Clear the paths of worlds that begin."""
         forget_poses(shard.worlds, group.tables)
+
+    @staticmethod
+    def wayless(group: Group) -> Flags:
+        """Return which members looked for a way to their goal and found none, shape ``(n_worlds, n_members)``."""
+        return np.asarray((group.tables.count == 0) & ~np.isnan(group.tables.goal[:, :, 0]))
 
     @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:

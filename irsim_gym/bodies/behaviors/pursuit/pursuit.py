@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Ints
+from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving, pursue
 from irsim_gym.bodies.behaviors.pursuit.seen import pursue_seen
 from irsim_gym.bodies.behaviors.pursuit.tables import PursuitTables, forget_ways
@@ -101,6 +101,11 @@ class Pursuit(RenewsGoals):
     def begin(group: Group, shard: Shard) -> None:
         """Clear the paths of worlds that begin."""
         forget_ways(shard.worlds, group.tables)
+
+    @staticmethod
+    def wayless(group: Group) -> Flags:
+        """Return which members looked for a way to their goal and found none, shape ``(n_worlds, n_members)``."""
+        return np.asarray((group.tables.count == 0) & ~np.isnan(group.tables.goal[:, :, 0]))
 
     @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
