@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from task_tools import play
+from task_tools import play, scenario
 
 from irsim_gym.base import families
+from irsim_gym.cli.work import trial
 from irsim_gym.errors import KindError
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.plugin_checks import term_watch
+from irsim_gym.tasks.plugin_checks.term_watch import watch_terms
 
 HEAD = """
 import numpy as np
@@ -190,7 +191,7 @@ WHEN_USED: list[tuple[str, str, str, str]] = [
     ("action", CLIPPED, "episode.action[shard.worlds]", "writes the same action whatever is given"),
     ("action", "n_choices = 0", "n_choices = 2.5", "n_choices must be a whole number >= 0, got 2.5"),
 ]
-"""Told when it is bound or in its first steps."""
+"""Told when it is bound, or by ``watch_terms``."""
 
 
 @pytest.fixture(autouse=True)
@@ -223,9 +224,12 @@ def episodes(family: str, n_worlds: int = 2, **options: Any) -> Episodes:
     return play({"sensors": []}, task=task, n_worlds=n_worlds)
 
 
-def run(family: str, steps: int = 8, **options: Any) -> list[Any]:
+def run(family: str, steps: int = 8, watched: bool = True, **options: Any) -> list[Any]:
     """Play some steps, and return what was seen and paid."""
     played, seen = episodes(family, **options), []
+    if watched:
+        watch_terms(played.terms, played.simulation)
+        played.begin(np.arange(2), np.arange(2))
     for k in range(steps):
         played.step(np.full((2, 1, 2), 0.9 - 0.3 * (k % 5)))
         seen += [played.view.observation.copy(), played.view.reward.copy(), played.view.terminated.copy()]
@@ -262,26 +266,24 @@ def test_all_mistakes_of_a_class_are_told_at_once() -> None:
 
 
 @pytest.mark.parametrize("family", list(SOURCES))
-def test_what_is_right_is_left_alone(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is watched for some steps and then played as it is, with the same results as one that nobody watches."""
+def test_what_is_right_is_left_alone(family: str) -> None:
+    """A watched kind does the same as one that nobody watches."""
     registered(family, SOURCES[family])
-    monkeypatch.setattr(term_watch, "CALLS", 5)
-    watched = run(family, steps=12)
-    monkeypatch.setattr(term_watch, "CALLS", 0)
-    np.testing.assert_equal(watched, run(family, steps=12))
-    monkeypatch.setattr(term_watch, "CALLS", 5)
-    played = episodes(family)
-    assert played._watch.is_on
-    assert "Mine" in {type(term.options).__name__ for terms in played.terms.values() for term in terms}
-    for _ in range(7):
-        played.step(np.zeros((2, 1, 2)))
-    assert not played._watch.is_on
-    assert all(term.watched is None for terms in played.terms.values() for term in terms)
+    np.testing.assert_equal(run(family, steps=12), run(family, steps=12, watched=False))
 
 
 def test_shipped_kinds_are_not_watched() -> None:
     played = episodes("none")
-    assert not played._watch.is_on
-    assert all(
-        type(term.options).__module__.startswith("irsim_gym.") for terms in played.terms.values() for term in terms
-    )
+    before = [term.options for terms in played.terms.values() for term in terms]
+    watch_terms(played.terms, played.simulation)
+    after = [term.options for terms in played.terms.values() for term in terms]
+    assert all(one is other for one, other in zip(before, after, strict=True))
+
+
+def test_the_trial_of_a_file_watches_kinds() -> None:
+    """It plays two worlds, so that a term that writes into worlds of others is found."""
+    registered("reward", changed("reward", "[shard.worlds, :, term.column]", "[:, :, term.column]"))
+    task = {"name": "blank", "observations": ["goal"], "rewards": ["mine"], "endings": ["arrived"], "audit": False}
+    steps = trial._with_terms_watched(scenario({"sensors": []}, task=task), None)
+    with pytest.raises(KindError, match=r"writes into worlds that are not in shard\.worlds"):
+        next(steps)

@@ -154,6 +154,7 @@ def run_briefly(file: str, reading: ReadOptions) -> tuple[Problem, ...]:
     compile(scenario)  # refuses robots that start in obstacles
     unaudited = replace(scenario, task={**scenario.task, "audit": False})  # terms are played whatever they weigh
     with suppress(ScenarioError):  # no robot can learn there
+        _take_steps(_with_terms_watched(unaudited, reading.task))
         _take_steps(_with_a_learner(unaudited, reading.task))
     with suppress(ScenarioError):
         _take_steps(_as_a_team(unaudited, reading.task) if len(scenario.robots) > 1 else iter(()))
@@ -202,6 +203,29 @@ def _by_itself(scenario: Scenario) -> Iterator[None]:
     simulation.reset()
     while True:
         simulation.step()
+        yield
+
+
+def _with_terms_watched(scenario: Scenario, task: str | None) -> Iterator[None]:
+    """Play the task in two worlds where terms of plugins are checked in each call; nothing where it has none."""
+    import numpy as np
+
+    from irsim_gym.base.contract import is_foreign
+    from irsim_gym.simulator.engine import compile
+    from irsim_gym.tasks import Episodes, load_task
+    from irsim_gym.tasks.plugin_checks.term_watch import watch_terms
+
+    loaded = load_task(scenario, task)
+    if not any(map(is_foreign, map(type, (loaded.action, *loaded.observations, *loaded.rewards, *loaded.endings)))):
+        return
+    episodes = Episodes(compile(scenario, 2, agents=loaded.agents, fused=False), loaded)
+    watch_terms(episodes.terms, episodes.simulation)
+    episodes.begin(np.arange(2), np.arange(2))
+    random, shape = np.random.default_rng(0), (2, episodes.n_agents)
+    while True:
+        n_choices = episodes.n_discrete
+        size = (*shape, len(episodes.action_low))
+        episodes.step(random.integers(n_choices, size=shape) if n_choices else random.uniform(-1.0, 1.0, size))
         yield
 
 

@@ -20,7 +20,6 @@ from irsim_gym.tasks.episodes import account, team_state
 from irsim_gym.tasks.episodes.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.episodes.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.episodes.transition import transition_of
-from irsim_gym.tasks.plugin_checks.term_watch import TermWatch
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
 from irsim_gym.tasks.terms.outcome import PRECEDENCE
 from irsim_gym.tasks.terms.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
@@ -83,7 +82,6 @@ class Episodes:
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
-        self._watch = TermWatch(self.terms, simulation, (self._play, self._begin_episodes, self._begin))
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
 
@@ -262,8 +260,6 @@ class Episodes:
             and direct.run(given.reshape(-1))
         ):
             return
-        if self._watch.is_on:
-            self._watch.end_if_seen()
         rows = shards.all[0].worlds if worlds is None else worlds
         commands.take(given, rows, self.n_discrete, self.action_sizes, self._given)
         self.simulation.run(self._play, worlds)
@@ -301,12 +297,12 @@ class Episodes:
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._record_step(shard)
         for term in self._endings:
-            (term.watched or term.options.ends)(term, model, world, state, shard)
+            term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
-            (term.watched or term.options.pay)(term, model, world, state, shard)
+            term.options.pay(term, model, world, state, shard)
         if self.waits:
             account.settle_arrivals(shard.worlds, self._on_the_way, state)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
@@ -317,7 +313,7 @@ class Episodes:
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state
         term = self._action
-        (term.watched or term.options.act)(term, model, self.simulation.state, state, shard)
+        term.options.act(term, model, self.simulation.state, state, shard)
         commands.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
             commands.turn_commands(shard.worlds, self._turned, self.simulation.state)
@@ -337,7 +333,7 @@ class Episodes:
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
-            (term.watched or term.options.write)(term, self.simulation.model, self.simulation.state, self.state, shard)
+            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

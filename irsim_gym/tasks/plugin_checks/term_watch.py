@@ -1,11 +1,9 @@
-"""Checks terms of plugins in their first calls: what they return, and what they write.
-
-While a term is watched, steps are not recorded. Afterwards, the checks are removed.
-"""
+"""Checks calls of terms of plugins: what they return, and what they write; for ``irsim-gym check`` and tests."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import fields
 from typing import Any
 
@@ -14,12 +12,11 @@ from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.base.contract import is_foreign, refuse
-from irsim_gym.simulator.running.fused import Fused
 from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, Simulation, State
 from irsim_gym.tasks.terms.term import IsImage, Term
 
-CALLS, CLOSELY = 300, 3
-"""Number of calls of a term that are watched, and of the first ones, in which all arrays are compared."""
+FEW = 3
+"""Number of different inputs from which on an action must differ, too."""
 MARK, BYTE = 2.0**100, 171
 """Markers of numbers (exact in float32) and of bytes and flags that a term must write."""
 SLACK = 1e-6
@@ -35,89 +32,64 @@ OUTPUTS: dict[str, tuple[str, str, str]] = {
 """Method of a kind, the array that it writes, and this as code for messages."""
 
 
-class TermWatch:
-    """Watches the terms of a task that come from plugins.
+def watch_terms(terms: Mapping[str, Sequence[Term]], simulation: Simulation) -> None:
+    """Check each call of the terms that come from plugins, from now on.
 
     Args:
-        terms: The terms by family, see ``Episodes.terms``.
-        simulation: The simulation.
-        recorded: Functions that must not be recorded while terms are watched.
-
-    Attributes:
-        is_on: Whether any term is watched.
+        terms: The terms of episodes by family, see ``Episodes.terms``.
+        simulation: Their simulation, of one thread and compiled with ``fused=False``; with two worlds or more, a term
+            that writes into worlds of others is found, too.
     """
-
-    def __init__(self, terms: Mapping[str, Sequence[Term]], simulation: Simulation, recorded: Sequence[Fused]) -> None:
-        self._checks: list[tuple[Term, CallCheck]] = []
-        for key, those in terms.items():
-            family = key.removesuffix("s")
-            for term in (one for one in those if is_foreign(type(one.options))):
-                term.watched = check = CallCheck(family, term, simulation)
-                self._checks.append((term, check))
-        self.is_on = bool(self._checks)
-        self._recorded = [function for function in recorded if function.is_fusable and self.is_on]
-        for function in self._recorded:
-            function.is_fusable = False
-
-    def end_if_seen(self) -> None:
-        """Stop watching if all terms have been watched for long enough; to be called between steps."""
-        if all(check.calls >= CALLS for _, check in self._checks):
-            for term, _ in self._checks:
-                term.watched = None
-            for function in self._recorded:
-                function.is_fusable = True
-            self._checks, self.is_on = [], False
+    for key, those in terms.items():
+        family = key.removesuffix("s")
+        for term in (one for one in those if is_foreign(type(one.options))):
+            check = CallCheck(family, term, simulation)
+            # The copy's own attribute hides the method; the task keeps the kind as it is.
+            term.options = copy(term.options)
+            vars(term.options)[check.method] = check
 
 
 class CallCheck:
-    """Calls a term in place of its method, and checks what the method does.
+    """Calls a term in place of its method, one world at a time, and checks what the method does.
 
     Attributes:
-        calls: Number of calls so far.
+        method: Name of the method.
     """
 
     def __init__(self, family: str, term: Term, simulation: Simulation) -> None:
-        self.calls = 0
         self._family = family
         self._output = "picture" if family == "observation" and isinstance(term.options, IsImage) else family
+        self.method, self._array, self._place = OUTPUTS[self._output]
+        self._call = getattr(term.options, self.method)
         ones = np.ones(term.action_size if family == "action" else 0)
         self._bounds = (-ones, ones) if family == "action" else term.bounds
         first = term.column if self._output in ("observation", "reward", "ending") else 0
         width = term.image[0, 0].size if self._output == "picture" else max(1, len(self._bounds[0]))
         self._own = slice(first, first + width)
         self._names = [simulation.parts.names[int(b)] for b in term.agents]
-        self._is_alone = simulation.shards.n_slots == 1
-        self._fresh: Flags = np.full(simulation.n_worlds, family != "action")  # the latest action may be read
         self._paid = np.zeros((simulation.n_worlds, len(term.agents), 1))
-        self._latest: tuple[NDArray[Any], NDArray[Any]] | None = None
-        self._answers = False
+        self._given: set[bytes] = set()
+        self._actions: set[bytes] = set()
 
     def __call__(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        """Call the term, and check what it did.
+        """Call the term for each world of the shard, and check what it did.
 
         Raises:
             KindError: If it did something that its family does not allow.
         """
-        # The first call is made in two parts, which reveals a term that writes into all worlds.
-        split = 1 if self.calls == 0 and self._is_alone else 0
-        for worlds in filter(len, (shard.worlds[:split], shard.worlds[split:])):
-            self._check_worlds(term, model, state, episode, Shard(worlds, shard.slot))
-        self.calls += 1
-
-    def _check_worlds(self, term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        worlds, (method, array, _) = shard.worlds, OUTPUTS[self._output]
-        holder: Any = term if array == "image" else episode
-        rows: NDArray[Any] = getattr(holder, array).reshape(*getattr(holder, array).shape[:2], -1)
-        rows = rows.view(np.uint8) if rows.dtype == np.bool_ else rows
-        fresh = worlds[self._fresh[worlds]]
-        self._fresh[worlds] = False
-        rows[fresh, :, self._own] = BYTE if rows.dtype == np.uint8 else MARK
-        free = {"random", array, "previous_action" if array == "action" else ""}
-        before = {"": (rows, rows.copy()), **(_arrays(state, episode, free) if self.calls < CLOSELY else {})}
-        returned = getattr(term.options, method)(term, model, state, episode, shard)
-        problem = next(self._problems(term, episode, before, worlds, fresh, returned), None)
-        if problem is not None:
-            refuse(self._family, term.name, type(term.options), [f"{method}() {problem}"], method)
+        for worlds in shard.worlds[:, None]:
+            holder: Any = term if self._array == "image" else episode
+            rows: NDArray[Any] = getattr(holder, self._array)
+            rows = rows.reshape(*rows.shape[:2], -1)
+            rows = rows.view(np.uint8) if rows.dtype == np.bool_ else rows
+            if self._family != "action":  # the latest action may be read
+                rows[worlds, :, self._own] = BYTE if rows.dtype == np.uint8 else MARK
+            free = {"random", self._array, "previous_action" if self._family == "action" else ""}
+            before = {"": (rows, rows.copy()), **_arrays(state, episode, free)}
+            returned = self._call(term, model, state, episode, Shard(worlds, shard.slot))
+            problem = next(self._problems(term, episode, before, worlds, returned), None)
+            if problem is not None:
+                refuse(self._family, term.name, type(term.options), [f"{self.method}() {problem}"], self.method)
 
     def _problems(
         self,
@@ -125,13 +97,12 @@ class CallCheck:
         episode: EpisodeState,
         arrays: dict[str, tuple[NDArray[Any], NDArray[Any]]],
         worlds: Ints,
-        fresh: Ints,
         returned: object,
     ) -> Iterator[str]:
         """Yield problems with the output, causes before consequences."""
-        own, place, (rows, before) = self._own, OUTPUTS[self._output][2], arrays.pop("")
+        own, place, (rows, before) = self._own, self._place, arrays.pop("")
         answer = type(returned).__name__ + (f" of shape {returned.shape}" if isinstance(returned, np.ndarray) else "")
-        if _is_marked(rows[fresh, :, own]):
+        if self._family != "action" and _is_marked(rows[worlds, :, own]):
             if returned is not None:
                 yield f"returns {answer} and writes nothing: it must write into {place}"
             yield f"leaves {place} as it was, at least for some agents: it must be written in each call"
@@ -143,8 +114,8 @@ class CallCheck:
             column = np.argwhere(others)[0, 2]
             yield f"writes column {column}, which is another term's; its own {span}, from term.column on"
         changed[worlds] = False
-        if self._is_alone and changed.any():
-            yield f"writes into worlds that are not in shard.worlds ({worlds[:5].tolist()}): index by shard.worlds"
+        if changed.any():
+            yield f"writes into worlds that are not in shard.worlds ({worlds.tolist()}): index by shard.worlds"
         values = rows[worlds][..., own]
         for wrong, rule in self._rules(term, episode, values, worlds):
             if wrong.any():
@@ -198,12 +169,10 @@ class CallCheck:
 
     def _ignored_input(self, episode: EpisodeState) -> Iterator[str]:
         """Yield a problem if the learners' actions have no effect."""
-        given = np.concatenate([episode.given.ravel(), episode.choice.ravel()])
-        if self._is_alone and self._latest is not None and not np.array_equal(given, self._latest[0]):
-            self._answers |= not np.array_equal(episode.action, self._latest[1])
-            if not self._answers and self.calls > CLOSELY:
-                yield "writes the same action whatever is given: episode.given, or episode.choice with n_choices > 0"
-        self._latest = given, episode.action.copy()
+        self._given.add(episode.given.tobytes() + episode.choice.tobytes())
+        self._actions.add(episode.action.tobytes())
+        if len(self._given) > FEW and len(self._actions) == 1:
+            yield "writes the same action whatever is given: episode.given, or episode.choice with n_choices > 0"
 
 
 def _arrays(state: State, episode: EpisodeState, free: set[str]) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:

@@ -61,7 +61,6 @@ class Term:
         image: Output of an image observation, ``(n_worlds, n_agents, height, width, n_channels)``; empty for other
             terms.
         bounds: Lower and upper bound of each column of an observation, ``(width,)`` each; empty for other terms.
-        watched: Called in place of the kind's method while a plugin is checked, see ``term_watch``; else None.
     """
 
     name: str
@@ -76,7 +75,6 @@ class Term:
     bodies: Group | None = None
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
     bounds: tuple[Rays, Rays] = field(default_factory=lambda: (np.zeros(0, np.float32), np.zeros(0, np.float32)))
-    watched: Any = None
 
     @cached_property
     def bound(self) -> Bound:

@@ -19,7 +19,6 @@ from irsim_gym.errors import IrsimGymError, KindError, ScenarioError
 from irsim_gym.plugins import Outcome, kernel, kind, option
 from irsim_gym.simulator.engine import Shard
 from irsim_gym.tasks import Episodes, load_task
-from irsim_gym.tasks.plugin_checks import term_watch
 
 PAGE = (Path(__file__).parents[3] / "docs" / "plugins.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
@@ -326,8 +325,7 @@ def pay_by_kernel(term: Any, model: Any, state: Any, episode: Any, shard: Shard)
         (pay_by_kernel, ""),
     ],
 )
-def test_a_promise_that_is_not_kept_is_found(pay: Any, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(term_watch, "CALLS", 2)
+def test_a_promise_that_is_not_kept_is_found(pay: Any, said: str) -> None:
     made = type(
         "Mine",
         (),
