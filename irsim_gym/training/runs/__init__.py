@@ -1,3 +1,4 @@
 """A run with Stable-Baselines3: environment, model, checkpoints, continuation.
 
-No settings from files."""
+No settings from files.
+"""

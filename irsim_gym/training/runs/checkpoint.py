@@ -20,9 +20,9 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
+from irsim_gym.base.outside_files import reading, remove, writing
 from irsim_gym.envs.sb3_learning.learnability import LearnableLevels
 from irsim_gym.evaluation.protocol.tables import plain, write_bytes
-from irsim_gym.base.outside_files import reading, remove, writing
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.training.runs.environment import worlds_state
 

@@ -16,14 +16,14 @@ from stable_baselines3.common.distributions import DiagGaussianDistribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 
 from irsim_gym.base.arraytypes import Ints
-from irsim_gym.envs.parts.spaces import observation_layout
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.evaluation.policies.policy import by_agent, percepts, Policy
+from irsim_gym.envs.parts.spaces import observation_layout
+from irsim_gym.evaluation.comparison.evaluate import WORLDS
+from irsim_gym.evaluation.policies.policy import Policy, by_agent, percepts
 from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol.protocol import drive
-from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.evaluation.comparison.evaluate import WORLDS
 from irsim_gym.evaluation.saved_policies.policies import load_policy, memory_shape
+from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.settings.run import Settings
 
 BATCH = 1024

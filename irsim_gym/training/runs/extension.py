@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.evaluation.saved_policies.checkpoint_files import load_progress, newest_checkpoint, OFF_POLICY
+from irsim_gym.evaluation.saved_policies.checkpoint_files import OFF_POLICY, load_progress, newest_checkpoint
 from irsim_gym.training.settings.run import Run
 
 

@@ -13,9 +13,9 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize, unwrap_vec_normalize
 
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.training.settings.algorithm_options import ACTIVATIONS
 from irsim_gym.evaluation.saved_policies.algorithms import ALGORITHMS
-from irsim_gym.evaluation.saved_policies.policies import form_of, load_policy, policy_file, SavedPolicy
+from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, form_of, load_policy, policy_file
+from irsim_gym.training.settings.algorithm_options import ACTIVATIONS
 from irsim_gym.training.settings.run import Settings
 
 SHAPES = (

@@ -16,13 +16,13 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.envs.sb3_learning.mirror import checked_mirror
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.outside_files import reading
-from irsim_gym.sb3 import buffers_for, LearnabilityCallback, MirrorCallback
-from irsim_gym.training.runs import checkpoint as files
+from irsim_gym.envs.sb3_learning.mirror import checked_mirror
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
+from irsim_gym.sb3 import LearnabilityCallback, MirrorCallback, buffers_for
+from irsim_gym.training.runs import checkpoint as files
 from irsim_gym.training.runs.environment import build_environment, restore_worlds
 from irsim_gym.training.settings.run import Run, Settings
 
