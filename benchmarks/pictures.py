@@ -25,12 +25,7 @@ WHO = {
     "vmas": "VMAS",
     "jaxnav": "JaxNav",
 }
-PANELS = {
-    "agents": "ORCA crowd in one world",
-    "obstacles": "S1, 64 worlds",
-    "beams": "S1, 64 worlds",
-    "worlds": "S1",
-}
+PANELS = {"agents": "ORCA crowd in one world", "obstacles": "S1, 64 worlds", "beams": "S1, 64 worlds", "worlds": "S1"}
 
 Figures = Mapping[str, Mapping[str, float]]
 Found = dict[str, dict[str, Any]]

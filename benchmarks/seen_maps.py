@@ -14,11 +14,7 @@ from irsim_gym.envs import Worlds
 from irsim_gym.evaluation import BehaviorPolicy
 
 SCENARIO, N_WORLDS, STEPS = "dense_room", 256, 100
-ADDED = {
-    "plain": (),
-    "way_on_seen_map": ("way_on_seen_map",),
-    "seen_map_image": ("seen_map_image",),
-}
+ADDED = {"plain": (), "way_on_seen_map": ("way_on_seen_map",), "seen_map_image": ("seen_map_image",)}
 
 
 def seen_maps(effort: Effort) -> Figures:

@@ -81,11 +81,7 @@ def cases(name: str, result: Mapping[str, Any]) -> str:
     return "\n\n".join(parts)
 
 
-PAINTERS = {
-    "raster": "irsim_gym",
-    "naive": "matplotlib, everything drawn anew",
-    "irsim": "IR-SIM",
-}
+PAINTERS = {"raster": "irsim_gym", "naive": "matplotlib, everything drawn anew", "irsim": "IR-SIM"}
 
 
 def drawing(figures: Mapping[str, float]) -> str:

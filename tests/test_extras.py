@@ -83,11 +83,7 @@ def test_environments_films_pages_and_policies_on_the_shelf_need_no_extra(tmp_pa
     ],
 )
 def test_a_command_names_the_extra_that_it_lacks(
-    words: list[str],
-    extra: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
+    words: list[str], extra: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("policy.zip").touch()

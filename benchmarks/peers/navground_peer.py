@@ -107,10 +107,7 @@ CROWD = ("float32", "colliding agents are pushed apart and counted")
 PEER = Peer(
     "navground",
     "navground",
-    {
-        "s1_single": Work(scanner, SCAN_ONLY),
-        **{f"orca_{n}": Work(crowd, CROWD) for n in (10, 100, 1000)},
-    },
+    {"s1_single": Work(scanner, SCAN_ONLY), **{f"orca_{n}": Work(crowd, CROWD) for n in (10, 100, 1000)}},
 )
 
 if __name__ == "__main__":

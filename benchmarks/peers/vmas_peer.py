@@ -29,10 +29,7 @@ def _scenario(given: Mapping[str, Any]) -> Any:
     scenario = given["scenario"]
     side, sensor = scenario["world"]["width"], scenario["robot"][0]["sensors"][0]
     starts = torch.tensor(given["starts"], dtype=torch.float32)
-    shapes = {
-        "circle": lambda s: Sphere(s["radius"]),
-        "rectangle": lambda s: Box(s["length"], s["width"]),
-    }
+    shapes = {"circle": lambda s: Sphere(s["radius"]), "rectangle": lambda s: Box(s["length"], s["width"])}
 
     class Room(BaseScenario):
         """One robot among things that never move."""
@@ -154,11 +151,7 @@ def navigation(given: Mapping[str, Any], batch: int) -> Play:
 
 
 FLOATS = "state and rays in float32"
-ROOM = (
-    FLOATS,
-    "touching bodies are pushed apart",
-    "starts come from a list",
-)
+ROOM = (FLOATS, "touching bodies are pushed apart", "starts come from a list")
 TEAM = (
     FLOATS,
     "no wandering bodies; beams see only the other agents",

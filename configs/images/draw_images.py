@@ -22,10 +22,7 @@ GLASS, GLASS_LIGHT = (30, 41, 59, 255), (71, 92, 120, 255)
 TYRE, CLEAR = (24, 28, 34, 255), (0, 0, 0, 0)
 LAMP, TAIL_LAMP = (255, 243, 190, 255), (150, 12, 24, 255)
 CARS = {"car_blue.png": (37, 99, 191), "car_red.png": (200, 45, 45), "car_green.png": (26, 138, 84)}
-ROBOTS = {
-    "diff_robot0.png": ((0, 148, 136), (240, 246, 246)),
-    "diff_robot1.png": ((232, 132, 28), (52, 58, 68)),
-}
+ROBOTS = {"diff_robot0.png": ((0, 148, 136), (240, 246, 246)), "diff_robot1.png": ((232, 132, 28), (52, 58, 68))}
 
 
 class Canvas:

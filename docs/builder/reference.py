@@ -56,11 +56,7 @@ SECTIONS = {
         "Tasks, and the codes in infos.",
         names=tuple(f"irsim_gym.tasks.{name}" for name in ("load_task", "Task", "Outcome", "HitKind")),
     ),
-    "sb3": Section(
-        "irsim_gym.sb3",
-        "For Stable-Baselines3.",
-        "irsim_gym.sb3",
-    ),
+    "sb3": Section("irsim_gym.sb3", "For Stable-Baselines3.", "irsim_gym.sb3"),
     "rllib": Section("irsim_gym.rllib", "For Ray RLlib.", "irsim_gym.rllib"),
     "levels": Section(
         "irsim_gym.levels",

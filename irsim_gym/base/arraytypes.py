@@ -1,7 +1,5 @@
 """Short names for array types by what they hold, and the records that kernels of several parts read."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

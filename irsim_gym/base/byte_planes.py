@@ -3,8 +3,6 @@
 The upper bytes of neighbouring numbers (exponents, small counts) are alike, which ``zlib`` sees only side by side.
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Mapping, Sequence

@@ -4,8 +4,6 @@ A family states it once, as a ``Protocol``: methods with their arguments, and at
 ``Annotated[type, "meaning"]``, what they say. The check reads the protocol, so that it cannot differ from it.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What parts of the package need that it does not install by itself."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from types import MappingProxyType
 

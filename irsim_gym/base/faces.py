@@ -1,7 +1,5 @@
 """How packages show their public names, and where public names of version 0.1 are now."""
 
-from __future__ import annotations
-
 import sys
 import warnings
 from collections.abc import Callable

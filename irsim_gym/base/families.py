@@ -1,7 +1,5 @@
 """The registries of all families. A family's package fills its own when it is imported."""
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Imports of modules by file or name, such as those that register kinds."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import sys

@@ -1,7 +1,5 @@
 """Options of kinds and specs: one declaration gives validation, schema, table and kernel record."""
 
-from __future__ import annotations
-
 import copy
 import copyreg
 import inspect

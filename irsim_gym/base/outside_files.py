@@ -6,8 +6,6 @@ All files that other programs or other people may have written are read within `
 ``zipfile``, ``zlib``, ``pickle`` and JSON raise errors of nearly any class. No file stays open.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -1,7 +1,5 @@
 """Named kinds: the one way in which the package is extended."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Declarations of options; what commands do is in ``work``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 __all__ = ["main"]

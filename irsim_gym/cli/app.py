@@ -1,7 +1,5 @@
 """The command ``irsim-gym``. Each command imports the heavy packages that it needs."""
 
-from __future__ import annotations
-
 import gc
 import io
 import signal

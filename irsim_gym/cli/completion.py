@@ -1,7 +1,5 @@
 """Completion of names on the command line. If nothing matches, the shell completes files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The commands ``irsim-gym levels``: levels as files. Each command imports the heavy packages that it needs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

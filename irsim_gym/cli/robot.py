@@ -1,7 +1,5 @@
 """The command ``irsim-gym export``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 
@@ -27,8 +25,7 @@ def export(
         typer.Option(min=0.0, max=2.0, help="Time from measuring until a new command acts [s]; the graph predicts it."),
     ] = 0.0,
     period: Annotated[
-        float | None,
-        typer.Option(min=0.001, max=10.0, help="Time between commands [s], if not as trained."),
+        float | None, typer.Option(min=0.001, max=10.0, help="Time between commands [s], if not as trained.")
     ] = None,
     scenario: Annotated[
         str | None,

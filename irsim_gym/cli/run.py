@@ -1,7 +1,5 @@
 """The command ``irsim-gym run``."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """The commands ``irsim-gym new``, ``doctor``, ``options`` and ``schema``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The commands ``irsim-gym train`` and ``irsim-gym tune``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

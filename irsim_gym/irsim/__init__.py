@@ -5,8 +5,6 @@ modules is another name of this one: ``from irsim_gym.irsim.util.util import Wra
 import WrapToPi`` are the same. A name of IR-SIM that is not here raises an ``ImportError`` that says what to use.
 """
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

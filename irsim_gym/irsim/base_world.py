@@ -1,7 +1,5 @@
 """IR-SIM's world as a class."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from irsim_gym.live.session.level_source import ScenarioSource

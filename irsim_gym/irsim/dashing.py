@@ -1,7 +1,5 @@
 """IR-SIM's ``dash`` as functions, for behaviours of one's own. States, goals and limits are flat or columns."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """IR-SIM's functions about angles, frames and points. Arguments are flat or columns, results are columns."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

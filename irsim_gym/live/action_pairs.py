@@ -1,7 +1,5 @@
 """Turns the arguments of ``World.step`` into one action per body."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The shortest path in a scenario, or in a world by hand, in one call."""
 
-from __future__ import annotations
-
 import math
 
 from numpy.typing import ArrayLike

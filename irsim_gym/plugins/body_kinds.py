@@ -1,7 +1,5 @@
 """Sensors, drives and placements of one's own, written as functions of one body."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, TypeVar

@@ -1,7 +1,5 @@
 """How a decorator makes a kind of a function, and how the kind calls it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 

@@ -1,7 +1,5 @@
 """Actions, observations, rewards and endings of one's own, written as functions of one agent."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, ClassVar, TypeVar
 

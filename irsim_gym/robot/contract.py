@@ -1,7 +1,5 @@
 """The contract of an exported policy: what it needs, what it was tested with, and how its graph is run."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field

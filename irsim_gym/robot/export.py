@@ -1,7 +1,5 @@
 """The command ``irsim-gym export``: a policy with its contract, its driver and a check, in a folder for a robot."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 from collections.abc import Mapping
@@ -232,9 +230,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
             name: StateForm(shape=start.shape, dtype=str(start.dtype), start=_start(start))
             for name, start in graph.starts.items()
         },
-        "outputs": {
-            "command": tuple(f"{word} [{unit}]" for word, unit in played.terms["action"][0].components[0]),
-        },
+        "outputs": {"command": tuple(f"{word} [{unit}]" for word, unit in played.terms["action"][0].components[0])},
     }
 
 

@@ -1,7 +1,5 @@
 """An exported graph as a policy in the simulator, and beside the policy that it was made of."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """What a robot measures: as inputs of a graph, and as an environment knows it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The README.md of an exported policy: a model card for people, with a front matter that hubs read."""
 
-from __future__ import annotations
-
 from textwrap import fill
 
 from irsim_gym.robot.contract import RobotContract

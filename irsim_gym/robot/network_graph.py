@@ -1,7 +1,5 @@
 """The network of a policy as a graph: the twins of the steps of ``array_network``, in double precision."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 

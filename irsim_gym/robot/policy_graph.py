@@ -1,7 +1,5 @@
 """A whole policy as one graph: from what a robot measures to its command in SI units."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

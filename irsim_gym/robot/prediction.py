@@ -4,8 +4,6 @@ The pose is rolled forward through the commands that are still under way, and th
 that pose. What moves by itself is seen where it was.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

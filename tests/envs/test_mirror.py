@@ -279,10 +279,7 @@ REFUSED: dict[str, Any] = {
         {"shape": {"name": "polygon", "vertices": [[0, 0], [0.5, 0], [0, 0.3]]}},
         ["goal"],
     ),
-    "the range sensor of 'robot_0' is not symmetrical": (
-        {"sensors": [{**LIDAR, "offset": [0.0, 0.1, 0.0]}]},
-        ["scan"],
-    ),
+    "the range sensor of 'robot_0' is not symmetrical": ({"sensors": [{**LIDAR, "offset": [0.0, 0.1, 0.0]}]}, ["scan"]),
     "the speed limits of 'robot_0' to the left and to the right differ": ({"vel_max": [1.0, 0.4]}, ["goal"]),
 }
 

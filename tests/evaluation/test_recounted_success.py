@@ -31,8 +31,7 @@ def counted(policy: Any, worlds: Perceived, levels: int) -> tuple[list[list[bool
 
 
 @pytest.mark.parametrize(
-    ("name", "levels"),
-    [*LEVELS.items(), *(pytest.param(name, 100, marks=pytest.mark.slow) for name in shelf_files())],
+    ("name", "levels"), [*LEVELS.items(), *(pytest.param(name, 100, marks=pytest.mark.slow) for name in shelf_files())]
 )
 def test_success_counted_anew(name: str, levels: int) -> None:
     found = card_of(name)

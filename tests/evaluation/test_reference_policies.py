@@ -97,11 +97,7 @@ def test_random_actions_follow_from_the_level() -> None:
 
 DRIVES = {
     "omni": {"kinematics": {"name": "omni"}, "vel_min": [-1, -1], "vel_max": [1, 1]},
-    "omni in its own frame": {
-        "kinematics": {"name": "omni", "frame": "body"},
-        "vel_min": [-1, -1],
-        "vel_max": [1, 1],
-    },
+    "omni in its own frame": {"kinematics": {"name": "omni", "frame": "body"}, "vel_min": [-1, -1], "vel_max": [1, 1]},
     "omni_angular": {"kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -1], "vel_max": [1, 1, 1]},
     "acker": {"kinematics": {"name": "acker", "wheelbase": 0.3}, "vel_min": [-1, -0.6], "vel_max": [1, 0.6]},
 }

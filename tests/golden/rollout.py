@@ -31,11 +31,7 @@ def rollout(name: str) -> dict[str, np.ndarray]:
         ended = np.flatnonzero(episodes.view.infos["outcome"][:, 0])
         if len(ended):
             episodes.begin_next(ended)
-    return {
-        "observation": np.array(observations)[::10],
-        "reward": np.array(rewards),
-        "level": np.array(levels),
-    }
+    return {"observation": np.array(observations)[::10], "reward": np.array(rewards), "level": np.array(levels)}
 
 
 if __name__ == "__main__":

@@ -13,13 +13,7 @@ from irsim_gym.live.world import World
 SHOWN = {"show_trajectory": True, "show_trail": True, "trail_freq": 5}
 TURNING = {
     "world": {"plot": {"figure_pixels": [240, 200], "saved_figure": {"bbox_inches": "standard"}}},
-    "robot": {
-        "kinematics": {"name": "diff"},
-        "state": [5, 2, 0],
-        "goal": [9, 9],
-        "velocity": [0, 0],
-        "plot": SHOWN,
-    },
+    "robot": {"kinematics": {"name": "diff"}, "state": [5, 2, 0], "goal": [9, 9], "velocity": [0, 0], "plot": SHOWN},
 }
 
 

@@ -159,10 +159,7 @@ DECISIONS = {
         "section 7",
     ),
     "angle_noise": Decision(
-        "angle_std is 0 unless given",
-        "it is 0.02 rad, when noise is true",
-        "the documentation says 0.02",
-        "D13",
+        "angle_std is 0 unless given", "it is 0.02 rad, when noise is true", "the documentation says 0.02", "D13"
     ),
     "scan_copies": Decision(
         "the arrays of a scan are overwritten by the next one",

@@ -149,10 +149,7 @@ def parties(draw: Any, ghosts: bool) -> dict[str, Any]:
     name = draw(st.sampled_from(GROUP_BEHAVIORS))
     way: dict[str, Any] = {"name": name}
     if name == "orca":
-        way |= {
-            "timeHorizon": draw(st.sampled_from([20.0, 4.0])),
-            "maxNeighbors": draw(st.integers(1, 4)),
-        }
+        way |= {"timeHorizon": draw(st.sampled_from([20.0, 4.0])), "maxNeighbors": draw(st.integers(1, 4))}
     elif count == 3 and draw(st.booleans()):
         way["social_groups"] = [[0, 1]]
     return {

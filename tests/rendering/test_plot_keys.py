@@ -37,11 +37,7 @@ NOT_IN_A_PICTURE = {"saved_figure"}
 COMMAND = (1.0, 0.9)
 
 WORLD: dict[str, Any] = {
-    "world": {
-        "width": 4,
-        "height": 4,
-        "plot": {"figure_pixels": [160, 160], "no_axis": True, "show_title": False},
-    },
+    "world": {"width": 4, "height": 4, "plot": {"figure_pixels": [160, 160], "no_axis": True, "show_title": False}},
     "robot": {
         "kinematics": {"name": "diff"},
         "shape": {"name": "circle", "radius": RADIUS},

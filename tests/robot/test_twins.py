@@ -113,12 +113,7 @@ def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
 
 @pytest.mark.parametrize(
     ("robot", "observations", "shift"),
-    [
-        (DIFF, EVERYTHING, 0.0),
-        (CAR, EVERYTHING, 1e5),
-        (OMNI, EVERYTHING, -1e5),
-        (DIFF, OTHERWISE, 0.0),
-    ],
+    [(DIFF, EVERYTHING, 0.0), (CAR, EVERYTHING, 1e5), (OMNI, EVERYTHING, -1e5), (DIFF, OTHERWISE, 0.0)],
     ids=["diff", "car far away", "omni far away", "other options"],
 )
 def test_twins_equal_their_kernels(robot: dict[str, Any], observations: list[Any], shift: float) -> None:

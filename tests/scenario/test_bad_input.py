@@ -125,18 +125,12 @@ ENTRIES = {
         "robot:\n  - kinematics: {name: dif}",
         "2 robot[0].kinematics.name: no kinematics named 'dif' (did you mean 'diff'?)",
     ),
-    "drive without name": (
-        "robot:\n  kinematics: {noise: false}",
-        f"2 robot.kinematics.name: is required: {NAMES}",
-    ),
+    "drive without name": ("robot:\n  kinematics: {noise: false}", f"2 robot.kinematics.name: is required: {NAMES}"),
     "drive as text": (
         "robot:\n  kinematics: diff",
         "2 robot.kinematics: must be a mapping such as {name: diff}, got 'diff'",
     ),
-    "name of a wrong type": (
-        "robot:\n  kinematics: {name: 3}",
-        f"2 robot.kinematics.name: must be {NAMES}, got 3",
-    ),
+    "name of a wrong type": ("robot:\n  kinematics: {name: 3}", f"2 robot.kinematics.name: must be {NAMES}, got 3"),
     "unknown option": (
         "robot:\n  kinematics: {name: diff, nois: true}",
         "2 robot.kinematics.nois: unknown key (did you mean 'noise'?)",
@@ -263,10 +257,7 @@ ENTRIES = {
         "robot:\n  kinematics: {name: diff}\n  vel_max: [.inf, 1]",
         "3 robot.vel_max[0]: must be finite, got inf",
     ),
-    "acceleration": (
-        "robot:\n  kinematics: {name: diff}\n  acce: [-1, .inf]",
-        "3 robot.acce[0]: must be >= 0, got -1",
-    ),
+    "acceleration": ("robot:\n  kinematics: {name: diff}\n  acce: [-1, .inf]", "3 robot.acce[0]: must be >= 0, got -1"),
     "velocity": (
         "robot:\n  kinematics: {name: diff}\n  velocity: [1, 2, 3]",
         "3 robot.velocity: must have at most 2 numbers (linear, angular) for 'diff', got [1, 2, 3]",

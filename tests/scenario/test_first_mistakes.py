@@ -28,10 +28,7 @@ KEYS = {
         "world: {obstacle: []}",
         "1 world.obstacle: unknown key (did you mean 'obstacle_map'? 'obstacle' is a key of the file itself)",
     ),
-    "a key that is not indented": (
-        CAR + "goal: [5, 5]",
-        "3 goal: unknown key ('goal' is a key of robot and obstacle)",
-    ),
+    "a key that is not indented": (CAR + "goal: [5, 5]", "3 goal: unknown key ('goal' is a key of robot and obstacle)"),
     "a map misspelt": (
         "world: {obstacle_mpa: nowhere.png}",
         "1 world.obstacle_mpa: unknown key (did you mean 'obstacle_map'?)",

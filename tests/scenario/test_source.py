@@ -56,10 +56,7 @@ UNREADABLE = {
     "number as key": (b"world:\n  1: 2\n", "2 world: keys must be text, got 1"),
     "list as key": (b"world:\n  [1, 2]: 2\n", "2 world: keys must be text, got a list or mapping"),
     "true as key": (b"world:\n  yes: 2\n", "2 world: keys must be text, got true"),
-    "huge integer": (
-        b"world:\n  width: " + b"9" * 5000 + b"\n",
-        "2 world.width: not a readable number: " + "9" * 40,
-    ),
+    "huge integer": (b"world:\n  width: " + b"9" * 5000 + b"\n", "2 world.width: not a readable number: " + "9" * 40),
     "merge of a number": (b"world:\n  <<: 3\n", "2 world: '<<' merges mappings only"),
 }
 

@@ -91,12 +91,7 @@ def test_wrong_shapes_and_types_are_refused() -> None:
         play(task=DISCRETE).step(np.zeros((1, 1)))
 
 
-OMNI = {
-    "kinematics": {"name": "omni"},
-    "state": [2, 5, np.pi / 2],
-    "vel_min": [-1, -1],
-    "vel_max": [1, 1],
-}
+OMNI = {"kinematics": {"name": "omni"}, "state": [2, 5, np.pi / 2], "vel_min": [-1, -1], "vel_max": [1, 1]}
 
 
 @pytest.mark.parametrize(("frame", "command"), [("body", (0.5, 1.0)), ("command", (1.0, -0.5))])

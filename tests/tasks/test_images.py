@@ -255,11 +255,7 @@ def test_against_many_samples_for_each_pixel(rotated: bool, heading: float) -> N
 
 
 @pytest.mark.parametrize(
-    ("observation", "told"),
-    [
-        ({**SMALL, "pixels": 4}, "pixels"),
-        ({**SMALL, "metres": 0}, "metres"),
-    ],
+    ("observation", "told"), [({**SMALL, "pixels": 4}, "pixels"), ({**SMALL, "metres": 0}, "metres")]
 )
 def test_bad_options_are_told(observation: Mapping[str, Any], told: str) -> None:
     with pytest.raises(ScenarioError, match=told):

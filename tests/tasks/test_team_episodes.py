@@ -160,13 +160,7 @@ def test_discrete_choices_of_different_drives() -> None:
     assert action.tolist() == [[1.0, 1.0, 0.0], [1.0, 0.0, 1.0]]
 
 
-SWAP = {
-    **ROBOT,
-    "number": 3,
-    "distribution": {"name": "random", "min_goal_distance": 2.0},
-    "state": None,
-    "goal": None,
-}
+SWAP = {**ROBOT, "number": 3, "distribution": {"name": "random", "min_goal_distance": 2.0}, "state": None, "goal": None}
 
 
 def swap(**task: Any) -> Episodes:

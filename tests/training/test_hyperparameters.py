@@ -84,12 +84,7 @@ COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
 @pytest.mark.parametrize(
     ("algorithm", "text", "line", "said"),
     [
-        (
-            "ppo",
-            COMPLETE + "leaning_rate: 1e-3}",
-            1,
-            "leaning_rate: unknown key .did you mean 'learning_rate'",
-        ),
+        ("ppo", COMPLETE + "leaning_rate: 1e-3}", 1, "leaning_rate: unknown key .did you mean 'learning_rate'"),
         ("ppo", "default:\n  n_timesteps: 10\n  n_envs: sixteen", 3, "n_envs: must be a whole number, got 'sixteen'"),
         ("ppo", COMPLETE + "n_steps: 0}", 1, "n_steps: must be >= 1, got 0"),
         ("ppo", COMPLETE + "learning_rate: linear_0.001}", 1, r"got 'linear_0.001' \(did you mean 'lin_0.001'\?\)"),
@@ -109,12 +104,7 @@ COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
         ("ppo", COMPLETE + "normalize: {clip_obs: 0}}", 1, "normalize.clip_obs: must be a number > 0, got 0"),
         ("ppo", COMPLETE + "policy_kwargs: {net_ach: [8]}}", 1, r"policy_kwargs.net_ach: .*\(did you mean 'net_arch'"),
         ("ppo", COMPLETE + "policy_kwargs: {net_arch: [8, wide]}}", 1, "must be a list of widths of layers"),
-        (
-            "ppo",
-            COMPLETE + "policy_kwargs: {activation_fn: rellu}}",
-            1,
-            "got 'rellu' .did you mean 'relu'",
-        ),
+        ("ppo", COMPLETE + "policy_kwargs: {activation_fn: rellu}}", 1, "got 'rellu' .did you mean 'relu'"),
         ("ppo", COMPLETE + "policy_kwargs: {optimizer_class: Adam}}", 1, "is a class, which a file cannot hold"),
         ("ppo", COMPLETE + "gamma: 0.9", 1, "not valid YAML"),
         ("ppo", "gamma: 0.9", 1, "gamma: no entry .it belongs below 'default:'"),

@@ -41,11 +41,7 @@ def written(folder: Path, observations: str, form: str = "flat") -> str:
 
 @pytest.mark.parametrize(
     ("observations", "algorithm", "own"),
-    [
-        (PICTURE, "ppo", {}),
-        (BESIDE, "ppo", {"normalize": {"norm_obs_keys": ["vector"]}}),
-        (BESIDE, "gru_ppo", {}),
-    ],
+    [(PICTURE, "ppo", {}), (BESIDE, "ppo", {"normalize": {"norm_obs_keys": ["vector"]}}), (BESIDE, "gru_ppo", {})],
 )
 def test_training_and_driving(observations: str, algorithm: str, own: dict[str, Any], tmp_path: Path) -> None:
     task = written(tmp_path, observations)

@@ -42,11 +42,7 @@ def test_a_file_says_what_the_command_line_says(tmp_path: Path) -> None:
     )
     asked = TrainingRequest(str(file), seed=3).with_mixture(found)
     assert (asked.scenario, asked.seed, asked.mixture) == ("cluttered_room", 3, found.parts)
-    assert (asked.task, asked.algorithm, asked.hyperparameters) == (
-        "general_navigation",
-        "a2c",
-        tmp_path / "fast.yaml",
-    )
+    assert (asked.task, asked.algorithm, asked.hyperparameters) == ("general_navigation", "a2c", tmp_path / "fast.yaml")
 
 
 def test_options_replace_what_the_file_states(tmp_path: Path) -> None:

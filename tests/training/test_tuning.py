@@ -416,7 +416,7 @@ def test_trials_below_the_median_are_pruned(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(tuning, "_score", scored)
     study("study", 3)
     assert [(row["success"], row["ending"]) for row in rows("study")] == [
-        *(("0.5", "finished"), ("0.7", "finished"), ("0.4", "pruned at 2")),
+        *(("0.5", "finished"), ("0.7", "finished"), ("0.4", "pruned at 2"))
     ]
     assert not Path("study/trials/0002/policy.zip").exists()
     assert Path("study/best_task.yaml").read_text() == Path("study/trials/0001/task.yaml").read_text()
@@ -555,5 +555,5 @@ def test_a_study_of_two_processes_is_interrupted_as_from_a_terminal_and_goes_on(
                 os.killpg(one.pid, signal.SIGKILL)
     assert (folder / "grid/trials/0001/curve.csv").read_text().startswith(curve)
     assert [(row["gamma"], row["seed"]) for row in rows("grid")] == [
-        *(("0.9", "3"), ("0.9", "1"), ("0.99", "3"), ("0.99", "1")),
+        *(("0.9", "3"), ("0.9", "1"), ("0.99", "3"), ("0.99", "1"))
     ]

@@ -1,7 +1,5 @@
 """The folder of compiled code: where it lies, and what is removed from it."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import os

@@ -3,8 +3,6 @@
 Comments, docstrings, annotations and line numbers do not enter compiled code, so they do not enter the digest.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import sys

@@ -4,8 +4,6 @@ A lock is the operating system's, on a file beside that one, so it ends with its
 that cannot get a lock goes on without: at worst a kernel is compiled twice.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import sys

@@ -1,7 +1,5 @@
 """Whether compiled code on disk may be run: only where no other user can have written it."""
 
-from __future__ import annotations
-
 import os
 import stat
 import warnings

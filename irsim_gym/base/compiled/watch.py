@@ -1,7 +1,5 @@
 """Announces compilations that take long, and pauses the garbage collector meanwhile."""
 
-from __future__ import annotations
-
 import functools
 import gc
 import os

@@ -5,8 +5,6 @@ release. This module decides whether they are used. Where they are not, ``numba.
 with the options that results depend on, and steps call one kernel after the other; the bits are the same.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import os

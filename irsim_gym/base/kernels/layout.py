@@ -1,7 +1,5 @@
 """The code of a packed entry: a function that loads a kernel's arguments from memory, and calls it."""
 
-from __future__ import annotations
-
 WORLDS, COUNT = "w", "n"
 """Marks in a layout: these arguments are not in memory, but the address and the number of worlds of each call."""
 

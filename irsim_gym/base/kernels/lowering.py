@@ -6,8 +6,6 @@ that it needs, an array in a struct is not loaded as a whole, and a variable wit
 after LLVM's passes is the same.
 """
 
-from __future__ import annotations
-
 import operator
 from collections import Counter
 from collections.abc import Callable

@@ -5,8 +5,6 @@ entry takes one address instead, and loads what the kernel needs; the kernel is 
 optimised. All that is on disk is the entry's machine code, which loads twenty times as fast as Numba's own files.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import itertools

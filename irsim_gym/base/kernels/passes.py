@@ -5,8 +5,6 @@ tuples, messages made at run time. This saves a tenth of a cold start. Other ker
 that allocate.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

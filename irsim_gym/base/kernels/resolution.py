@@ -1,7 +1,5 @@
 """What a call resolves to, remembered: Numba looks through all meanings of an operator anew for each ``a + b``."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

@@ -5,8 +5,6 @@ OOPSLA 2014). A stream is keyed by (scenario, split, level); streams of differen
 because the split enters the key through a cryptographic hash.
 """
 
-from __future__ import annotations
-
 import hashlib
 
 import numpy as np

@@ -7,8 +7,6 @@ daemons and forked children may start them. They live for one list: they end wit
 that holds its other end, however that ends. Where none can be started, the process compiles alone.
 """
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

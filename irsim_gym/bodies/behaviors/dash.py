@@ -1,7 +1,5 @@
 """Dash: drive straight at the goal."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal

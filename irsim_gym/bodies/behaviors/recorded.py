@@ -1,7 +1,5 @@
 """Recorded: replay the path of a recorded person."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Ackermann steering: a car."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal
 
 import numpy as np

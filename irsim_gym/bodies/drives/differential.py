@@ -1,7 +1,5 @@
 """Differential drive: two wheels on one axle."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

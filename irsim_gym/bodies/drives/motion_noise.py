@@ -1,7 +1,5 @@
 """Motion noise: what a drive executes differs from its command by normal deviations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Omnidirectional drive without rotation."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """array: a map given as a table of numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar

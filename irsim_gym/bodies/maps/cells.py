@@ -1,7 +1,5 @@
 """cells: randomly occupied cells, with a new number in each level, as in JaxNav (Rutherford et al. 2024)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

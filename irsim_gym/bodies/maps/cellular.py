@@ -1,7 +1,5 @@
 """cellular: random cells smoothed by a cellular automaton, drawn for each level: caves, or BARN's clutter."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -27,10 +25,7 @@ class CellularMap(LevelMap):
     rounds: tuple[int, int] = option((4, 4), meaning="Bounds of how often all cells are smoothed, at most 100.")
     fill_from: int = option(5, ge=1, le=9, meaning="A cell with at least this many occupied neighbours is occupied.")
     clear_to: int = option(
-        3,
-        ge=-1,
-        le=8,
-        meaning="A cell with at most this many occupied neighbours is free; other cells do not change.",
+        3, ge=-1, le=8, meaning="A cell with at most this many occupied neighbours is free; other cells do not change."
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:

@@ -1,7 +1,5 @@
 """image: a map from an image, whose dark pixels are occupied."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar

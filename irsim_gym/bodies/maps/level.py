@@ -1,7 +1,5 @@
 """Common parts of maps that are drawn for each level: their size, and memory for drawing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

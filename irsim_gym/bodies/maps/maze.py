@@ -1,7 +1,5 @@
 """maze: corridors between walls, drawn for each level: a spanning tree, with loops where further walls are opened."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

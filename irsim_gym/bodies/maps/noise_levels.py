@@ -1,7 +1,5 @@
 """Maps from gradient noise that are drawn for each level; ``perlin`` makes one map for all levels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

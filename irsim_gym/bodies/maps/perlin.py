@@ -1,7 +1,5 @@
 """perlin: a map from gradient noise (Perlin, "Improving noise", 2002), with the grids of IR-SIM for the same seed."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterator
 from pathlib import Path

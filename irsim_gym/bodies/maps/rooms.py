@@ -1,7 +1,5 @@
 """rooms: a rectangle divided into rooms by walls with doors, drawn for each level."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """shelves: a warehouse, drawn for each level: rows of shelves, some of which are missing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """cells: starts in the middle of free cells of the map, with goals that free cells connect, as in JaxNav."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """circle: evenly on a circle, facing the centre, with the goal opposite; further options add random shifts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """manual: poses and goals as given in the file."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """random: uniform in a box, clear of all obstacles, with reachable goals."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import ClassVar
 

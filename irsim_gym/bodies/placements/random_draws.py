@@ -1,7 +1,5 @@
 """Draws starts and goals uniformly from boxes, one body after another."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints

@@ -1,7 +1,5 @@
 """Distributions with several goals for each body, which are to be reached one after another."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from irsim_gym.simulator.world.model import WANDER, Model

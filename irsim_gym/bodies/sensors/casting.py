@@ -1,7 +1,5 @@
 """Casts beams against the outlines of bodies, with inverse depths."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row, mount

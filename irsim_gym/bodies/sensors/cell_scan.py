@@ -1,7 +1,5 @@
 """Casts beams against the obstacle map, in a pass of its own after the one over bodies."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMaps, Ints

@@ -1,7 +1,5 @@
 """fmcw_lidar2d: a planar scan of ranges and radial velocities."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Finds the bodies that beams hit, and their velocities, for scans that report velocities."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Rays, Records

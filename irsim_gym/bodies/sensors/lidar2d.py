@@ -1,7 +1,5 @@
 """lidar2d: a planar scan of ranges."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

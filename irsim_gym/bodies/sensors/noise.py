@@ -4,8 +4,6 @@ Each scan draws a fixed number of random numbers from the stream of the world, w
 directions of all members, then for their ranges.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.kernels.rng import normal

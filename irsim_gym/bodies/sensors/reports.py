@@ -1,7 +1,5 @@
 """Reports of scans in IR-SIM's form: dictionaries and points."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

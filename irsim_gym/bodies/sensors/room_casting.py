@@ -4,8 +4,6 @@ Which rows are visible depends only on the body of the sensor and on the present
 once for many worlds. Preparing all rows with vector instructions is faster than searching for bodies in range first.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

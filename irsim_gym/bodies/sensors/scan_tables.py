@@ -1,7 +1,5 @@
 """The tables of range sensors for kernels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

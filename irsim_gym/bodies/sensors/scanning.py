@@ -1,7 +1,5 @@
 """Common parts of all range sensors: beams, readings, and the order of a scan."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar
 

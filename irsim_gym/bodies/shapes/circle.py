@@ -1,7 +1,5 @@
 """Circle: an exact disc."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar
 

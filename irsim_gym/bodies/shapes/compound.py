@@ -1,7 +1,5 @@
 """Compound: the union of simpler shapes that move as one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """Linestring: a thin wall, seen and touched from both sides."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from irsim_gym.bodies.shapes.random_outline import VertexShape, draw_outlines, outline_problems

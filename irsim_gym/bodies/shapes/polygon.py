@@ -1,7 +1,5 @@
 """Polygon: given vertices, or a random outline."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The random outline generator of polygons and linestrings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

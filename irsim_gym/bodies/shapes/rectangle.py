@@ -1,7 +1,5 @@
 """Rectangle: length along the body's x axis, width along its y axis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar
 

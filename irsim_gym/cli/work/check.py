@@ -1,7 +1,5 @@
 """The command ``irsim-gym check``: validate scenario files."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The commands that train, evaluate, roll out and record policies, with their output."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial

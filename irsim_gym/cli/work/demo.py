@@ -1,7 +1,5 @@
 """The command ``irsim-gym demo``: train a policy, score it, evaluate it, and film it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from rich.console import Console

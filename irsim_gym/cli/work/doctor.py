@@ -1,7 +1,5 @@
 """The command ``irsim-gym doctor``: report what is installed, what works, and what commands still need."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import os

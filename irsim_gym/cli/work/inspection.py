@@ -1,7 +1,5 @@
 """Inspection of a scenario before the training: its task, and a picture of a level. Needs no PyTorch."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Training of several seeds, one after the other, with a summary of their results."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """The command ``irsim-gym warmup``: compile the kernels of scenarios in advance."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from contextlib import suppress

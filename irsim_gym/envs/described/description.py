@@ -1,7 +1,5 @@
 """What an environment is, as plain data: what each number of an observation, an action, a reward or an info means."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """A description as tables: in a terminal, as plain text, and for notebooks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a description consists of, as data."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What environments of one learner have beside the methods of Gymnasium."""
 
-from __future__ import annotations
-
 from irsim_gym.envs.described.description import Description
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.envs.parts.mirror import Mirror

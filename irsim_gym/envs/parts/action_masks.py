@@ -1,7 +1,5 @@
 """Which choices of a discrete action are worth trying."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

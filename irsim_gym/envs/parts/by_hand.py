@@ -1,7 +1,5 @@
 """The environment that ``irsim_gym.make`` returns. Its errors tell IR-SIM's users what to use instead."""
 
-from __future__ import annotations
-
 from typing import Any, NoReturn
 
 import gymnasium

@@ -1,7 +1,5 @@
 """Infos of agents: as Python numbers, or as arrays with masks."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial

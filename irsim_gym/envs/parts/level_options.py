@@ -1,7 +1,5 @@
 """Levels that a caller asks for: the options of a reset, and choices of the level that follows."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Time limits: what the spec of an id says, and what a ``TimeLimit`` around an environment asks for."""
 
-from __future__ import annotations
-
 import sys
 import warnings
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The memory that worlds need, estimated from a few before all of it is taken."""
 
-from __future__ import annotations
-
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What observations of all forms have in common: an array, or a dict of arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

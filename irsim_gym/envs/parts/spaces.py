@@ -1,7 +1,5 @@
 """Gymnasium spaces of a task, and observations in the form that the space declares."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias

@@ -1,7 +1,5 @@
 """The spec of an environment, which Gymnasium writes as JSON: what it was made with, as plain data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from copy import copy
 from enum import Enum

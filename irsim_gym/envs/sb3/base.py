@@ -1,7 +1,5 @@
 """What the environments for Stable-Baselines3 share: how its methods reach a world or an agent."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable, Sequence
 from itertools import repeat

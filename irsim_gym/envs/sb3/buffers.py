@@ -1,7 +1,5 @@
 """Buffers for Stable-Baselines3 that leave out the rows of agents that wait for their world."""
 
-from __future__ import annotations
-
 from collections.abc import Generator, Sequence
 from copy import copy
 from typing import Any, Protocol, TypeVar

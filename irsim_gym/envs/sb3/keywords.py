@@ -1,7 +1,5 @@
 """Keywords of Stable-Baselines3's own ``make_vec_env``: what they mean for worlds that are stepped together."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from pathlib import Path

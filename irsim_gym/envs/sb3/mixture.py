@@ -1,7 +1,5 @@
 """Batches of several scenarios as one ``VecEnv`` of Stable-Baselines3, for one policy that learns them all."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """PPO with a GRU for many worlds. Rollouts are cut into sequences, which need no padding."""
 
-from __future__ import annotations
-
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -6,8 +6,6 @@ estimates p by extra rollouts. Here it is estimated from the training episodes. 
 its learnability is the expectation of p (1 - p) under a Beta distribution.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints

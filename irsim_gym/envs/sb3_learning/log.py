@@ -1,7 +1,5 @@
 """Outcomes and reward terms of the episodes of a training, in the logger of Stable-Baselines3."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

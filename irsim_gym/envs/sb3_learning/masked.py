@@ -1,7 +1,5 @@
 """PPO and A2C of Stable-Baselines3 that leave out robots that wait for their world."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 from gymnasium.spaces import Dict, Space

@@ -1,7 +1,5 @@
 """An actor-critic policy of Stable-Baselines3 with a memory, a GRU (Cho et al. 2014)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """``VecNormalize`` whose statistics leave out agents that wait for their world."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The arena: an evaluation with a page that compares its policies level by level."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The data of an arena's page."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The comparison of an arena's policies: figures, differences, success by difficulty."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The function ``irsim_gym.evaluate``: compare policies of any kind on the same levels."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path

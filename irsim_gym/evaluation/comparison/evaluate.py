@@ -1,7 +1,5 @@
 """Evaluation of policies on the levels of a split, with the reference policies."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Recording of demonstrations in an environment."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

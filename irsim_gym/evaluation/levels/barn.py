@@ -4,8 +4,6 @@ The cylinders of BARN stand in the middle of cells of 0.15 m, so each world beco
 its cells, and BARN's start and goal.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

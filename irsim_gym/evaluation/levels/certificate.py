@@ -1,7 +1,5 @@
 """Certificates: the hash of each level of a set, what it demands of a robot, and results of reference policies."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How a certificate is written: numbers as multiples of a unit in as few bytes as they need, in planes of bytes."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Makes certificates: draws levels, measures them, and adds the results of reference policies."""
 
-from __future__ import annotations
-
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version

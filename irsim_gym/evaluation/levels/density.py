@@ -1,7 +1,5 @@
 """The density of a level: the share of the world that standing obstacles cover."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Draws the levels of a compiled scenario as data: everything that a restart writes."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence

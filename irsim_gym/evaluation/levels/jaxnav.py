@@ -4,8 +4,6 @@
 along y, 1 m each, whereas JaxNav's maps are indexed ``[y][x]``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

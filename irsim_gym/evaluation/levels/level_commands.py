@@ -1,7 +1,5 @@
 """The commands ``irsim-gym levels``: draw levels, and certify them."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from functools import partial

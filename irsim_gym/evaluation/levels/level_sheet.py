@@ -1,7 +1,5 @@
 """The command ``irsim-gym levels show``: draw the starts of several levels into one picture."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What training will meet in the first levels of a scenario: goals that nobody can reach, or not in time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise

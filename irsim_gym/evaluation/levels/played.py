@@ -1,7 +1,5 @@
 """The levels of an evaluation: their identity, and success by difficulty."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What a level demands of a robot: whether a path exists, its length, its width, and the minimum time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Measures how agents move: the derivatives of their true velocity, and how close they come to people."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The geodesic optimum of a level, to which driven paths are compared."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

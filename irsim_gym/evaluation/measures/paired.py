@@ -1,7 +1,5 @@
 """Paired comparisons of policies that played the same levels."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations

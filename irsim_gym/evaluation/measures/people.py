@@ -1,7 +1,5 @@
 """Measures how close agents come to people: bodies other than agents that move by themselves."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ arXiv:2108.13264), with SciPy. A score is one number per run (a seed of a method
 draws runs within each task, so that every task keeps its weight.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

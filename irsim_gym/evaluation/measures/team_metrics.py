@@ -5,8 +5,6 @@ arXiv:2407.14931): individual and cooperative success, makespan, flowtime ("sum 
 of Everett, Chen, How 2018 (arXiv:1805.01956).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass

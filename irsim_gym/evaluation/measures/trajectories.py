@@ -1,7 +1,5 @@
 """Trajectories of agents in evaluated levels, for figures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Protocol
 

@@ -7,8 +7,6 @@ repetitions are random: failures by chance count, and no successes by chance off
 repetitions chooses the levels, and the other half scores them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType

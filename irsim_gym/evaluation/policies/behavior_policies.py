@@ -11,8 +11,6 @@ steps aside: if it looks 20 s ahead, IR-SIM's default, robots crawl, and four of
 ``circle_swap`` instead of in none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Converts commands of drives to actions."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

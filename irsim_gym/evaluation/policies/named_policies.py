@@ -1,7 +1,5 @@
 """Policies by name, with options: ``dash``, ``pursuit:known=seen``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

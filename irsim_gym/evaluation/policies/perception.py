@@ -1,7 +1,5 @@
 """What policies perceive: the observations of the task that each was trained with, whatever task is played."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable

@@ -1,7 +1,5 @@
 """Reference policies: random actions, and the behaviours of the scenario language."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

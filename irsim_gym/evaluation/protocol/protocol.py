@@ -1,7 +1,5 @@
 """The evaluation protocol: a policy drives each level of a split once, many levels in parallel."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Results on the terminal and in files, which are written atomically."""
 
-from __future__ import annotations
-
 import csv
 import glob
 import io

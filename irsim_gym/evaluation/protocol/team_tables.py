@@ -1,7 +1,5 @@
 """Results of teams on the terminal and in files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The evaluation of teams: all agents of a world are driven until the last one's episode has ended."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

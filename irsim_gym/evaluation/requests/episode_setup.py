@@ -1,7 +1,5 @@
 """Worlds for evaluations and films, and the conditions that published results have to name."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Checks that policies can drive the agents of worlds, and what they observe there."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable, Mapping
 from typing import TextIO

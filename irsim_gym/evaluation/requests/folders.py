@@ -1,7 +1,5 @@
 """Where evaluations and pictures are written, by default and on request."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from itertools import count

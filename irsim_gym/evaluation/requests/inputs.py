@@ -1,7 +1,5 @@
 """What a command was given is checked before anything is played, and all problems are reported together."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The error of an interrupted command."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The machine and the versions of packages, which results have to name."""
 
-from __future__ import annotations
-
 import os
 import platform
 from importlib.metadata import PackageNotFoundError, version

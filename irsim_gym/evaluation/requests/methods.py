@@ -1,7 +1,5 @@
 """Methods: groups of policies that are compared under one name, such as the seeds of a training."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

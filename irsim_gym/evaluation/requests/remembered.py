@@ -1,7 +1,5 @@
 """The parameters and the scenario that policies were trained with, for commands that use these policies."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A scenario with its task, as commands and functions that play it are asked for it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 A network is plain data: a list of steps, each with its kind, options and arrays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Policy cards: a policy's inputs and outputs, its training, and its results."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

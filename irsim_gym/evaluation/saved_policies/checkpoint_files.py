@@ -1,7 +1,5 @@
 """The files of a checkpoint, and the progress that it records. Needs no PyTorch."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The folder of a training run, as far as those need it who play its policy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

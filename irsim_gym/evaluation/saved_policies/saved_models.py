@@ -1,7 +1,5 @@
 """Loading of Stable-Baselines3 models from files, without running code from them; see ``trusted``."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The shelf on the screen: a table of all policies, and the card of one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -4,8 +4,6 @@ A copy is self-contained: parameters are replaced by their values, the task is a
 folder, with the hash of their contents in their names.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterator, Mapping

@@ -5,8 +5,6 @@ any code. Here, objects are only unpickled if all their classes are known to be 
 only the training needs them.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import pickle

@@ -1,7 +1,5 @@
 """The shipped certificates of benchmarks, and those of played levels."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Prints the content of the suite."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import cache
 from textwrap import wrap

@@ -1,7 +1,5 @@
 """The benchmarks of the suite, from ``configs/suite.yaml``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache

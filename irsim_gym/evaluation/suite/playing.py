@@ -1,7 +1,5 @@
 """Plays the suite: every method on every benchmark, with one file of rows per policy."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Sequence

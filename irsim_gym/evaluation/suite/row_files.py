@@ -1,7 +1,5 @@
 """CSV files with the rows of one policy on one benchmark: one row per agent and level."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Computes the figures of tables from rows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The record of a run of the suite: its settings, its scenarios, and what has been played."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The tables of a run of the suite, in Markdown and LaTeX."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The outlines of arrows."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats

@@ -1,7 +1,5 @@
 """Drawing over a world under IR-SIM's names."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """The look of marks in the terms of matplotlib: colours, format strings such as ``"g--"``, markers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

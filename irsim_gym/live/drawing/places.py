@@ -1,7 +1,5 @@
 """Reads points that are given as rows, columns, or lists of either."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

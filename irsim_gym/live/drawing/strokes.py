@@ -1,7 +1,5 @@
 """Makes the marks of drawings, and checks their style."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self, cast

@@ -1,7 +1,5 @@
 """Files with pictures of a world: figures, films, pages, sheets."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn

@@ -1,7 +1,5 @@
 """Names of the files to which pictures, films and pages are written."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The window of a world, and its keys."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

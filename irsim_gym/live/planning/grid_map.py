@@ -1,7 +1,5 @@
 """A world as planners read it, under IR-SIM's names."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

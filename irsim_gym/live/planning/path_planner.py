@@ -1,7 +1,5 @@
 """Paths through a world that a script steps, and its map for planners."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Warnings of bodies that stand because their planner finds no way."""
 
-from __future__ import annotations
-
 from irsim_gym.base.errors import warn_caller
 from irsim_gym.simulator.engine import Simulation
 

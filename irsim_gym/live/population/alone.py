@@ -1,7 +1,5 @@
 """Parts of a step by themselves: one body moves, scans are taken, flags are found."""
 
-from __future__ import annotations
-
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.live.session import moves
 from irsim_gym.simulator.engine import Simulation

@@ -1,7 +1,5 @@
 """Recompiles a world whose list of bodies changes, and keeps everything else."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints

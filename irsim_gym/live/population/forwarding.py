@@ -1,7 +1,5 @@
 """Names of an object that one of its parts answers, with types and documentation of the part."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 

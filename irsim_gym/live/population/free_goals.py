@@ -1,7 +1,5 @@
 """Goals drawn at random, clear of some bodies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """Behaviours that the file of a world names and that a module registers later."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import sys

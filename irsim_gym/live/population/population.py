@@ -1,7 +1,5 @@
 """The bodies of a world that a script steps: finding, adding, removing and moving them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Literal
 

@@ -1,7 +1,5 @@
 """Reads those arguments of ``load``, ``render`` and ``end`` that come from IR-SIM."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Goals that are set while a world runs, and those of its start."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeGuard

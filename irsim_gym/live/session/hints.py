@@ -1,7 +1,5 @@
 """What to use in place of IR-SIM's names that are not supported."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from irsim_gym.simulator.readings.irsim_names import advice, missing

@@ -1,7 +1,5 @@
 """The file of a world, and its present level."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from dataclasses import replace

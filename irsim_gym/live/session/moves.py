@@ -1,7 +1,5 @@
 """Moves bodies by hand: commands for a step, and new places for obstacles."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

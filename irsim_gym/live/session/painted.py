@@ -1,7 +1,5 @@
 """Beams in the colours that ``Body.set_laser_color`` sets."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import groupby, pairwise

@@ -1,7 +1,5 @@
 """Names and numbers of bodies, and their indices in the simulation's arrays."""
 
-from __future__ import annotations
-
 from irsim_gym.base.errors import UnknownNameError
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.simulator.engine import Simulation

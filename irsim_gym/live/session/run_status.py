@@ -1,7 +1,5 @@
 """The status of a world: running or paused, driven by behaviours or keys, and as text."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from irsim_gym.base.errors import NoKeyboardWarning, warn_caller

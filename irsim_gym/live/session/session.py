@@ -1,7 +1,5 @@
 """The state that the parts of a world share: the simulation, names, goals and past poses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from irsim_gym.live.session.goal_writer import GoalWriter

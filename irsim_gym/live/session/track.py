@@ -1,7 +1,5 @@
 """Poses of bodies since a reset."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Set
 
 import numpy as np

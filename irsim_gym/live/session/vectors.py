@@ -1,7 +1,5 @@
 """Vectors that a world returns: flat arrays that refuse columns, or columns."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -50,12 +50,7 @@ class Driver:
         self.window.wait(seconds)
 
     def execute(
-        self,
-        command: Callable[[str], object],
-        look_at: Callable[[Limits | None], object],
-        *,
-        drives: bool,
-        turns: bool,
+        self, command: Callable[[str], object], look_at: Callable[[Limits | None], object], *, drives: bool, turns: bool
     ) -> None:
         """Execute the user's commands in order, see ``Keyboard.poll``; a closed window adds ``quit``.
 

@@ -1,7 +1,5 @@
 """Key strokes, and the keys that are held."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Keys from the operating system, by the package pynput."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Figures for documents: scenes drawn by matplotlib, anew for each file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Converts a scene to artists of matplotlib, by way of the primitives of ``vocabulary``."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The images in figures: of bodies, maps and fog."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plots the directions of observation columns: a level around a robot, overlaid with numbered sectors."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The density of obstacles over the levels of an evaluation."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Draws single levels in the picture of an evaluation: obstacles, paths and outcomes."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Draws paths and their ends in pictures of evaluations."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Plots the paths of evaluated policies: where they succeed, and where and how they fail."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence

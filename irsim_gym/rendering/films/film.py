@@ -1,7 +1,5 @@
 """Films of several episodes side by side, to compare policies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Contact sheets: moments of an episode in one picture."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Strobe figures: an episode in one figure, with paths coloured by time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise

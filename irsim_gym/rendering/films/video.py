@@ -1,7 +1,5 @@
 """Writes films: mp4 and gif files that appear only when complete."""
 
-from __future__ import annotations
-
 import errno
 import os
 import subprocess

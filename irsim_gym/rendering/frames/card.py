@@ -1,7 +1,5 @@
 """Draws the surroundings of the world on a frame: paper, border, grid, ticks, and the line of text above it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cached pictures of the ground with the outlines in trails, since most frames add no outline."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Words and marks as masks, which are drawn once and then copied."""
 
-from __future__ import annotations
-
 import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Paints marks over a world on frames."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np

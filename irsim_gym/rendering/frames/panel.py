@@ -1,7 +1,5 @@
 """A strip below a picture with status texts and the meaning of keys."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

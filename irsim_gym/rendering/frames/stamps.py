@@ -1,7 +1,5 @@
 """Marks of a fixed size, drawn once as masks."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.rendering.frames.letters import Masks

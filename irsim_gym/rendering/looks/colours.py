@@ -1,7 +1,5 @@
 """Colours by matplotlib's names, without matplotlib."""
 
-from __future__ import annotations
-
 import re
 
 from PIL import ImageColor

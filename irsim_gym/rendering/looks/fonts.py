@@ -1,7 +1,5 @@
 """Finds fonts with the letters of a text: the default font, else installed ones, else a box in place of the letter."""
 
-from __future__ import annotations
-
 import functools
 from importlib.util import find_spec
 from pathlib import Path

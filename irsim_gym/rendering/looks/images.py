@@ -1,7 +1,5 @@
 """Loads images of bodies."""
 
-from __future__ import annotations
-
 import functools
 from pathlib import Path
 

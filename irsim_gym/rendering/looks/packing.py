@@ -1,7 +1,5 @@
 """Compact storage: compressed frames in memory, and tables of numbers as short JSON."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

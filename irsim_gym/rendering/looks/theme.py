@@ -4,8 +4,6 @@ Widths and type sizes are points of a figure whose resolution grows with its siz
 enlarged small one.
 """
 
-from __future__ import annotations
-
 FONT = "DejaVu Sans"
 
 PAPER = "#F6F7F9"

@@ -1,7 +1,5 @@
 """Arranges several pictures in a grid."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ The ``add_`` kernels add areas to a sheet: several areas become one, which is no
 NaN or exceeds ``FARTHEST`` pixels are not drawn.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Point, Rays

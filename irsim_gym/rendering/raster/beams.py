@@ -1,7 +1,5 @@
 """Kernels that paint readings of range sensors: the visible area, the beams, and the points that they hit."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Kernels that paint parts of bodies: footprints, headings, goals, fields of view, paths, and past outlines."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

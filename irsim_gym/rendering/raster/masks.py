@@ -1,7 +1,5 @@
 """Kernels that paint pixel by pixel: texts and marks from masks, images, fog, and maps of cells."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Rays

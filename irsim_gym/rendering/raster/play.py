@@ -1,7 +1,5 @@
 """Kernels that draw all items of a plan on a batch of pictures, from the lowest to the highest."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

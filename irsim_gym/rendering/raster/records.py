@@ -4,8 +4,6 @@ A *plan* is made once for a simulation: rows of items to draw, the lowest first.
 simulation's arrays for each picture.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -17,8 +17,6 @@ nothing outside is painted. A *colour* is float64 ``(n_channels + 1,)``: the cha
 [0, 1].
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Kernels that paint solid or dashed lines, and outlines of footprints."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.rendering.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon, is_near

@@ -1,7 +1,5 @@
 """Builds HTML pages from scripts, styles and data, each page as one file."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

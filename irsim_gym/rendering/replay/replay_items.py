@@ -1,7 +1,5 @@
 """The items of a replay page as JSON: pens, shapes and pictures by number, and primitives in drawing order."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json

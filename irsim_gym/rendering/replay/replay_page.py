@@ -1,7 +1,5 @@
 """Writes recorded episodes as one self-contained HTML file that replays them."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 from pathlib import Path

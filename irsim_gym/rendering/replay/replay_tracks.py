@@ -1,7 +1,5 @@
 """The histories of bodies, scans, fog, maps and marks in a recording."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from typing import Any

@@ -4,8 +4,6 @@ The script of a replay page selects a primitive by its class name and reads its 
 shifts are typographic points unless marked as [m].
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Ints

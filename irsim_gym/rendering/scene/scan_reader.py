@@ -1,7 +1,5 @@
 """Reads the scans of range sensors from the arrays of a simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Converts rows of segments to drawable shapes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats

@@ -1,7 +1,5 @@
 """Reads the paths and trails of bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ All renderers of scenes use it. A replay page gets the primitives as JSON (`repl
 known primitives need no JavaScript.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple

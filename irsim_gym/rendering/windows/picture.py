@@ -1,7 +1,5 @@
 """Pictures that notebooks display."""
 
-from __future__ import annotations
-
 import base64
 import io
 import tempfile

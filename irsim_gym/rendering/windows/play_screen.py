@@ -1,7 +1,5 @@
 """The screen of manual play: the world, the status of the episode, and the keys."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

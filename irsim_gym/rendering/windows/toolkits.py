@@ -1,7 +1,5 @@
 """Selects the toolkit for windows: that of the user's backend, else the first that works."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import sys

@@ -1,7 +1,5 @@
 """A window that shows pictures and reports events of keyboard and mouse."""
 
-from __future__ import annotations
-
 import gc
 import os
 import time

@@ -1,7 +1,5 @@
 """Keys that IR-SIM 2.12.0 accepts and ignores; they are ignored here too, and reported."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Messages about unknown keys: the nearest name, other places where the key is valid, or the known keys."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Makes bodies from checked entries: fills in defaults, and runs the checks that need several keys."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Checks that involve several keys of a body."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Reads entries of ``robot`` and ``obstacle``; each value is checked once, however many bodies share it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

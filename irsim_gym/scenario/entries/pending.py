@@ -1,7 +1,5 @@
 """Behaviours that a file names but that are not registered yet; a world by hand waits for them until its first step."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Sets up bodies that replay a recording: the file, person and start of each."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

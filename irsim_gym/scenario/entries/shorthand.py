@@ -1,7 +1,5 @@
 """IR-SIM's short forms: sections that are a list or a mapping, and lists of values for the bodies of an entry."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Adds bodies to scenarios and removes them, for worlds by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Load the file of levels that the key ``levels`` names, and check that it fits the scenario."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

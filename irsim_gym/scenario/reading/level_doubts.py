@@ -1,7 +1,5 @@
 """Finds levels of a file that begin badly: in something that stands still, outside the world, or at the goal."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

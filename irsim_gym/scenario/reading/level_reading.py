@@ -1,7 +1,5 @@
 """Reads levels from a file, or lists all its mistakes: first those of arrays, then those of levels."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Loads a scenario from a name, a file or a mapping, or lists all its problems."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

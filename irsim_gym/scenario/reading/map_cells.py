@@ -1,7 +1,5 @@
 """Reads the key ``obstacle_map``, and makes the cells of the map."""
 
-from __future__ import annotations
-
 import importlib.util
 from collections.abc import Mapping
 from pathlib import Path

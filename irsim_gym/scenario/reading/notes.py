@@ -1,7 +1,5 @@
 """Finds values that are allowed but suspicious: loading warns of most, and ``irsim-gym check`` lists all of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Parameters of a scenario: declared in the section ``parameters``, used as ``$name`` in the rest of the file."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping

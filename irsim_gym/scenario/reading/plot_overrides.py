@@ -1,7 +1,5 @@
 """Overrides drawing options of a scenario, for pictures with their own options."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any

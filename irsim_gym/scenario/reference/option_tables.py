@@ -1,7 +1,5 @@
 """Tables of all options for the command line and the documentation, made from their declarations."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from collections.abc import Iterator
@@ -28,10 +26,7 @@ ALLOWED = {
     **dict.fromkeys(("distribution", "kinematics", "shape", "behavior", "group_behavior"), _NAMED),
     "sensors": "a list of mappings with a name, as below",
     "action": "a name, or a mapping with a name, as below",
-    **dict.fromkeys(
-        ("observations", "rewards", "endings"),
-        "a list of names or of mappings with a name, as below",
-    ),
+    **dict.fromkeys(("observations", "rewards", "endings"), "a list of names or of mappings with a name, as below"),
     "goal": "a list of 2 or 3 numbers, or lists of them",
     "obstacle_map": "a file, a mapping with a name, or a list of columns",
     "seen_by": "all, or a list of roles, names and names of groups",

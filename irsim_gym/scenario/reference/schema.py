@@ -1,7 +1,5 @@
 """The scenario language as a JSON Schema (draft 2020-12), for editors; it includes registered kinds of plugins."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pydantic import TypeAdapter
@@ -28,11 +26,7 @@ _KINDS = {
     "group_behavior": families.GROUP_BEHAVIORS,
     "distribution": families.PLACEMENTS,
 }
-_TERMS = {
-    "observations": families.OBSERVATIONS,
-    "rewards": families.REWARDS,
-    "endings": families.ENDINGS,
-}
+_TERMS = {"observations": families.OBSERVATIONS, "rewards": families.REWARDS, "endings": families.ENDINGS}
 
 
 def json_schema() -> Schema:

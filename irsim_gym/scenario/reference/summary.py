@@ -1,7 +1,5 @@
 """Short summaries of scenario and task files, without loading them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Known colours (matplotlib's names, and numbers), so that misspelt ones are reported with their line."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

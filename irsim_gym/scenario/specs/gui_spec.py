@@ -1,7 +1,5 @@
 """The section ``gui``: options of keyboard and mouse in a window."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from irsim_gym.base.options import defaults, kind, option

@@ -4,8 +4,6 @@ An id is ``[module:]namespace/name-vN``, as in Gymnasium; the module is imported
 module, so that the same ids work in all functions that take a scenario.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from importlib import import_module

@@ -1,7 +1,5 @@
 """Finds and checks the image files of bodies."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from irsim_gym.base.errors import UnreadableFileError, suggestion

@@ -1,7 +1,5 @@
 """Hints about keywords that an environment does not take."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Levels as data: the arrays of a file of levels, and how it is written."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

@@ -1,7 +1,5 @@
 """Locates the shipped configs; no other module knows their place."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Drawing options as data, independent of the renderer."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator
 from typing import Annotated, Any, Literal
 

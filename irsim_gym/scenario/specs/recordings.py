@@ -1,7 +1,5 @@
 """Reads recorded pedestrians: text files with rows of time, id, x, y, like those of ETH and UCY."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Typed, frozen models of a scenario."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal

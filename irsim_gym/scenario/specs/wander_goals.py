@@ -1,7 +1,5 @@
 """The mapping ``wander_goals`` of a behaviour."""
 
-from __future__ import annotations
-
 from irsim_gym.base.options import kind, option
 
 

@@ -1,7 +1,5 @@
 """Numbers written as expressions: digits, pi, ``+ - * /``, brackets, ``min``, ``max``, ``floor`` and ``$name``."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

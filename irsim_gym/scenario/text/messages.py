@@ -1,7 +1,5 @@
 """Words for error messages about a file."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import types

@@ -1,7 +1,5 @@
 """Reads a YAML file as plain data, with the line of every value."""
 
-from __future__ import annotations
-
 import stat
 from collections.abc import Mapping
 from dataclasses import dataclass, field

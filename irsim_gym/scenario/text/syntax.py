@@ -1,7 +1,5 @@
 """Explains syntax errors in YAML text."""
 
-from __future__ import annotations
-
 import re
 
 import yaml

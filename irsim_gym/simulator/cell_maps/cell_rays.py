@@ -11,8 +11,6 @@ are mirrored together with the map, so that all beams go right and up. Numbers a
 sensor.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ distance differs by at most the distance from the centre. Most questions are ans
 exact search.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMap, Floats, Point

@@ -4,8 +4,6 @@ Cells, and the discs that may stand in them, are closed sets, so touching one is
 map of one world; ``world_maps`` holds those of many, or None.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Bytes, CellMap, Flags, Point, Spans

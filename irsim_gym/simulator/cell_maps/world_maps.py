@@ -14,8 +14,6 @@ occupied cells, for one world. A ``Model`` has them as ``map_squares``, ``map_bo
 ``model.cells`` combines them with the radius of the discs that stand for occupied cells.
 """
 
-from __future__ import annotations
-
 from irsim_gym.base.arraytypes import BodyOutline, CellMap, CellMaps, Flags, Floats, Point
 from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.cell_maps.cell_room import find_room

@@ -1,7 +1,5 @@
 """Straight lines over the cells of a grid, and the cell at which a path over cells begins."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Point

@@ -1,7 +1,5 @@
 """Finds the cells of a grid that obstacles touch: as squares, not as discs about their centres as in ``grid``."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, CellMaps, Flags, Point

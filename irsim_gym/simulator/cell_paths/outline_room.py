@@ -1,7 +1,5 @@
 """The distance of an outline at any pose from obstacles."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

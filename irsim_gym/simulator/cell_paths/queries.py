@@ -1,7 +1,5 @@
 """Queries about one world for code that is not compiled: evaluation, checks, drawings."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

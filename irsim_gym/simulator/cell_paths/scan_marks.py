@@ -3,8 +3,6 @@
 A cell is a byte: 0 while it is unknown, the bit ``PASSED``, and a bit for each occupied quarter.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -11,8 +11,6 @@ trap, a wave spreads from the end over all cells instead, nearest cells first. F
 hold it: what enters a queue is never cheaper than its content.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Ints, Labels

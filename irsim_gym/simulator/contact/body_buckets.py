@@ -1,7 +1,5 @@
 """The buckets that find bodies near a point (``simulator/geometry/buckets.py``), kept up to date as bodies move."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.simulator.geometry.buckets import bucket_of, put

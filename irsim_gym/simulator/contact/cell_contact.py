@@ -1,7 +1,5 @@
 """Contact with the cells of the obstacle map. Worlds without a map do not need these kernels."""
 
-from __future__ import annotations
-
 from irsim_gym.base.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.simulator.cell_maps.cell_room import room_about
 from irsim_gym.simulator.cell_maps.cells import outline_cells_distance, outline_meets_cells

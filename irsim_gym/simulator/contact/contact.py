@@ -1,7 +1,5 @@
 """Contacts between bodies, and their effects."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Record

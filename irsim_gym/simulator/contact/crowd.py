@@ -1,7 +1,5 @@
 """Contacts and clearances in a crowd: each body is compared with those near it, found through the buckets."""
 
-from __future__ import annotations
-
 from irsim_gym.base.arraytypes import Floats, Ints, Record
 from irsim_gym.simulator.contact.pairs import note_contact
 from irsim_gym.simulator.geometry.buckets import gather_nearby, square_of

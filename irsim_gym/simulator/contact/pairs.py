@@ -1,7 +1,5 @@
 """Writes a contact; used by all searches for contacts."""
 
-from __future__ import annotations
-
 from irsim_gym.simulator.world.names import State, kernel
 
 

@@ -4,8 +4,6 @@ Within a step, poses go straight from the one before to the one after it, with a
 stay where it happens, and later contacts of the step are looked for from there.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

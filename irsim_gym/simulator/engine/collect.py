@@ -1,7 +1,5 @@
 """Groups of equal kinds, and the lists of bodies that phases work on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Turns a scenario into arrays. The vocabulary of YAML ends here."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -39,11 +37,7 @@ from irsim_gym.simulator.world.model import (
 from irsim_gym.simulator.world.names import Flags, State
 from irsim_gym.simulator.world.outline import Outline
 
-COLLISION_MODES = {
-    "stop": STOP,
-    "unobstructed": UNOBSTRUCTED,
-    "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
-}
+COLLISION_MODES = {"stop": STOP, "unobstructed": UNOBSTRUCTED, "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES}
 ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}

@@ -1,7 +1,5 @@
 """Which bodies are in a body's field of view, a sector with a width and a depth."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.simulator.levels.body_measures import measure_into

@@ -1,7 +1,5 @@
 """Checks what a caller passes to a simulation: levels, agents and commands."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Finds the range sensors of bodies whose behaviour reads its own scan (``reads_scan``)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The simulator: many worlds of one scenario, stepped together."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 

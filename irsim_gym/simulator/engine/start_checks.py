@@ -1,7 +1,5 @@
 """Finds robots with a blocked start before the first level is drawn."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures on the present state of bodies, for pictures and replays."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
@@ -20,11 +18,7 @@ def telemetry(simulation: Simulation, world: int, bodies: Ints) -> list[dict[str
     found = []
     for k, body in enumerate(bodies.tolist()):
         x, y, turn_rate = state.twist[world, body].tolist()
-        numbers = {
-            "speed": float(np.hypot(x, y)),
-            "turn_rate": turn_rate,
-            "clearance": float(clearance[world, k]),
-        }
+        numbers = {"speed": float(np.hypot(x, y)), "turn_rate": turn_rate, "clearance": float(clearance[world, k])}
         if model.has_goal[body]:
             numbers["goal_distance"] = float(state.goal_distance[world, body])
         found.append(numbers if model.present[world, body] else {})

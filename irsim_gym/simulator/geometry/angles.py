@@ -1,7 +1,5 @@
 """Angles: wrapping, and the cosine and sine of a heading."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats

@@ -5,8 +5,6 @@ outside the grid belong to the nearest square at its border, so no body is misse
 origin are in one more bucket, behind the last square, and are always found.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints, Record

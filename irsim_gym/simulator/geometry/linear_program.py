@@ -5,8 +5,6 @@ optimum so far, the new optimum lies on its border (de Berg et al., Computationa
 al. 2011, section 5).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Record, Records, Vector

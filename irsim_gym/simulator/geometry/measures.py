@@ -1,7 +1,5 @@
 """Size and middle of a footprint: the least circle around it, and the centre of its area."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Point

@@ -4,8 +4,6 @@ The segments of a solid outline are the boundary of an area, those of another ar
 are closed: touching is overlapping.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Point

@@ -1,7 +1,5 @@
 """Polygons, as lists of edges or of vertices."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Floats, Point

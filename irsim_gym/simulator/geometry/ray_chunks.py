@@ -10,8 +10,6 @@ b). With m = a + b, the position on the segment, from -1 at a to 1 at b, is (q.d
 So a beam meets the segment where abs(q.d) <= n.d, which takes two dot products, an absolute value and a comparison.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -9,8 +9,6 @@ Results differ from those in float64 by about 1e-6 of the distance. A beam that 
 angle of less than ``EDGE_ON``, may hit or miss.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Rays

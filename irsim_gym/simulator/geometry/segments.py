@@ -1,7 +1,5 @@
 """Points and segments: distances and intersection. A segment contains both its ends."""
 
-from __future__ import annotations
-
 from irsim_gym.base.kernels import kernel
 
 

@@ -1,7 +1,5 @@
 """Radius and centroid of footprints, for code that treats a body as a disc."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.simulator.geometry.measures import CORNERS, centre_of_mass, corner_points, least_circle

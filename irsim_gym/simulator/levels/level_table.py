@@ -1,7 +1,5 @@
 """Levels from a file (``levels``), which are copied into the worlds instead of being drawn."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

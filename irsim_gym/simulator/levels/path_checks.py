@@ -1,7 +1,5 @@
 """Checks that each level has a path to the goal, for agents whose placement does not guarantee one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Draws traits of bodies for a level: their speed, and whether they avoid others."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Records

@@ -1,7 +1,5 @@
 """Exact tests whether a disc is free at a point, or on the straight line between two points."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Shortest paths of a disc, and the field of distances to a goal."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Point

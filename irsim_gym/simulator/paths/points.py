@@ -1,7 +1,5 @@
 """Point maps: obstacles that a body has seen, with at most one point per cell."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple, Self
 

@@ -1,7 +1,5 @@
 """Shortens a free path while keeping it free."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Point

@@ -1,7 +1,5 @@
 """Tests whether a path exists for a disc between two points."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Ints, Point

@@ -5,8 +5,6 @@ gets the number of its region. Later queries only look up the cells around start
 ``is_reachable``.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

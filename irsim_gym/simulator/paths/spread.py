@@ -7,8 +7,6 @@ distances over the grid are at most 2.8 % longer than straight ones.
 The queue keeps cells in buckets as wide as the shortest step (Dial 1969), so that any order within a bucket is valid.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Ints, Point

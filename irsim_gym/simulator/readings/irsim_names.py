@@ -1,7 +1,5 @@
 """What to use in place of IR-SIM's names that bodies and sensors do not have."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path

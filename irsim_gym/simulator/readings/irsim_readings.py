@@ -1,7 +1,5 @@
 """IR-SIM's names for the readings of a body, and what its planners ask of one, as IR-SIM computes it."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from abc import ABC

@@ -1,7 +1,5 @@
 """Drawings over a world, as plain data; they never change what happens in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from irsim_gym.base.arraytypes import Floats

@@ -1,7 +1,5 @@
 """Outlines as shapely geometries."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where bodies have been, for pictures of their paths."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints

@@ -1,7 +1,5 @@
 """Steps all worlds with as little Python as possible."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ a message. So a step with kinds from outside the package is first recorded while
 writes to one raises.
 """
 
-from __future__ import annotations
-
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Divides worlds among threads. Nothing else runs in parallel."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable

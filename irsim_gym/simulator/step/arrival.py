@@ -1,7 +1,5 @@
 """Arrival at goals, and the next goals."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.kernels.rng import uniform

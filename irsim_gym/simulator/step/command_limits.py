@@ -1,7 +1,5 @@
 """Limits of commands: velocities that a drive can execute."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.simulator.world.names import Floats, Ints, Model, State, kernel, row_of

@@ -1,7 +1,5 @@
 """``fog_map``: the cells of the world that robots have seen so far. Only users and the renderer read it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

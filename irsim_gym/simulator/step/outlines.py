@@ -1,7 +1,5 @@
 """Outlines of rigid bodies in the world frame: one kernel serves every footprint."""
 
-from __future__ import annotations
-
 from irsim_gym.simulator.world.names import Ints, Model, Shard, State, kernel
 from irsim_gym.simulator.world.outline import place_outline
 

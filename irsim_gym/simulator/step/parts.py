@@ -1,7 +1,5 @@
 """The groups and index lists that a compiled scenario consists of."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """``wander_goals: {patience: ...}``: wandering bodies that a collision has held for long go on with another goal."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Restarts or removes single bodies while their worlds go on."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

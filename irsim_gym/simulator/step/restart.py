@@ -1,7 +1,5 @@
 """Begins an episode: draws a level from its random stream."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One step of the simulator, phase by phase."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

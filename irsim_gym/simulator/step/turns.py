@@ -1,7 +1,5 @@
 """The order of moves: bodies whose behaviour sees others move one after another, as in IR-SIM."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Arrays that are allocated from their own declaration: axes, dtype, unit and meaning."""
 
-from __future__ import annotations
-
 import dataclasses
 import os
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ seed gives the same episode in any batch. What a kind remembers it keeps in ``gr
 first axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable

@@ -1,7 +1,5 @@
 """What stays constant during an episode."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The boundary of a footprint: as it is declared, and as the arrays hold it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """The scans of the bodies that decide, for behaviours that read them."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from typing import Self

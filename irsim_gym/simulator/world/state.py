@@ -1,7 +1,5 @@
 """What changes with every step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Actions are checked and become commands."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

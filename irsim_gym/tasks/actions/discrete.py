@@ -1,7 +1,5 @@
 """``discrete``: a choice from a grid of commands."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import numpy as np

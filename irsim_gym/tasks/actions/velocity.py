@@ -1,7 +1,5 @@
 """``velocity``: a number for each component of the command."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The audit of rewards: compares the cost of an early end with the possible cost of continuing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any

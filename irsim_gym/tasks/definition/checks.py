@@ -1,7 +1,5 @@
 """Checks that a task fits its scenario, and that its terms fit each other."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

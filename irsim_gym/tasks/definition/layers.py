@@ -3,8 +3,6 @@
 Each value keeps its origin, so that a problem in the merged task names the right file and line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

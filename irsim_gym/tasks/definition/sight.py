@@ -1,7 +1,5 @@
 """Checks whether learners perceive what they may collide with, and whether anybody drives the other robots."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from irsim_gym.base.families import OBSERVATIONS

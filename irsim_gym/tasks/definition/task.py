@@ -1,7 +1,5 @@
 """A task: the actions, observations, rewards and endings of the learning agents."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Arrived: the agent has reached its last goal."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.endings.body_flag import copy_flag

@@ -1,7 +1,5 @@
 """Copies a flag of bodies as an ending."""
 
-from __future__ import annotations
-
 from irsim_gym.tasks.terms import EpisodeState, Ints, State, kernel
 
 

@@ -1,7 +1,5 @@
 """Collided: the agent touches another body."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Deadlocked: the agent has stood still for too long."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Shard, State, Term, kernel, kind

@@ -1,7 +1,5 @@
 """Left the world: the agent is wholly outside the world's rectangle."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Shard, State, Term, kernel, kind, row_of

@@ -1,7 +1,5 @@
 """The bookkeeping of episodes: path, clearance, outcome and the sum of the reward."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints

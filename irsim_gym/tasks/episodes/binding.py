@@ -1,7 +1,5 @@
 """Binds the kinds of a task to a simulation, as terms."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Episodes of a task in many worlds: act, step, end, pay, observe."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import chain
 from typing import Any, Literal

@@ -9,8 +9,6 @@ A world's next level may be chosen instead of the next one in its chain. It is a
 If a file gives the levels, level s is the file's level s modulo their number.
 """
 
-from __future__ import annotations
-
 from irsim_gym.base.errors import UnknownNameError, suggestion
 from irsim_gym.base.kernels.rng import later_level, level_key
 from irsim_gym.scenario.specs.level_set import SPLITS

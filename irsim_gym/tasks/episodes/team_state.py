@@ -1,7 +1,5 @@
 """The state of a whole team, for a centralised critic."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.tasks.terms import Ints, Model, Rays, Simulation, State, kernel, row_of

@@ -94,12 +94,5 @@ def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transitio
         "level": state.level,
     }
     return Transition(
-        state.observation,
-        state.reward,
-        state.terminated,
-        state.truncated,
-        state.reward_term,
-        state.over,
-        infos,
-        images,
+        state.observation, state.reward, state.terminated, state.truncated, state.reward_term, state.over, infos, images
     )

@@ -3,8 +3,6 @@
 The protocols in ``term`` and ``words`` define the methods and attributes that a kind must or may have.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import islice
 from typing import Any

@@ -1,7 +1,5 @@
 """Checks calls of terms of plugins: what they return, and what they write; for ``irsim-gym check`` and tests."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """Arrival: the bonus for success."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Role, Shard, State, Term, kernel, kind, option

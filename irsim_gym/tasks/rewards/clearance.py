@@ -1,7 +1,5 @@
 """Clearance: the cost of passing close to other bodies."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Role, Shard, State, Term, kernel, kind, option

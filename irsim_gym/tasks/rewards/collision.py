@@ -1,7 +1,5 @@
 """Collision: the penalty for touching another body."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Deadlock: the penalty for standing still for too long."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome

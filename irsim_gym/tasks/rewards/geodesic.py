@@ -1,7 +1,5 @@
 """Geodesic distances to the goal for rewards, around everything that never moves: one field per agent and world."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

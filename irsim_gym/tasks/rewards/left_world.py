@@ -1,7 +1,5 @@
 """Left the world: the penalty for leaving the world's rectangle."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome

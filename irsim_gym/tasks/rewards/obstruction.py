@@ -1,7 +1,5 @@
 """Obstruction: the cost of standing in the way of others after an arrival."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

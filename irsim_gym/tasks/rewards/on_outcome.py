@@ -1,7 +1,5 @@
 """An amount that is paid once, when an episode ends with a certain outcome."""
 
-from __future__ import annotations
-
 from irsim_gym.tasks.terms import EpisodeState, Ints, kernel
 
 

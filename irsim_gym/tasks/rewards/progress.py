@@ -1,7 +1,5 @@
 """Progress: the reward for approaching the goal, and the equal cost of moving away."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """Smoothness: the cost of changing the action."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Role, Shard, State, Term, kernel, kind, option

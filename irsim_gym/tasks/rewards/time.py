@@ -1,7 +1,5 @@
 """Time: the constant cost of each step."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.base.arraytypes import Floats, Ints

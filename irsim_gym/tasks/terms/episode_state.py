@@ -1,7 +1,5 @@
 """The state of the running episodes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Mirrored observations: what the columns become when left and right are exchanged."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 

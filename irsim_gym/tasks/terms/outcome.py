@@ -1,7 +1,5 @@
 """Outcomes of episodes."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 from typing import Literal, get_args
 

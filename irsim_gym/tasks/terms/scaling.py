@@ -1,7 +1,5 @@
 """Scaling of numbers for networks."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.tasks.terms import Floats, kernel

@@ -4,8 +4,6 @@ Each kind is called with the same five arguments: its ``Term``, the ``Model``, t
 ``EpisodeState`` that it writes into, and the ``Shard`` with the worlds to treat.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

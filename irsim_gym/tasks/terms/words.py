@@ -4,8 +4,6 @@ Each kind describes itself in a method beside the code. A kind without such a me
 and its options.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

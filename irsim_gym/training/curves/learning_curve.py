@@ -1,7 +1,5 @@
 """The figure of a learning curve."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path

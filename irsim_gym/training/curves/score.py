@@ -1,7 +1,5 @@
 """The learning curve of a run: scores of its checkpoints on ``dev`` levels, computed after the training."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Summaries of several seeds of a training: a JSON file, a table, and a figure of the learning curves."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path

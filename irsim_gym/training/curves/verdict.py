@@ -3,8 +3,6 @@
 It uses the episodes with which checkpoints are scored. The shares that it needs are stored in the learning curve.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Export of the network of a Stable-Baselines3 model as plain data, which runs without PyTorch."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Export of policies: from a run's folder, or from a ``policy.zip`` and the results of its training."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import zipfile

@@ -1,7 +1,5 @@
 """The function ``irsim_gym.load_policy``: a trained policy for a loop of one's own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from irsim_gym.base.errors import IrsimGymError

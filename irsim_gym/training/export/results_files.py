@@ -1,7 +1,5 @@
 """Files with results of trained policies: those of ``irsim-gym evaluate`` and of ``agents/summarize*.py``."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path

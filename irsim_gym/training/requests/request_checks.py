@@ -1,7 +1,5 @@
 """The arguments of a training are checked together, before anything is loaded or written."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any

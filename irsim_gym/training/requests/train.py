@@ -1,7 +1,5 @@
 """Training that can be interrupted at any time, with Stable-Baselines3 or Ray RLlib."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

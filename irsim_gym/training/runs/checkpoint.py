@@ -5,8 +5,6 @@ with the final name is always complete. Only the newest keeps the state for resu
 which is scored after the training.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import pickle

@@ -1,7 +1,5 @@
 """Behavioural cloning (Pomerleau 1991): before the training, the actor imitates a policy, such as a planner."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field
 from typing import Any

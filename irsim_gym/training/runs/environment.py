@@ -1,7 +1,5 @@
 """The vectorised environment of a run, and its state in a checkpoint."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Longer training of a finished run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from irsim_gym.base.errors import IrsimGymError

@@ -1,7 +1,5 @@
 """Fine-tuning: runs that start from the weights, networks and normalisation of a policy, with new schedules."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from copy import deepcopy

@@ -1,7 +1,5 @@
 """Models of Stable-Baselines3 for a run: new ones, and those restored from checkpoints."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

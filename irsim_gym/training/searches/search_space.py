@@ -1,7 +1,5 @@
 """The search space of a tuning: ranges and lists of values for all that trials may change, from a YAML file."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

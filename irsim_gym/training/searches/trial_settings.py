@@ -1,7 +1,5 @@
 """The settings of a tuning's trial, made from drawn values."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

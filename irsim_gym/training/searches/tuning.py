@@ -1,7 +1,5 @@
 """Tuning: Optuna chooses trials from a space, or goes through a grid. The trials are ordinary training runs."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The results of a tuning: a table, a CSV file, and the settings of the best trial."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

@@ -3,8 +3,6 @@
 The tables define which values are valid. Which of the keys an algorithm takes follows from its signature.
 """
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 from irsim_gym.base.options import kind, option

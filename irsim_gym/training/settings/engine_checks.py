@@ -1,7 +1,5 @@
 """The check that the engine of a run supports its settings."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from irsim_gym.base.errors import IrsimGymError

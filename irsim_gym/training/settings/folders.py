@@ -1,7 +1,5 @@
 """The default folders of runs, and the differences between two runs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path

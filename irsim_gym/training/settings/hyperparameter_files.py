@@ -1,7 +1,5 @@
 """Hyper-parameter files, and their validation, which reports all problems at once with lines and suggestions."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 import re

@@ -1,7 +1,5 @@
 """Several scenarios that one policy learns together: notation, YAML files, and shares of the worlds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial

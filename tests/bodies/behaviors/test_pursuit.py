@@ -189,11 +189,7 @@ DRIVES = {
         "acce": [0.5, 0.5],
     },
     "omni_angular": {"kinematics": {"name": "omni_angular"}, "vel_max": [1, 1, 1], "vel_min": [-1, -1, -1]},
-    "acker": {
-        "kinematics": {"name": "acker", "wheelbase": 0.2},
-        "vel_max": [1, 0.8],
-        "vel_min": [-1, -0.8],
-    },
+    "acker": {"kinematics": {"name": "acker", "wheelbase": 0.2}, "vel_max": [1, 0.8], "vel_min": [-1, -0.8]},
 }
 
 

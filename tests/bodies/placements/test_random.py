@@ -119,10 +119,7 @@ def test_goals_may_have_bounds_of_their_own() -> None:
     bounds = {"goal_low": [7, 1, -1], "goal_high": [9.5, 4, 0]}
     sim = ig.compile(ig.load_scenario(crossing(**bounds)), 30)
     sim.reset(seed=2)
-    for points, low, high in (
-        (sim.state.pose, [0.5, 0.5, 0], [3, 9.5, 1]),
-        (sim.state.goal, [7, 1, -1], [9.5, 4, 0]),
-    ):
+    for points, low, high in ((sim.state.pose, [0.5, 0.5, 0], [3, 9.5, 1]), (sim.state.goal, [7, 1, -1], [9.5, 4, 0])):
         assert (points >= low).all()
         assert (points <= high).all()
         assert (np.ptp(points, axis=(0, 1)) > 0.8 * (np.array(high) - low)).all()

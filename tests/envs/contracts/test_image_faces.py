@@ -252,8 +252,7 @@ def test_slots_of_a_team(respawn):
             ends += 1
             w, a = divmod(slot, 3)
             np.testing.assert_array_equal(
-                infos[slot]["terminal_observation"]["occupancy_image"],
-                begun.final_observation["occupancy_image"][w, a],
+                infos[slot]["terminal_observation"]["occupancy_image"], begun.final_observation["occupancy_image"][w, a]
             )
     assert ends > 5
 

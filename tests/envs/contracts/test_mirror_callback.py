@@ -175,14 +175,10 @@ def refusals() -> dict[str, Any]:
         ),
         "need an environment of irsim_gym": lambda: PPO("MlpPolicy", make_vec_env("Pendulum-v1", 2), **HOW),
         "in the frame of the world": lambda: PPO(
-            "MlpPolicy",
-            sb3.make_vec_env(ROOM, 2, task={"name": "blank", "observations": ["scan", "heading"]}),
-            **HOW,
+            "MlpPolicy", sb3.make_vec_env(ROOM, 2, task={"name": "blank", "observations": ["scan", "heading"]}), **HOW
         ),
         "slots that observe and act alike": lambda: PPO(
-            "MlpPolicy",
-            DummyVecEnv([lambda: made(HEADING), lambda: made(RECORD)]),
-            **HOW,
+            "MlpPolicy", DummyVecEnv([lambda: made(HEADING), lambda: made(RECORD)]), **HOW
         ),
     }
 

@@ -16,14 +16,7 @@ from irsim_gym.scenario import load_scenario
 
 with warnings.catch_warnings():  # with pytest at hand, PettingZoo's tests import a game in a deprecated way
     warnings.filterwarnings("ignore", ".*connect_four.*", DeprecationWarning)
-    from pettingzoo.test import (
-        api_test,
-        max_cycles_test,
-        parallel_api_test,
-        parallel_seed_test,
-        seed_test,
-        state_test,
-    )
+    from pettingzoo.test import api_test, max_cycles_test, parallel_api_test, parallel_seed_test, seed_test, state_test
 
 CYCLES = 12
 every = pytest.mark.parametrize("name", TEAMS)

@@ -12,9 +12,7 @@ from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.specs.library import benchmark_names, every_scenario, names, scenario_names
 from irsim_gym.tasks import load_task
 
-NO_MEMBERS = {
-    "recorded_people": "its people walk the same ways in every level: the file is a small one, drawn by us",
-}
+NO_MEMBERS = {"recorded_people": "its people walk the same ways in every level: the file is a small one, drawn by us"}
 """Files of configs/benchmarks that the suite does not play, and why."""
 
 

@@ -341,11 +341,7 @@ def test_levels_that_need_several_draws_are_the_same() -> None:
     robot = {**MINE["robot"][0], "behavior": None, "state": [0.3, 0.3, 0], "goal": [3.7, 0.3, 0]}
     discs = {"number": 9, "shape": {"name": "circle", "radius": 0.5}}
     crowded = {"name": "random", "min_distance": 0}
-    data = {
-        "world": {"width": 4, "height": 4},
-        "robot": [robot],
-        "obstacle": [{**discs, "distribution": crowded}],
-    }
+    data = {"world": {"width": 4, "height": 4}, "robot": [robot], "obstacle": [{**discs, "distribution": crowded}]}
     whole, plain = (Worlds(data, 20) for _ in range(2))
     draws: list[int] = []
     draw = plain.simulation._draw

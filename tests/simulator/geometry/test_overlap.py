@@ -144,13 +144,7 @@ def test_only_the_given_rows_are_read() -> None:
     assert outlines_overlap(BodyOutline(table, 0, 4, rings, 0, 0, True), other._replace(first_disc=0, n_discs=1))
 
 
-@given(
-    st.integers(0, 10_000),
-    st.floats(-np.pi, np.pi),
-    st.floats(-50.0, 50.0),
-    st.floats(-50.0, 50.0),
-    st.booleans(),
-)
+@given(st.integers(0, 10_000), st.floats(-np.pi, np.pi), st.floats(-50.0, 50.0), st.floats(-50.0, 50.0), st.booleans())
 def test_moving_both_changes_nothing(seed: int, turn: float, x: float, y: float, mirrored: bool) -> None:
     rng = np.random.default_rng(seed)
     a, b = random_shape(rng), random_shape(rng)

@@ -4,8 +4,6 @@ This is the obstacle-free heuristic of Dolgov, Thrun, Montemerlo and Diebel (200
 far from it. Dijkstra's search starts at the goal and follows the moves of the body backwards.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

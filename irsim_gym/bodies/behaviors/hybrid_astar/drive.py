@@ -1,7 +1,5 @@
 """Drives one body along its path over poses: its speed, and when it plans again."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Record

@@ -1,7 +1,5 @@
 """Follows a path over poses: the body's place on it, and the command along it, forwards or backwards."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

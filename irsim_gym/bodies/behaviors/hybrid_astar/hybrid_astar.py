@@ -1,7 +1,5 @@
 """Hybrid A*: a path over poses for the body's own outline, planned once and followed forwards and backwards."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The last move, from a pose straight to the goal: an arc, a slide, or a turn on the spot."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Pose, Record, Records

@@ -1,7 +1,5 @@
 """The moves of a path over poses: arcs, turns on the spot, and slides, within a drive's limits."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Pose, Records

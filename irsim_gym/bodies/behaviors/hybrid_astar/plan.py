@@ -1,7 +1,5 @@
 """Plans a member's path over poses, and writes it into the tables."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Floats, Pose, Record, Records

@@ -1,7 +1,5 @@
 """Memory of a search over poses: found poses, the queue, and closed cells."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Self
 
 import numpy as np

@@ -5,8 +5,6 @@ the higher cost of two paths: that of a point around the obstacles, and that of 
 tested only when their poses are next in the queue.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The paths over poses of the members of a group, and the tables for planning them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 

@@ -1,7 +1,5 @@
 """DWA: the dynamic window approach (Fox, Burgard and Thrun 1997) on the body's own scan."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import ClassVar
 
@@ -46,10 +44,7 @@ class Dwa(LocalPlanner):
         0.1, gt=0.0, unit="s", meaning="Time between the poses at which a way is compared with the scan."
     )
     free_time: float | None = option(
-        None,
-        ge=0.0,
-        unit="s",
-        meaning="How long a way has to be free (default: a step and half of the time to stop).",
+        None, ge=0.0, unit="s", meaning="How long a way has to be free (default: a step and half of the time to stop)."
     )
     min_speed: float = option(
         0.0,

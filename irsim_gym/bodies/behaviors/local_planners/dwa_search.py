@@ -1,7 +1,5 @@
 """The search of the dynamic window approach."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """MPPI: model predictive path integral control (Williams et al. 2017) on the body's own scan."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sampled command sequences and their average: model predictive path integral control."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

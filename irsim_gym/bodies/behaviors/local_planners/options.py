@@ -1,7 +1,5 @@
 """Options that local planners share: goals, perception, path and costs."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from irsim_gym.base.options import kind, option

@@ -1,7 +1,5 @@
 """Computes the paths that local planners follow: on the map, or around what scans have shown."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 All coordinates are in the body's present frame: x ahead, y to the left [m].
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Paths around everything that a body's scans have shown so far; unseen space counts as free."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Self
 
 import numpy as np

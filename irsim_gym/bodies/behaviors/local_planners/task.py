@@ -1,7 +1,5 @@
 """The task of a local planner at one moment: its goal, path and obstacles."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 

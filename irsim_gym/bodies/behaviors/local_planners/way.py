@@ -1,7 +1,5 @@
 """The path of a local planner: straight to the goal, or the shortest path around everything that never moves."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

@@ -4,8 +4,6 @@ A square grid covers the world. Members outside of it are put into the nearest s
 A search looks at a ring of squares about its own, and at wider ones until it has found enough members.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 

@@ -1,7 +1,5 @@
 """Half-planes of velocities that avoid a disc (van den Berg, Guy, Lin, Manocha 2011, sections 4 and 5)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

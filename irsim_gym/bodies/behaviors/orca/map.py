@@ -1,7 +1,5 @@
 """Half-planes of velocities that avoid an occupancy map: the walls of its cells, or the discs in them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Records

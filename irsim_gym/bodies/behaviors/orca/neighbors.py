@@ -1,7 +1,5 @@
 """Static obstacles of an ORCA body: walls and discs of bodies that never move."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

@@ -1,7 +1,5 @@
 """ORCA for a group (van den Berg, Guy, Lin, Manocha 2011: Reciprocal n-body collision avoidance)."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

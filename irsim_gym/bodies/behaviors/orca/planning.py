@@ -1,7 +1,5 @@
 """The choice of velocities by the members of an ORCA group."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -6,8 +6,6 @@ The velocities that lead to a collision within the horizon are the edge, divided
 disc, and all that lies behind it: a blunt cone with a left leg through a, a right leg through b, and a front.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The commands of each drive towards a point ahead."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Point, Record

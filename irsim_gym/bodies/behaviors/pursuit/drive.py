@@ -1,7 +1,5 @@
 """Drives one body in pursuit: whether it has to drive, its obstacles, and its command."""
 
-from __future__ import annotations
-
 from irsim_gym.base.arraytypes import Flags, Record
 from irsim_gym.bodies.behaviors.pursuit.commands import spin
 from irsim_gym.bodies.behaviors.pursuit.follow import Course, follow

@@ -1,7 +1,5 @@
 """Follows a path by commands after which the body can still stop before it touches anything."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

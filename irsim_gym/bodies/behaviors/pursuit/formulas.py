@@ -1,7 +1,5 @@
 """Regulated pure pursuit (Macenski, Singh, Martin, Gines 2023: Regulated pure pursuit for robot path tracking)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Record

@@ -1,7 +1,5 @@
 """Predicts the motion of a command: one step, and then a stop as soon as the body's limits allow."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pursuit: the shortest path on the map, followed by regulated pure pursuit."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
@@ -60,18 +58,12 @@ class Pursuit(RenewsGoals):
         0.5, ge=0.0, unit="m", meaning="Curves of a smaller radius are driven slower, in proportion to the radius."
     )
     proximity: float = option(
-        0.1,
-        ge=0.0,
-        unit="m",
-        meaning="Nearer to an obstacle it drives slower, in proportion to the distance.",
+        0.1, ge=0.0, unit="m", meaning="Nearer to an obstacle it drives slower, in proportion to the distance."
     )
     proximity_gain: float = option(1.0, gt=0.0, le=1.0, meaning="Factor of that: the lower the slower.")
     min_speed: float = option(0.25, ge=0.0, unit="m/s", meaning="Curves and obstacles never slow it below this.")
     approach: float = option(
-        0.6,
-        ge=0.0,
-        unit="m",
-        meaning="From here on it slows down for the goal, in proportion to what is left.",
+        0.6, ge=0.0, unit="m", meaning="From here on it slows down for the goal, in proportion to what is left."
     )
     approach_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Minimum speed at the goal.")
     turn_angle: float = option(

@@ -1,7 +1,5 @@
 """Pursuit by a body's own scans: it remembers hit points, and assumes that unknown space is free."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

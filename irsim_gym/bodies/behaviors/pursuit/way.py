@@ -1,7 +1,5 @@
 """The place of a body on its path, and points ahead on the path."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Point

@@ -1,7 +1,5 @@
 """Behaviours registered by drive and name as in IR-SIM, which get IR-SIM's arguments with column vectors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """Behaviours in plain Python: a function becomes a kind, and its keyword parameters become options in YAML."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, ClassVar, Literal, TypeVar

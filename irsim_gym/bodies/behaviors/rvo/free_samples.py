@@ -6,8 +6,6 @@ place decides. The directions of the edges first come from square roots. If the 
 is recomputed from angles as in IR-SIM, so that all results agree with IR-SIM's rounding.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The sampled velocity with the least penalty, if every sample leads to a collision."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Records, Vector

@@ -1,7 +1,5 @@
 """RVO: the collision-free sampled velocity nearest to the preferred one (van den Berg et al. 2008)."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal
 
 import numpy as np

@@ -4,8 +4,6 @@ Velocity obstacles follow Fiorini and Shiller (1998), reciprocal ones van den Be
 al. (2011). Velocities are sampled and weighed as in IR-SIM.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

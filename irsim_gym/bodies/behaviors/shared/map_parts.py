@@ -1,7 +1,5 @@
 """The parts of an occupancy map for behaviours: the walls of its cells, or the discs in them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, CellMaps, Floats

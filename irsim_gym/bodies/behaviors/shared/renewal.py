@@ -1,7 +1,5 @@
 """Options of all behaviours for what bodies do at their goals; a member's own precede those of its group."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

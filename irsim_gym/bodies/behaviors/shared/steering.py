@@ -1,7 +1,5 @@
 """Compute the velocity to a goal in the world frame, and a drive's command from a velocity."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

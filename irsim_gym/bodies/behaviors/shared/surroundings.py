@@ -1,7 +1,5 @@
 """Collect the surroundings that a body sees: moving discs, standing walls, and the walls of an occupancy map."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 

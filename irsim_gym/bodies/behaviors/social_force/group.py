@@ -3,8 +3,6 @@
 The forces within a party are those of Moussaid et al. (2010), as in IR-SIM: coherence, repulsion and gaze.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Self

@@ -4,8 +4,6 @@ The push of other bodies is that of Moussaid et al. (2009), the push of walls an
 and Molnar (1995), with IR-SIM's constants and roundings.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Social forces (Moussaid et al. 2009): a goal pulls a body, and other bodies and walls push it."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal
 
 from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems

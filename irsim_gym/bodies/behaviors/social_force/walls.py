@@ -3,8 +3,6 @@
 The push of a wall is that of Helbing and Molnar (1995).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Self
 

@@ -1,7 +1,5 @@
 """Exact free travel: how far the agent can drive straight, computed from the outlines around it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 

@@ -1,7 +1,5 @@
 """Nearest bodies: the bodies around an agent, without a range sensor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -79,10 +77,7 @@ class NearestBodies(EncodesDepths):
         columns = [
             Columns("nearest body: cosine of its nearest point's bearing, 1 straight ahead", "0 without a body"),
             Columns("nearest body: sine of that bearing, 1 to the left", "0 without a body"),
-            Columns(
-                "nearest body: gap to it",
-                f"g between the outlines, as {gap}",
-            ),
+            Columns("nearest body: gap to it", f"g between the outlines, as {gap}"),
             Columns("nearest body: speed ahead", pace),
             Columns("nearest body: speed to the left", pace),
         ]

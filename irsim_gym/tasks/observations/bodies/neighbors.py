@@ -1,7 +1,5 @@
 """Neighbors: position and motion of the nearest other robots."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Time to collision: the time until the agent touches another body, for each of many velocities."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 

@@ -1,7 +1,5 @@
 """Goal: the next goal relative to the agent."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Goal heading: the heading that the next goal requires."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np
@@ -26,10 +24,7 @@ class GoalHeading:
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         turn = "turn = goal's heading - own heading; both elements 0 if any heading is allowed"
-        return [
-            Columns("cosine of the remaining turn", turn),
-            Columns("sine of the turn: positive to the left", turn),
-        ]
+        return [Columns("cosine of the remaining turn", turn), Columns("sine of the turn: positive to the left", turn)]
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""

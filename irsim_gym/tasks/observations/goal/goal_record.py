@@ -1,7 +1,5 @@
 """Goal record: the memory of a Bug algorithm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Route: direction and length of the shortest path to the goal, from the map."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Occupancy image: the obstacles around the agent as an image."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

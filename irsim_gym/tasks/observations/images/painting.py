@@ -3,8 +3,6 @@
 Pixels are counted from the upper left corner, x to the right and y downwards, as in ``raster``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Self

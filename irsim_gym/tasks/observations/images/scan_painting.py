@@ -1,7 +1,5 @@
 """Paints a scan as an image: what the latest beams of a range sensor show around an agent."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

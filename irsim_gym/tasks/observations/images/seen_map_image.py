@@ -1,7 +1,5 @@
 """Seen map image: the map from the learner's own scans as an image."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar

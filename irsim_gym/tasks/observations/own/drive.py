@@ -1,7 +1,5 @@
 """Drive: which of the learners' drives the agent has."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Has arrived: whether the agent has already reached its goal and drives on."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

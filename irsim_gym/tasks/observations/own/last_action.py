@@ -1,7 +1,5 @@
 """Last action: the latest action of the agent."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

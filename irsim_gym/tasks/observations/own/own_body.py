@@ -1,7 +1,5 @@
 """Own body: how large, how fast and how agile the agent is."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

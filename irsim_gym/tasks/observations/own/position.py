@@ -1,7 +1,5 @@
 """Position: the position of the agent in the world."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trail: earlier positions of the agent, relative to its present pose."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Velocity: the velocity of the agent."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

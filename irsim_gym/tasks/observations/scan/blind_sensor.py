@@ -1,7 +1,5 @@
 """A range sensor without beams, for learners that have none: it has shown nothing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

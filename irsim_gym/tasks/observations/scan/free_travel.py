@@ -1,7 +1,5 @@
 """Free travel: how far the agent can drive straight in each of many directions, by its scan."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

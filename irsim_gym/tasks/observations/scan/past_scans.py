@@ -1,7 +1,5 @@
 """Past scans: earlier scans of the range sensor, transformed to the agent's current pose."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Common parts of observations of a range sensor: the agents' sensors, and the encoding of depths."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scan: the agent's range sensor, pooled into sectors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Grid maps of what each learner's scans have shown so far."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self

@@ -1,7 +1,5 @@
 """Cells in which learners fit by their scans, and paths to their goals over these cells."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

@@ -1,7 +1,5 @@
 """Standing aside: which robots of a team yield to which, and where they go to let them pass."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Ints, Point

@@ -1,7 +1,5 @@
 """The ways of a team's learners, over maps without robots: what robots that tell each other their ways know."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Self
 

@@ -1,7 +1,5 @@
 """The three elements of an observed way: cosine and sine of its direction, and its length over the world's diagonal."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

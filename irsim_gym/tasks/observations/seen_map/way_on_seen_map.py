@@ -1,7 +1,5 @@
 """Way on the seen map: the shortest path to the goal on the map from the learner's own scans."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import ClassVar
 

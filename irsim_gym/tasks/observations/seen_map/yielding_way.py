@@ -1,7 +1,5 @@
 """Yielding way: the way to the goal of a robot that knows the ways of its team, or out of the way of others."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from irsim_gym.base.arraytypes import Ints
