@@ -12,7 +12,6 @@ from command_line import run as command
 from packaging.requirements import Requirement
 
 from irsim_gym.base import extras
-from irsim_gym.cli.work.doctor import OPTIONAL
 from irsim_gym.errors import IrsimGymError, MissingExtraError
 
 ROOT = Path(__file__).parents[1]
@@ -50,7 +49,6 @@ for words in (
     ["evaluate", "cluttered_room", "cluttered_room", "--levels", "2", "--out", "table"],
     ["record", "cluttered_room", "cluttered_room", "--out", "film.mp4"],
     ["record", "cluttered_room", "cluttered_room", "--out", "page.html"],
-    ["doctor"],
     ["policies", "list"],
 ):
     sys.argv = ["irsim-gym", *words]
@@ -124,4 +122,3 @@ def test_extras_are_those_of_the_project_file() -> None:
     assert {extra: {packages.get(name, name) for name in names} for extra, names in extras.EXTRAS.items()} == {
         extra: brought(extra) for extra in extras.EXTRAS
     }
-    assert set(OPTIONAL) == set(extras.EXTRAS)

@@ -168,7 +168,6 @@ def test_a_bare_environment_needs_nothing_else(built: Path, tmp_path: Path) -> N
     assert "No broken requirements" in _run(python, "-m", "pip", "check")
     command = str(Path(python).parent / "irsim-gym")
     assert irsim_gym.__version__ in _run(command, "--version")
-    _run(command, "doctor", cwd=tmp_path)
     _run(command, "new", "first.yaml", cwd=tmp_path)
     _run(command, "check", "first.yaml", cwd=tmp_path, most_s=600)
     _run(command, "evaluate", "cluttered_room", "cluttered_room", "--levels", "8", cwd=tmp_path, most_s=600)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import gymnasium
@@ -11,9 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import irsim_gym
-from irsim_gym.base import extras
 from irsim_gym.cli.app import app
-from irsim_gym.cli.work import doctor
 from irsim_gym.errors import IrsimGymError
 
 
@@ -43,77 +40,6 @@ def test_a_new_scenario_replaces_nothing(tmp_path: Path) -> None:
     assert mine.read_text() == "mine"
     assert "a scenario is a .yaml file" in run("new", str(tmp_path / "world.txt"))[1]
     assert "there is no folder" in run("new", str(tmp_path / "nowhere" / "world.yaml"))[1]
-
-
-def test_doctor_names_versions_and_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    code, said = run("doctor")
-    assert code == 0
-    for word in (irsim_gym.__version__, "numba", "cache of kernels", "processors", "display", "films"):
-        assert word in said
-    monkeypatch.setattr(doctor, "OPTIONAL", {"wings": "fly"})
-    monkeypatch.setattr(extras, "EXTRAS", {"wings": ("no_such_module",)})
-    last = doctor.examine()[-1]
-    assert (last.topic, last.found, last.advice) == (
-        "wings: fly",
-        "no_such_module not found",
-        'pip install "irsim_gym[wings]"',
-    )
-
-
-def test_doctor_fails_where_a_package_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(doctor, "PACKAGES", ("numpy", "no-such-package"))
-    assert run("doctor")[0] == 1
-    assert [one.topic for one in doctor.examine() if one.is_wrong] == ["no-such-package"]
-
-
-def test_doctor_looks_for_a_display_and_its_toolkit(monkeypatch: pytest.MonkeyPatch) -> None:
-    def shown(system: str, **variables: str) -> doctor.Finding:
-        monkeypatch.setattr(sys, "platform", system)
-        for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-            monkeypatch.delenv(name, raising=False)
-        for name, value in variables.items():
-            monkeypatch.setenv(name, value)
-        return doctor._display()
-
-    monkeypatch.setattr(doctor, "TOOLKITS", ("no_such_toolkit", "json"))
-    assert "DISPLAY and WAYLAND_DISPLAY are not set" in shown("linux").found
-    assert shown("linux", DISPLAY=":7").found == ":7, with json"
-    assert shown("win32").found == "there is one, with json"
-    monkeypatch.setattr(doctor, "TOOLKITS", ("no_such_toolkit",))
-    assert shown("linux", WAYLAND_DISPLAY="wayland-0").found == "wayland-0, but no toolkit for windows"
-    assert "pip install pyside6" in shown("linux", DISPLAY=":7").advice
-    assert shown("darwin").found == "there is one, with macosx"
-
-
-def test_doctor_says_what_films_lack(monkeypatch: pytest.MonkeyPatch) -> None:
-    import imageio_ffmpeg
-
-    def gone() -> str:
-        raise RuntimeError("No ffmpeg exe could be found.\nMore lines.")
-
-    monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_version", gone)
-    films = doctor._films()
-    assert films.found == "no ffmpeg: No ffmpeg exe could be found."
-    assert "film.gif" in films.advice
-
-
-def test_the_number_of_threads_that_doctor_names_is_one_that_environments_take() -> None:
-    said = doctor._threads().found
-    number = re.search(r"num_threads=(\d+)", said)
-    irsim_gym.make_vec("corridor", num_envs=2, num_threads=int(number[1]) if number else 1).close()
-
-
-def test_doctor_says_how_kernels_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    def said() -> str:
-        return next(one.found for one in doctor.examine() if one.topic == "compiled kernels")
-
-    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
-    monkeypatch.delenv("IRSIM_GYM_PLAIN_NUMBA", raising=False)
-    assert said() == "on"
-    monkeypatch.setenv("IRSIM_GYM_PLAIN_NUMBA", "1")
-    assert said() == "Numba's plain way: IRSIM_GYM_PLAIN_NUMBA is set"
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
-    assert said() == "off: NUMBA_DISABLE_JIT is set"
 
 
 @pytest.mark.parametrize(

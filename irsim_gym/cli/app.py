@@ -19,7 +19,7 @@ from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
 from irsim_gym.cli.robot import export
 from irsim_gym.cli.run import run_by_itself
-from irsim_gym.cli.start import doctor, new, options, schema
+from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
 from irsim_gym.cli.tools import one_policy, print_shipped, read_parameters, scenario_request
 from irsim_gym.cli.train import train, tune
@@ -163,10 +163,6 @@ def record(
     overwrite: opt.ReplaceFile = False,
     html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
     sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
-    strobe: Annotated[
-        bool,
-        typer.Option("--strobe", help="Write one picture with the trajectories of each episode, coloured by time."),
-    ] = False,
     team: opt.Team = False,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
@@ -174,13 +170,13 @@ def record(
 ) -> None:
     """Film policies on the same levels, side by side.
 
-    With --html, write a replay page with scans and rewards for browsers; with --sheet or --strobe, write one picture.
+    With --html, write a replay page with scans and rewards for browsers; with --sheet, write one picture.
     """
     from irsim_gym.cli.work.commands import run_record
 
-    kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
+    kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet)) if wanted]
     if len(kinds) > 1:
-        raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
+        raise IrsimGymError("--html and --sheet exclude each other: call record once for each")
     asked = scenario_request(scenario, task, team, given, lenient)
     run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
@@ -233,7 +229,6 @@ def rollout(
 
 app.command("run")(run_by_itself)
 app.command()(new)
-app.command()(doctor)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym new``, ``doctor``, ``options`` and ``schema``."""
+"""The commands ``irsim-gym new``, ``options`` and ``schema``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,14 +15,6 @@ def new(file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write
 
     write_template(file)
     print(f"{file}: change it, then\n  irsim-gym check {file}\n  irsim-gym train {file}")
-
-
-def doctor() -> None:
-    """Show versions, the cache of kernels, processors, display and graphics card, and what commands need."""
-    from irsim_gym.cli.work.doctor import print_examination
-
-    if not print_examination():
-        raise typer.Exit(1)
 
 
 def options(

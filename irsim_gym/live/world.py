@@ -204,7 +204,6 @@ class World:
     save_animation = Method("_media", MediaWriter.save_animation)
     save_html = Method("_media", MediaWriter.save_html)
     save_sheet = Method("_media", MediaWriter.save_sheet)
-    save_strobe = Method("_media", MediaWriter.save_strobe)
     close = Method("_media", MediaWriter.close)
     end = Method("_media", MediaWriter.end)
     quit = Method("_media", MediaWriter.quit)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +13,6 @@ import pytest
 from command_line import run
 from small_world import world
 
-from irsim_gym import load
 from irsim_gym.rendering.looks.packing import unpacked
 from irsim_gym.rendering.replay.replay_page import read_html
 
@@ -76,31 +74,7 @@ def test_a_sheet_shows_what_was_filmed(tmp_path: Path) -> None:
         here.save_sheet(tmp_path / "sheet", moments=1)
 
 
-def test_a_picture_of_ways(tmp_path: Path) -> None:
-    here = world(world=SMALL, record=True)
-    for _ in range(30):
-        here.step()
-    shown = here.render()
-    text = here.save_strobe(tmp_path / "ways.svg").read_text()
-    assert re.search(r">0\.0( s|\N{EN DASH})", text)
-    picture = iio.imread(here.save_strobe(tmp_path / "ways"))[..., :3]
-    assert picture.shape == (2 * shown.shape[0], 2 * shown.shape[1], 3)
-    assert np.array_equal(here.render(), shown)
-
-
-def test_times_can_be_read_over_something_dark(tmp_path: Path) -> None:
-    robot = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "state": [1, 2, 0]}
-    dark = {"shape": {"name": "rectangle", "length": 4, "width": 4}, "state": [2, 2, 0], "color": "black"}
-    plot = {"figure_pixels": [200, 200], "no_axis": True, "show_title": False}
-    data = {"world": {"width": 4, "height": 4, "plot": plot, "collision_mode": "unobstructed"}}
-    here = load({**data, "robot": robot, "obstacle": dark}, record=True)
-    for _ in range(10):
-        here.step([1.0, 0.0])
-    above_the_way = iio.imread(here.save_strobe(tmp_path / "dark.png"))[150:180, 60:300, :3]
-    assert (above_the_way.min(axis=2) > 240).sum() > 200, "a rim of light around dark letters"
-
-
-@pytest.mark.parametrize("what", ["save_html", "save_sheet", "save_strobe", "save_animation"])
+@pytest.mark.parametrize("what", ["save_html", "save_sheet", "save_animation"])
 def test_without_record_there_is_nothing(what: str, tmp_path: Path) -> None:
     here = world(world=SMALL)
     here.step()

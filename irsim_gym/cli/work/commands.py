@@ -269,20 +269,20 @@ def run_record(
     *,
     overwrite: bool = False,
 ) -> None:
-    """Write a film, a replay page, a ``sheet`` or a ``strobe`` picture of policies, and print the file's name.
+    """Write a film, a replay page or a ``sheet`` of policies, and print the file's name.
 
     Args:
         policies: Policies, as ``load_policy`` takes them.
         out: File to write; None for a default name in ``runs``, numbered. A name that ends in ``.html`` means a replay
             page.
-        kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
+        kind: ``film``, ``replay`` or ``sheet``.
         overwrite: Replace an existing file.
     """
     from irsim_gym.evaluation.comparison.record import check_output, record_film, record_html, record_sheet
 
     names_page = out is not None and out.suffix.lower() == ".html"
     kind = "replay" if kind == "film" and names_page else kind
-    checks = partial(check_output, out, kind, len(policies) * len(levels)), partial(check_free, out, overwrite)
+    checks = partial(check_output, out, kind), partial(check_free, out, overwrite)
     check_inputs(asked, *checks, policies=policies, split=split)
     asked = as_trained(asked, policies)
     names = {"replay": "replay.html", "film": "film.mp4"}
@@ -292,4 +292,4 @@ def run_record(
     elif kind == "film":
         print(record_film(asked, policies, levels, path, split=split))
     else:
-        print(record_sheet(asked, policies, levels, path, split=split, strobe=kind == "strobe"))
+        print(record_sheet(asked, policies, levels, path, split=split))

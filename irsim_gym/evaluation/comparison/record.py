@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
 PICTURES = (".png", ".jpg", ".webp", ".tif")
-DRAWINGS = (".pdf", ".svg")
 
 
 def record_film(
@@ -78,45 +77,26 @@ def record_html(
 
 
 def record_sheet(
-    asked: ScenarioRequest,
-    sources: Sequence[str | Path],
-    levels: Sequence[int],
-    path: Path,
-    *,
-    strobe: bool = False,
-    **chosen: Any,
+    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
 ) -> Path:
-    """Draw policies on levels into one picture, and return its path.
+    """Draw policies on levels into one picture, a row of frames for each episode, and return its path.
 
     Args:
         sources: Policies, as ``load_policy`` takes them.
-        path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``; with ``strobe`` and a single episode also
-            ``.pdf`` or ``.svg``.
-        strobe: Draw each episode as one panel, with trajectories coloured by time and the robots at several times.
-            Otherwise each episode is a row of frames, evenly spaced from the start to the end.
+        path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``.
         **chosen: ``split`` and ``names`` of ``load_players``.
 
     Raises:
         IrsimGymError: If the file's suffix is not that of such a picture.
     """
-    from irsim_gym.rendering.films.film import EpisodeFilm
     from irsim_gym.rendering.films.sheet import contact_sheet, save_sheet
-    from irsim_gym.rendering.films.strobe import draw_strobe, save_strobe
 
     cast = load_players(asked, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
-    check_output(path, "strobe" if strobe else "sheet", len(pairs))
+    check_output(path, "sheet")
     with progress_bar() as bar:
-        track = bar.track(pairs, description="drawing")
-        if not strobe:
-            shown = [_moments(cast, w, level) for w, level in track]
-            return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
-        recordings = [_recorded(cast, w, level) for w, level in track]
-    if len(recordings) == 1:
-        return save_strobe(recordings[0], path, cast.renderer.layout)
-    panels = [draw_strobe(recording, cast.renderer.layout) for recording in recordings]
-    film = EpisodeFilm([recording.name for recording in recordings], fps=1.0 / cast.step_time)
-    return save_sheet(film.compose(panels), path)
+        shown = [_moments(cast, w, level) for w, level in bar.track(pairs, description="drawing")]
+    return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
 
 
 def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
@@ -160,20 +140,16 @@ def check_suffix(path: Path, known: Sequence[str], what: str) -> None:
         raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")
 
 
-def check_output(path: Path | None, kind: str, episodes: int) -> None:
+def check_output(path: Path | None, kind: str) -> None:
     """Check that the name of a file, if any, fits what is written into it.
 
     Args:
         path: The file; None for a default name.
-        kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
-        episodes: Number of episodes.
+        kind: ``film``, ``replay`` or ``sheet``.
 
     Raises:
         IrsimGymError: If it has another suffix.
     """
-    drawings = DRAWINGS if kind == "strobe" and episodes == 1 else ()
-    known, what = {"film": (FILMS, "a film"), "replay": (REPLAYS, "a replay")}.get(
-        kind, ((*PICTURES, *drawings), "such a picture")
-    )
+    known, what = {"film": (FILMS, "a film"), "replay": (REPLAYS, "a replay")}.get(kind, (PICTURES, "such a picture"))
     if path is not None:
         check_suffix(path, known, what)

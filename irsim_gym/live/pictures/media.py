@@ -194,16 +194,3 @@ class MediaWriter:
         sheet = with_suffix(self._file(path, "-sheet"), IMAGES, "png")
         self._camera.reel.save_sheet(sheet, moments)
         return sheet
-
-    def save_strobe(self, path: str | Path | None = None) -> Path:
-        """Write one picture with the paths of the robots in this episode, coloured by time, and return its path.
-
-        Args:
-            path: ``.png``, ``.pdf``, ``.svg`` and so on (default: name of the world with ``-strobe``).
-
-        Raises:
-            ValueError: Another suffix, or nothing was kept.
-        """
-        picture = with_suffix(self._file(path, "-strobe"), FIGURES, "png")
-        self._camera.reel.save_strobe(picture, self._camera.layout)
-        return picture

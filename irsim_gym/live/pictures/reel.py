@@ -13,7 +13,6 @@ from irsim_gym.simulator.engine.telemetry import telemetry
 if TYPE_CHECKING:
     from irsim_gym.rendering.looks.packing import PackedFrame
     from irsim_gym.rendering.replay.replay_data import Recording
-    from irsim_gym.rendering.scene.frame_layout import Layout
     from irsim_gym.rendering.scene.scene import Scene
 
 NOTHING_KEPT = "nothing was kept: load the world with record=True"
@@ -103,18 +102,6 @@ class Reel:
             raise ValueError(f"a sheet shows at least 2 moments, got {count}")
         frames = [self._frames[k].frame() for k in spaced(len(self._frames), count).tolist()]
         save_sheet(contact_sheet([frames], [""]), path)
-
-    def save_strobe(self, path: Path, layout: Layout) -> None:
-        """Write one picture with the paths of the robots in the last episode.
-
-        Raises:
-            ValueError: There is none.
-        """
-        from irsim_gym.rendering.films.strobe import save_strobe
-
-        if not self._recordings:
-            raise ValueError(NOTHING_KEPT)
-        save_strobe(self._recordings[-1], path, layout)
 
 
 def _outcome(simulation: Simulation, body: int) -> str:

@@ -73,7 +73,7 @@ def look_command(scenario: str, folder: Path, *, team: bool, task: str | None = 
     """Return the command that draws a run's policy on some ``dev`` levels."""
     levels = " ".join(f"--level {level}" for level in range(3))
     options = f"{' --team' if team else ''}{'' if task is None else f' --task {task}'}"
-    return f"irsim-gym record {scenario} {folder} --split dev {levels}{options} --strobe"
+    return f"irsim-gym record {scenario} {folder} --split dev {levels}{options} --sheet"
 
 
 def _ends(point: Mapping[str, float]) -> str:
