@@ -230,8 +230,8 @@ def observation(
         TypeError: The function's parameters are not as above.
         IrsimGymError: The name is taken.
     """
-    given = {"size": size, "low": low, "high": high, "needs_goal": needs_goal}
-    given["needs"] = None if needs is None else tuple(needs)
+    told = None if needs is None else tuple(needs)
+    given: dict[str, Any] = {"size": size, "low": low, "high": high, "needs_goal": needs_goal, "needs": told}
     return registering(families.OBSERVATIONS, name, FunctionObservation, ("ego",), **given)
 
 

@@ -7,7 +7,7 @@ import pytest
 from task_tools import drive, play
 
 from irsim_gym.errors import ScenarioError
-from irsim_gym.tasks.actions import DiscreteAction
+from irsim_gym.tasks.actions.discrete import DiscreteAction
 
 DISCRETE = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "angular": 5}}
 

@@ -226,7 +226,7 @@ class KernelLower(Lower):  # type: ignore[misc]
         return parts, pointers.pointer_add(build, data, offset), len(indices)
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
+@register_pass(mutates_CFG=True, analysis_only=False)  # type: ignore[no-untyped-call]
 class KernelLowering(Lowering):  # type: ignore[misc]
     """The pass that does so."""
 

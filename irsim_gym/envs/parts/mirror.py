@@ -14,7 +14,7 @@ from irsim_gym.envs.parts.spaces import Observation, observed
 from irsim_gym.simulator.world.kinds import KeepsSymmetry
 from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.actions import DiscreteAction
+from irsim_gym.tasks.actions.discrete import DiscreteAction
 from irsim_gym.tasks.plugin_checks.term_contract import checked_mirrored
 from irsim_gym.tasks.terms.mirrored import HasMirrored, Mirrored, command_exchanged, signed
 from irsim_gym.tasks.terms.term import IsImage, Term, needs_of
