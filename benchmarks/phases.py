@@ -22,7 +22,7 @@ from irsim_gym.envs import Worlds
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.running.fused import Fused
 from irsim_gym.simulator.step import arrival, command_limits, outlines, step
-from irsim_gym.tasks import actions
+from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.episodes import account
 
 
@@ -77,7 +77,7 @@ def places(worlds: Worlds) -> list[tuple[str, Any, str]]:
     parts, found = worlds.simulation.parts, worlds.episodes
     wrapped: list[tuple[str, Any, str]] = [
         ("begin anew", found, "begin_next"),
-        ("act", actions, "take"),
+        ("act", commands, "take"),
         ("act", found, "_act"),
         ("arrival", arrival, "renew_goals"),
         ("limits", command_limits, "limit_velocity"),

@@ -12,7 +12,7 @@ from command_line import run
 
 import irsim_gym
 from irsim_gym.base import families
-from irsim_gym.cli import app as cli
+from irsim_gym.cli.options import LAST_LEVEL
 from irsim_gym.cli.work import trial
 from irsim_gym.envs.parts.level_options import read_options
 from irsim_gym.evaluation.suite.members import shipped_suite
@@ -306,9 +306,9 @@ def test_a_run_takes_any_seed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Ca
 
 
 def test_the_last_level_is_that_of_environments() -> None:
-    assert read_options({"level": cli.LAST_LEVEL}) == (None, cli.LAST_LEVEL)
-    with pytest.raises(ValueError, match=f"from 0 to {cli.LAST_LEVEL}, got"):
-        read_options({"level": cli.LAST_LEVEL + 1})
+    assert read_options({"level": LAST_LEVEL}) == (None, LAST_LEVEL)
+    with pytest.raises(ValueError, match=f"from 0 to {LAST_LEVEL}, got"):
+        read_options({"level": LAST_LEVEL + 1})
 
 
 def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -39,7 +39,7 @@ MOST_BYTES = 150_000
         ("[here](a.md#part)", "[here](../a.md#part)"),
         ("[all\nof it](../agents/README.md)", "[all\nof it](../agents.md)"),
         ("[why](design/b.md)", "[why](../design/b.md)"),
-        ("[code](../irsim_gym/cli/app.py)", "[code](../files/irsim_gym/cli.py)"),
+        ("[code](../irsim_gym/cli/app.py)", "[code](../files/irsim_gym/cli/app.py)"),
         ("see [the folder](../configs/tasks).", "see the folder."),
         ("![A robot](cluttered_room.png)", "![A robot](../cluttered_room.png)"),
         ("[web](https://a.b/c), [below](#part)", "[web](https://a.b/c), [below](#part)"),

@@ -251,7 +251,7 @@ def test_marks_that_stay_are_seen_as_long_as_they_do() -> None:
 
 def test_the_script_draws_every_primitive() -> None:
     """The page's script knows each by its name, and no others."""
-    text = (Path(vocabulary.__file__).parent / "page" / "primitives.js").read_text(encoding="utf-8")
+    text = (Path(vocabulary.__file__).parents[1] / "replay" / "page" / "primitives.js").read_text(encoding="utf-8")
     names = re.search(r"const PRIMITIVES = {(.*?)}", text, re.DOTALL)[1]
     assert set(re.findall(r"(\w+):", names)) == {kind.__name__ for kind in get_args(primitives.Primitive)}
 

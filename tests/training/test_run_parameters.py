@@ -106,9 +106,9 @@ def test_policies_are_driven_with_what_their_runs_were_trained_with(
 @pytest.mark.parametrize(
     ("command", "function"),
     [
-        (["evaluate", "swap.yaml", "three", "--team"], "commands.evaluate_policies"),
-        (["rollout", "swap.yaml", "--policy", "three"], "commands.evaluate_policies"),
-        (["record", "swap.yaml", "three"], "record.record_film"),
+        (["evaluate", "swap.yaml", "three", "--team"], "irsim_gym.cli.work.commands.evaluate_policies"),
+        (["rollout", "swap.yaml", "--policy", "three"], "irsim_gym.cli.work.commands.evaluate_policies"),
+        (["record", "swap.yaml", "three"], "irsim_gym.evaluation.comparison.record.record_film"),
     ],
 )
 def test_commands_that_take_policies_ask_their_runs(

@@ -37,6 +37,9 @@ class SocialForceGroup(SocialForces):
     gaze_vision_angle: float = option(
         90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
     )
+    interaction_range: float = option(
+        1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

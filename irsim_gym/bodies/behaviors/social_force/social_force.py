@@ -39,14 +39,16 @@ class SocialForces(RenewsGoals):
         meaning="How others push: by position and velocity (Moussaid et al. 2009), or straight away, fading with the "
         "gap between the discs (circular; Helbing and Molnar 1995).",
     )
-    interaction_range: float = option(
-        1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
-    )
 
 
 @kind
 class SocialForce(SocialForces):
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
+
+    # Not in the base: Numba takes a record that begins as another does for one of its kind.
+    interaction_range: float = option(
+        1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
+    )
 
     problems = renewal_problems
 
