@@ -71,7 +71,7 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
     for source in (ROOT / "agents" / "shelf").iterdir():
         is_left_out = source.stem in LEFT_OUT
         assert (f"irsim_gym/shelf/{source.name}" in names) is not is_left_out
-    for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():
+    for source in (ROOT / "irsim_gym" / "rendering" / "replay" / "page").iterdir():
         assert f"irsim_gym/rendering/replay/page/{source.name}" in names
     assert {
         "irsim_gym/py.typed",

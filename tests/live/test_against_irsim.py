@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 import irsim_gym
+from irsim_gym.live.world import World
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "acce": [2, 4]}
 SCENARIO: dict[str, Any] = {
@@ -123,7 +124,7 @@ CALLS: dict[str, list[Act]] = {
 
 
 def _is_ours(world: Any) -> bool:
-    return isinstance(world, irsim_gym.live.World)
+    return isinstance(world, World)
 
 
 def _set_theirs(world: Any) -> None:

@@ -122,7 +122,7 @@ def test_commands_that_take_policies_ask_their_runs(
         found.append({"asked": arguments[0], **named})
         raise IrsimGymError("enough")
 
-    monkeypatch.setattr(f"irsim_gym.training.{function}", driven)
+    monkeypatch.setattr(function, driven)
     assert run(monkeypatch, *command) == 1
     assert found[0]["asked"].parameters == {"n_robots": 3}
     assert found[0].get("folder") in (None, Path("runs/evaluation-swap-n_robots=3-team-test"))
