@@ -48,7 +48,7 @@ def run(arguments: list[str], **environment: str) -> subprocess.CompletedProcess
 
 def test_kernels_run_as_plain_python_with_the_same_results(tmp_path: Path) -> None:
     file = tmp_path / "plain.npz"
-    use = "import sys, numpy; from tests import test_jit; numpy.savez(sys.argv[1], **test_jit.driven())"
+    use = "import sys, numpy; from tests.base import test_jit; numpy.savez(sys.argv[1], **test_jit.driven())"
     done = run(["-W", "error", "-c", use, str(file)], NUMBA_DISABLE_JIT="1", PYTHONPATH=str(PACKAGE.parent))
     assert done.returncode == 0, done.stderr
     compiled, plain = driven(), np.load(file)
