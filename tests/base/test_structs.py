@@ -100,7 +100,9 @@ def test_copies_have_blocks_of_their_own(copied) -> None:
 
 
 def test_without_a_compiler_kernels_get_the_dataclass() -> None:
-    use = "from tests.base import test_structs as mine; t = mine.made(); mine.add(mine.WORLDS, t); print(t.out.tolist())"
+    use = (
+        "from tests.base import test_structs as mine; t = mine.made(); mine.add(mine.WORLDS, t); print(t.out.tolist())"
+    )
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run(
         [sys.executable, "-c", use], env=environment, cwd=Path(__file__).parents[2], capture_output=True, text=True

@@ -10,9 +10,12 @@ import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, get_origin
 
+import numpy as np
 from builder import reference
+
+from irsim_gym.base import arraytypes
 
 SECTIONS = ("Args", "Attributes", "Returns", "Yields", "Raises", "Example", "Examples")
 ARRAY = re.compile(r"NDArray|ndarray|Tensor|\b(Floats|Ints|Flags|Rays|Words|Pixels|Bytes|Spans|Labels)\b")
@@ -23,6 +26,16 @@ UNIT = re.compile(
     re.IGNORECASE,
 )
 OWN = "irsim_gym"
+
+
+def words_of(annotation: object) -> str:
+    """Return an annotation as it is written: arrays and classes by their names."""
+    if isinstance(annotation, str):
+        return annotation
+    for name, value in vars(arraytypes).items():
+        if name[0].isupper() and get_origin(value) is np.ndarray and value == annotation:
+            return name
+    return annotation.__name__ if isinstance(annotation, type) else str(annotation).replace("numpy.ndarray", "NDArray")
 
 
 @dataclass(frozen=True)
@@ -72,18 +85,18 @@ class Documented:
         """Parameters, and fields of a class, with their annotations."""
         if inspect.isclass(self.value):
             fields = inspect.get_annotations(self.value).items()
-            yield from ((name, str(kind)) for name, kind in fields if not name.startswith("_"))
+            yield from ((name, words_of(kind)) for name, kind in fields if not name.startswith("_"))
         if self.function is not None and not isinstance(self.value, property):
             for parameter in inspect.signature(self.function).parameters.values():
                 if parameter.name not in ("self", "cls"):
-                    yield parameter.name, str(parameter.annotation)
+                    yield parameter.name, words_of(parameter.annotation)
 
     @property
     def returned(self) -> str:
         """The annotation of what it returns; empty for a class."""
         if inspect.isclass(self.value) or self.function is None:
             return ""
-        return str(inspect.signature(self.function).return_annotation)
+        return words_of(inspect.signature(self.function).return_annotation)
 
     @property
     def is_of_others(self) -> bool:

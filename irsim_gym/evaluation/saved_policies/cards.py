@@ -6,7 +6,6 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 from irsim_gym.base.outside_files import reading
-from irsim_gym.tasks.terms.term import Needs
 
 
 class _Fixed(BaseModel):
@@ -180,7 +179,7 @@ class PolicyCard(_Fixed):
     name: str
     scenario: CardScenario
     observation: tuple[CardTerm, ...]
-    needs: Needs | None = None
+    needs: tuple[str, ...] | None = None
     action: CardAction
     network: CardNetwork
     training: CardTraining
