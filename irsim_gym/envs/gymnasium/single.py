@@ -1,5 +1,7 @@
 """One world as a ``gymnasium.Env``."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import gymnasium
