@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -59,3 +60,24 @@ def played_here(monkeypatch: pytest.MonkeyPatch) -> None:
             return {file: trial._played(file, reading) for file in files}, ""
 
     monkeypatch.setattr(trial, "_in_a_process", play)
+
+
+@pytest.fixture
+def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
+    """Send this process a signal when a rollout begins after so many steps."""
+
+    def arrange(steps: int, number: int) -> None:
+        # PyTorch is slow to load, and few tests train.
+        from irsim_gym.training.runs.monitoring import TrainingMonitor
+
+        original, sent = TrainingMonitor._on_step, []
+
+        def on_step(self: Any) -> bool:
+            if not sent and self.num_timesteps > steps:
+                sent.append(True)
+                os.kill(os.getpid(), number)
+            return original(self)
+
+        monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
+
+    return arrange

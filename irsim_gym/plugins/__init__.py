@@ -18,7 +18,7 @@ from irsim_gym.base.families import (
     REWARDS,
     SENSORS,
 )
-from irsim_gym.base.kernels.rng import integer, normal, uniform
+from irsim_gym.base.rng import integer, normal, uniform
 from irsim_gym.bodies.behaviors.python.custom import behavior, group_behavior
 from irsim_gym.bodies.behaviors.python.views import BodyView, EgoView
 from irsim_gym.plugins.body_kinds import drive, placement, sensor

@@ -138,10 +138,7 @@ def test_no_kernel_leaves_its_arrays() -> None:
 def test_numbas_checks_find_an_index_beyond_an_array() -> None:
     """It is an error here, where it is otherwise a wrong number or a crash."""
     with pytest.raises(AssertionError, match="IndexError"):
-        run(
-            "import numpy, irsim_gym.base.kernels.rng as rng; rng.next_bits(numpy.zeros(1, 'u8'), 1)",
-            NUMBA_BOUNDSCHECK="1",
-        )
+        run("import numpy, irsim_gym.base.rng as rng; rng.next_bits(numpy.zeros(1, 'u8'), 1)", NUMBA_BOUNDSCHECK="1")
 
 
 @pytest.mark.slow

@@ -18,11 +18,11 @@ from numba.core.errors import NumbaError
 
 import irsim_gym
 from irsim_gym.base import kernels as jit
+from irsim_gym.base import rng
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.compiled import folder as folders
 from irsim_gym.base.compiled.cache import Files
 from irsim_gym.base.compiled.key import type_key
-from irsim_gym.base.kernels import rng
 from irsim_gym.errors import UntrustedCodeWarning
 
 PACKAGE = Path(irsim_gym.__file__).parent
@@ -59,11 +59,8 @@ def test_kernels_run_as_plain_python_with_the_same_results(tmp_path: Path) -> No
 def test_a_kernel_of_the_package_is_compiled_when_its_code_changes(tmp_path: Path) -> None:
     """Not when a comment, a docstring, an annotation or a line number does, nor for changes elsewhere in the file."""
     shutil.copytree(PACKAGE, tmp_path / "irsim_gym", ignore=shutil.ignore_patterns("__pycache__"))
-    source = tmp_path / "irsim_gym" / "base/kernels/rng.py"
-    use = (
-        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); "
-        f"from irsim_gym.base.kernels import rng; import numpy as np;"
-    )
+    source = tmp_path / "irsim_gym" / "base/rng.py"
+    use = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from irsim_gym.base import rng; import numpy as np;"
     found = [compilations(tmp_path / "cache", f"{use} rng.level_stream(np.uint64(7), 3)")]
     for changes in (
         {
@@ -146,7 +143,7 @@ def test_folders_used_lately_are_not_pruned(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 6
 
 
-USE = "from irsim_gym.base.kernels import rng; import numpy as np; rng.mix(np.uint64(1)); rng.later_level(1, 2)"
+USE = "from irsim_gym.base import rng; import numpy as np; rng.mix(np.uint64(1)); rng.later_level(1, 2)"
 COUNT = """
 from numba.core import event
 class Count(event.Listener):
@@ -192,7 +189,7 @@ READY = "print('numba.np.arraymath' in sys.modules)"
 
 def test_kernels_on_disk_run_before_the_compiler_is_ready(full: Path) -> None:
     """Numba's preparations take longer than all kernels, and import SciPy where it is installed."""
-    use = f"import sys; from irsim_gym.base.kernels import rng; rng.later_level(1, 2); {READY}"
+    use = f"import sys; from irsim_gym.base import rng; rng.later_level(1, 2); {READY}"
     assert run(["-c", use], NUMBA_CACHE_DIR=str(full)).stdout.strip() == "False"
 
 
@@ -225,8 +222,8 @@ assert abs(model.radius[0, 0] - 2**0.5) < 1e-9, model.radius
 
 
 def test_a_part_that_is_on_disk_serves_other_kernels(tmp_path: Path) -> None:
-    assert compilations(tmp_path, "from irsim_gym.base.kernels import rng; a = rng.later_level(1, 2)") == 2
-    other = "from irsim_gym.base.kernels import rng; import numpy as np; print(rng.level_stream(np.uint64(7), 3))"
+    assert compilations(tmp_path, "from irsim_gym.base import rng; a = rng.later_level(1, 2)") == 2
+    other = "from irsim_gym.base import rng; import numpy as np; print(rng.level_stream(np.uint64(7), 3))"
     done = run(["-c", f"{COUNT}\n{other}\nprint(count.n)"], NUMBA_CACHE_DIR=str(tmp_path)).stdout.split()
     assert done == [str(rng.level_stream(np.uint64(7), 3)), "1"]
 

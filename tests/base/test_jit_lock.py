@@ -36,7 +36,7 @@ class Count(event.Listener):
     def on_end(self, event): pass
 made = Count()
 event.register("numba:compile", made)
-from irsim_gym.base.kernels import rng
+from irsim_gym.base import rng
 from irsim_gym.base.kernels.replay import Packer
 sys.path.insert(0, FOLDER)
 print("ready", flush=True)
@@ -180,7 +180,7 @@ def test_a_kernel_that_does_not_compile_keeps_no_lock() -> None:
 
 def test_a_terminal_shows_what_is_compiled_in_one_line_that_goes(tmp_path: Path) -> None:
     use = (
-        "from irsim_gym.base.kernels import rng; "
+        "from irsim_gym.base import rng; "
         "from irsim_gym.base.compiled import watch; watch.PATIENCE_S = 0.0; rng.later_level(1, 2)"
     )
     here, there = pty.openpty()

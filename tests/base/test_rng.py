@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irsim_gym.base.kernels import rng
+from irsim_gym.base import rng
 
 N = 20_000
 

@@ -18,9 +18,9 @@ import pytest
 from command_line import run
 
 import irsim_gym
-from irsim_gym.base.byte_planes import from_planes
 from irsim_gym.envs.parts.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError, UnknownNameError
+from irsim_gym.evaluation.byte_planes import from_planes
 from irsim_gym.evaluation.comparison.evaluate import evaluate_policies
 from irsim_gym.evaluation.policies.perception import perceived_task, perception_of
 from irsim_gym.evaluation.policies.policy import percepts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from task_tools import play
 
-from irsim_gym.base.kernels.rng import later_level, level_stream, stream_base
+from irsim_gym.base.rng import later_level, level_stream, stream_base
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.tasks.episodes.levels import CHAIN, SPLITS, check_split, take_levels
 from irsim_gym.tasks.terms.episode_state import EpisodeState

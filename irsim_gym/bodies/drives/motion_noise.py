@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.kernels.rng import normal
+from irsim_gym.base.rng import normal
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, Struct, kernel, kind, option
 
 Variances = tuple[tuple[float, float, float], ...]

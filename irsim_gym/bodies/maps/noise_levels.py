@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints
-from irsim_gym.base.kernels.rng import integer
+from irsim_gym.base.rng import integer
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
 from irsim_gym.simulator.world.names import Model, State, Struct, kernel
 

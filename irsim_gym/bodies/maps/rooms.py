@@ -8,8 +8,8 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.errors import OptionError
-from irsim_gym.base.kernels.rng import integer, uniform
 from irsim_gym.base.options import kind, option, unordered_ranges
+from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LEAST_ORDER, LevelMap, MapTables, bordered, clear_inside, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMap, CellMaps, Flags, Floats, Ints, Point
-from irsim_gym.base.kernels.rng import integer, uniform
+from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.placements.free_space import (
     WayGrids,
     confirm_ways,

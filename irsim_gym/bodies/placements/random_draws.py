@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints
-from irsim_gym.base.kernels.rng import uniform
+from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.placements.free_space import (
     WayGrids,
     has_way_of_length,

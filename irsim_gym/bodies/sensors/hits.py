@@ -3,7 +3,7 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Rays, Records
-from irsim_gym.base.kernels.rng import normal
+from irsim_gym.base.rng import normal
 from irsim_gym.bodies.sensors.casting import cast_discs, cast_segments
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row, mount_pose
 from irsim_gym.simulator.geometry.ray_chunks import Eye

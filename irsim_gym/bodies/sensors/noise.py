@@ -6,7 +6,7 @@ directions of all members, then for their ranges.
 
 import numpy as np
 
-from irsim_gym.base.kernels.rng import normal
+from irsim_gym.base.rng import normal
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row
 from irsim_gym.simulator.world.names import Ints, State, kernel
 

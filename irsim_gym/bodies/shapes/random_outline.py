@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Words
-from irsim_gym.base.kernels.rng import integer, normal, uniform
 from irsim_gym.base.options import kind, option, unordered_ranges
+from irsim_gym.base.rng import integer, normal, uniform
 from irsim_gym.simulator.world.names import Model, State, kernel
 from irsim_gym.simulator.world.outline import chain
 

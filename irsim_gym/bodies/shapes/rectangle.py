@@ -5,8 +5,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.kernels.rng import uniform
 from irsim_gym.base.options import kind, option, unordered_ranges
+from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel
 from irsim_gym.simulator.world.outline import Outline, chain
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Floats, Ints
-from irsim_gym.base.byte_planes import from_planes, layout_of, to_planes
 from irsim_gym.base.outside_files import json_text, npz_arrays
+from irsim_gym.evaluation.byte_planes import from_planes, layout_of, to_planes
 
 FORMAT = 2
 """Format 1 has each array under its own name, as ``Certificate`` has it."""

@@ -17,9 +17,9 @@ from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Floats
-from irsim_gym.base.byte_planes import from_planes, layout_of, to_planes
 from irsim_gym.base.errors import IrsimGymError, UnknownNameError, UnreadableFileError, suggestion
 from irsim_gym.base.outside_files import json_text, npz_arrays, reading
+from irsim_gym.evaluation.byte_planes import from_planes, layout_of, to_planes
 from irsim_gym.evaluation.saved_policies.array_network import Options, apply_steps, check_steps, gru_cell
 from irsim_gym.evaluation.saved_policies.cards import PolicyCard, card_file, read_card
 

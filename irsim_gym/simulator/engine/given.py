@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irsim_gym.base import rng
 from irsim_gym.base.arraytypes import Floats, Ints
-from irsim_gym.base.kernels import rng
 from irsim_gym.scenario.specs.spec import Scenario
 
 LEVELS = int(rng.LATER)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from irsim_gym.base import rng
 from irsim_gym.base.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.base.errors import UnknownNameError, several, suggestion
-from irsim_gym.base.kernels import rng
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.engine import field_of_view

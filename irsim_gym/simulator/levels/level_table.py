@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints, Words
-from irsim_gym.base.kernels.rng import level_stream, stream_base
+from irsim_gym.base.rng import level_stream, stream_base
 from irsim_gym.scenario.specs.level_set import LevelSet
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells

@@ -3,8 +3,8 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Records
-from irsim_gym.base.kernels.rng import mix, uniform
 from irsim_gym.base.kernels.structs import record_type
+from irsim_gym.base.rng import mix, uniform
 from irsim_gym.scenario.entries.body_checks import speed_count
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.world.names import Model, State, kernel

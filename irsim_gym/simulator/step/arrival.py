@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.base.kernels.rng import uniform
+from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.geometry.angles import wrap
 from irsim_gym.simulator.world.model import KEEP_GOAL, STATE, WANDER, Model
 from irsim_gym.simulator.world.names import Floats, Ints, State, kernel, row_of

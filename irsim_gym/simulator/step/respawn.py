@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from irsim_gym.base.errors import PlacementError
-from irsim_gym.base.kernels.rng import uniform
+from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.cell_paths.queries import has_free_path, standing_bodies
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import path_checks

@@ -6,7 +6,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints, Words
 from irsim_gym.base.errors import PlacementError
-from irsim_gym.base.kernels.rng import integer
+from irsim_gym.base.rng import integer
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import body_measures, path_checks, traits
 from irsim_gym.simulator.levels.level_table import LevelTable, copy_levels, copy_maps

@@ -1,7 +1,7 @@
 """What the kinds of a simulation have to have: a protocol for each family; those of a task are in ``tasks.terms.term``.
 
 Methods that act in a step or in the beginning of an episode treat the worlds ``shard.worlds`` and leave all others
-alone. They draw random numbers from ``state.random`` alone (``irsim_gym.base.kernels.rng``), world by world: then a
+alone. They draw random numbers from ``state.random`` alone (``irsim_gym.base.rng``), world by world: then a
 seed gives the same episode in any batch. What a kind remembers it keeps in ``group.arrays``, with the world as the
 first axis.
 """

@@ -10,7 +10,7 @@ If a file gives the levels, level s is the file's level s modulo their number.
 """
 
 from irsim_gym.base.errors import UnknownNameError, suggestion
-from irsim_gym.base.kernels.rng import later_level, level_key
+from irsim_gym.base.rng import later_level, level_key
 from irsim_gym.scenario.specs.level_set import SPLITS
 from irsim_gym.tasks.terms import EpisodeState, Ints, kernel
 

@@ -11,7 +11,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 from team_tools import KNOWN, MEET
 
 import irsim_gym
-from irsim_gym.base.kernels.rng import level_stream, stream_base
+from irsim_gym.base.rng import level_stream, stream_base
 from irsim_gym.tasks.episodes.levels import CHAIN
 
 N, LIMIT = 3, 4

@@ -15,7 +15,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 from team_tools import MEET
 
 from irsim_gym import sb3
-from irsim_gym.base.kernels.rng import level_stream, stream_base
+from irsim_gym.base.rng import level_stream, stream_base
 from irsim_gym.errors import IrsimGymError
 
 N, LIMIT = 4, 12

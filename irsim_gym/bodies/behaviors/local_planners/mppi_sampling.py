@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.kernels.rng import normal
+from irsim_gym.base.rng import normal
 from irsim_gym.bodies.behaviors.local_planners.rollouts import LANES, find_nearest, gap_at, twist_of
 from irsim_gym.bodies.behaviors.local_planners.task import (
     LocalTables,

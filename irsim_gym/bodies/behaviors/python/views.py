@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from irsim_gym.base import rng
 from irsim_gym.base.errors import UnknownNameError
-from irsim_gym.base.kernels import rng
 from irsim_gym.simulator.readings.irsim_names import advice, missing
 from irsim_gym.simulator.readings.irsim_readings import IrSimReadings
 from irsim_gym.simulator.world.arrays import A

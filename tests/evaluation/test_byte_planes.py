@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as stnp
 from numpy.typing import NDArray
 
-from irsim_gym.base.byte_planes import DEFLATE, from_planes, layout_of, to_planes
+from irsim_gym.evaluation.byte_planes import DEFLATE, from_planes, layout_of, to_planes
 
 KINDS = st.one_of(
     stnp.boolean_dtypes(),
