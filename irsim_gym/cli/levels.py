@@ -94,19 +94,6 @@ def jaxnav(
     write_levels(import_jaxnav(path), out)
 
 
-@levels.command("certify-suite")
-def certify_suite(
-    folder: Annotated[
-        Path, typer.Argument(help="A run of the suite; its methods, of one policy each, are the reference policies.")
-    ],
-    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks; default: all of the run.")] = None,
-) -> None:
-    """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""
-    from irsim_gym.evaluation.suite.certificates import certify_members
-
-    certify_members(folder, names or [])
-
-
 @levels.command()
 def show(
     scenario: Certified,

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
-from irsim_gym.evaluation.levels.played import QUARTER_NAMES
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.levels.certificate import find_certificate
+from irsim_gym.evaluation.levels.played import QUARTER_NAMES, PlayedLevels
 from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
 from irsim_gym.evaluation.measures.statistics import (
     Estimate,
@@ -22,9 +24,9 @@ from irsim_gym.evaluation.measures.statistics import (
 from irsim_gym.evaluation.measures.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.measures.worst_levels import worst_shares
 from irsim_gym.evaluation.protocol.tables import plain
-from irsim_gym.evaluation.suite.certificates import certified_levels
 from irsim_gym.evaluation.suite.row_files import read_rows
 from irsim_gym.evaluation.suite.suite_record import SuiteRecord
+from irsim_gym.scenario import load_scenario
 
 OF_SUMMARIES = (
     *("spl", "sct", "makespan", "acceleration", "jerk", "intrusion_025", "intrusion_045"),
@@ -105,7 +107,7 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
         }
     scores: dict[str, dict[str, Score]] = {}
     for member, repetitions in played.items():
-        levels = certified_levels(record.members[member])
+        levels = _certified_levels(record.members[member])
         record.members[member]["conditions"] |= levels.conditions()
         scores[member] = score_member(repetitions, levels.quarters)
     record.figures = plain(scores)
@@ -114,6 +116,22 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
         for member, methods in played.items()
     }
     record.overall = plain(overall(success, list(record.methods)))
+
+
+def _certified_levels(member: Mapping[str, Any]) -> PlayedLevels:
+    """Return the levels of a benchmark with their certificate, which may be newer than the rows.
+
+    Args:
+        member: The benchmark's entry in the record of a run.
+    """
+    of = member["conditions"]
+    count, digest = of["levels"], of["level_hash"]
+    try:
+        scenario = load_scenario(member["scenario"], member["parameters"], warn=False)
+    except IrsimGymError:  # rows of an earlier version whose scenario had other parameters
+        return PlayedLevels(count, digest, of["level_file"] or "", None)
+    found = find_certificate(scenario, of["agents"], of["split"], digest, count)
+    return PlayedLevels(count, digest, of["level_file"] or "", found)
 
 
 def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = None) -> dict[str, Score]:

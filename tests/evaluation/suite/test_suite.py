@@ -16,13 +16,12 @@ from command_line import run
 from irsim_gym.errors import IrsimGymError, ScenarioError, UnknownNameError
 from irsim_gym.evaluation.levels.certificate import read_certificate
 from irsim_gym.evaluation.levels.draw import draw_levels
-from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow
+from irsim_gym.evaluation.measures.metrics import EpisodeRow
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
 from irsim_gym.evaluation.protocol.tables import plain
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.evaluation.requests.methods import ComparedMethod, read_methods
-from irsim_gym.evaluation.suite import certificates, playing, suite_tables
-from irsim_gym.evaluation.suite.certificates import certify_members
+from irsim_gym.evaluation.suite import playing, suite_tables
 from irsim_gym.evaluation.suite.members import Member, read_suite, shipped_suite
 from irsim_gym.evaluation.suite.playing import play_suite
 from irsim_gym.evaluation.suite.row_files import read_rows, write_rows
@@ -231,37 +230,6 @@ def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     (tmp_path / "other" / "file").touch()
     status, said = suite("run", "bug_trap", "dash", "--out", tmp_path / "other")
     assert (status, "is not empty, and holds no run of the suite" in said) == (1, True)
-
-
-def test_a_run_gives_the_certificates_of_its_benchmarks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(certificates, "shipped_certificate", lambda scenario: tmp_path / f"{scenario.name}.npz")
-    folder = tmp_path / "run"
-    suite = shipped_suite()
-    play_suite(suite.chosen(["bug_trap"]), [RANDOM, ComparedMethod("straight", ("dash",))], folder, levels=3)
-    certify_members(folder, [])
-    made = read_certificate(tmp_path / "bug_trap.npz")
-    assert (made.policies, made.count, made.split) == (("random", "dash"), 3, "test")
-    levels = read_rows(folder / "rows/bug_trap/straight-0.csv")
-    assert [OUTCOMES[k] for k in made.outcome[1, :, 0]] == [row.agents[0].episode.outcome for row in levels]
-    episodes = [row.agents[0].episode for row in levels]
-    times = [one.time if one.outcome == "success" else np.nan for one in episodes]
-    assert made.time[1, :, 0] == pytest.approx(times, abs=1e-3, nan_ok=True)
-    with pytest.raises(IrsimGymError, match="holds no rows of maze"):
-        certify_members(folder, ["maze"])
-    record = read_record(folder)
-    record.members["bug_trap"]["conditions"]["level_hash"] = "0"
-    record.write(folder)
-    with pytest.raises(IrsimGymError, match="rows of bug_trap on other levels, set 0, now "):
-        certify_members(folder, [])
-
-
-def test_a_certificate_takes_one_policy_of_each_method(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(certificates, "shipped_certificate", lambda scenario: tmp_path / f"{scenario.name}.npz")
-    folder, several = tmp_path / "run", ComparedMethod("both", ("dash", "random"))
-    play_suite(shipped_suite().chosen(["bug_trap"]), [DASH, several], folder, levels=1)
-    with pytest.raises(IrsimGymError, match="reference policies are methods of one policy, both has 2: play the one"):
-        certify_members(folder, [])
-    assert not (tmp_path / "bug_trap.npz").exists()
 
 
 def test_tables_show_the_columns_that_rows_have(tmp_path: Path) -> None:
