@@ -77,7 +77,7 @@ def test_tables_and_files_have_the_throughput(tmp_path: Path) -> None:
     write_rows(tmp_path / "rows.csv", [row])
     (found,) = read_rows(tmp_path / "rows.csv")
     assert found.throughput == pytest.approx(row.throughput, abs=1e-5)
-    assert score_member({"dash": [[found]]})["dash"].throughput == pytest.approx(row.throughput, abs=1e-5)
+    assert score_member({"dash": [[found]]})["dash"]["throughput"] == pytest.approx(row.throughput, abs=1e-5)
 
 
 def test_a_robot_alone() -> None:

@@ -12,7 +12,7 @@ ENDS = ("timeout", "left_world", "deadlock")
 """Outcomes other than success and collision; a table shows those that occur."""
 
 Figures = Mapping[str, Any]
-"""A ``Score`` as plain data, with None in place of NaN."""
+"""Figures of a method as ``scores`` computes them, as plain data with None in place of NaN."""
 Reader = Callable[[Figures], str]
 
 

@@ -8,6 +8,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -176,7 +177,7 @@ def test_figures_worked_by_hand() -> None:
     ours = [solo("success", "success", "collision", "timeout"), solo("success", "success", "success", "timeout")]
     others = [solo("success", "collision", "success", "success", time=8.0)]
     scores = score_member({"ours": ours, "others": others})
-    mine, other = scores["ours"], scores["others"]
+    mine, other = (SimpleNamespace(**scores[name]) for name in ("ours", "others"))
     assert (mine.repetitions, mine.success.value, mine.individual) == (2, pytest.approx(5 / 8), pytest.approx(5 / 8))
     assert mine.outcomes["collision"] == mine.hits["map"] == pytest.approx(1 / 8)
     assert mine.spl == pytest.approx(5 / 8 * 4.5 / 6.0)
@@ -186,11 +187,13 @@ def test_figures_worked_by_hand() -> None:
     assert (mine.worst["5 %"], other.worst["5 %"]) == (0.0, 0.0)
     # Both policies of ours solved levels 0 and 1, the others 0, 2 and 3.
     assert (mine.common_levels, mine.common_time, other.common_time) == (1, 5.0, 8.0)
-    apart = score_member({"ours": [solo("success", "timeout")], "others": [solo("timeout", "success")]})["ours"]
+    apart = SimpleNamespace(
+        **score_member({"ours": [solo("success", "timeout")], "others": [solo("timeout", "success")]})["ours"]
+    )
     assert (apart.common_levels, math.isnan(apart.common_time), math.isnan(apart.common_path)) == (0, True, True)
     assert (mine.acceleration, mine.jerk, mine.clearance) == (0.5, 2.0, 0.25)
     team = score_member({"team": [[level(0, "success", "success"), level(1, "success", "collision")]]})["team"]
-    assert (team.success.value, team.individual, team.makespan) == (0.5, 0.75, pytest.approx((5.0 + 30.0) / 2))
+    assert (team["success"].value, team["individual"], team["makespan"]) == (0.5, 0.75, pytest.approx((5.0 + 30.0) / 2))
 
 
 def test_figures_of_people_and_of_difficulty_worked_by_hand() -> None:
@@ -199,13 +202,13 @@ def test_figures_of_people_and_of_difficulty_worked_by_hand() -> None:
     met[3] = replace(met[3], intrusion_025=0.5, time_to_collision=math.inf)  # it met nobody
     rows = [TeamRow(one.level, 30.0, (AgentRow("robot_0", one, 4.0, 1.0, False),)) for one in met]
     quarters = np.array([1, 0, 2, 3])
-    score = score_member({"ours": [rows]}, quarters)["ours"]
+    score = SimpleNamespace(**score_member({"ours": [rows]}, quarters)["ours"])
     assert list(score.quarters.values()) == [0.0, 1.0, 1.0, 0.0]
     assert (score.intrusion_025, score.intrusion_045) == (pytest.approx(0.2), pytest.approx(0.3))
     assert score.time_to_collision == 2.0
     without = score_member({"ours": [solo("success", "success")]})["ours"]
-    assert without.quarters == {}
-    assert math.isnan(without.intrusion_025)
+    assert without["quarters"] == {}
+    assert math.isnan(without["intrusion_025"])
 
 
 def test_overall_figures_are_of_benchmarks_that_all_played() -> None:
