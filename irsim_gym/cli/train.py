@@ -105,10 +105,7 @@ def tune(
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, max=10_000, help="Trials at a time (default: 1; on a cluster, its processors).")
-    ] = None,
-    address: Annotated[str | None, typer.Option(help="Address of a Ray cluster that runs the trials.")] = None,
+    workers: Annotated[int, typer.Option(min=1, max=10_000, help="Trials at a time.")] = 1,
 ) -> None:
     """Search with Optuna, or through a grid, for hyper-parameters, weights of rewards, parameters, seeds, scenarios.
 
@@ -116,11 +113,6 @@ def tune(
     dev levels stays below the median are pruned.
     """
     require("tune", "irsim-gym tune")
-    if address is not None:
-        require("rllib", "irsim-gym tune --address")
-        from irsim_gym.training.rllib.ray_session import prepare
-
-        prepare(address)
     from irsim_gym.training.requests.training_request import TrainingRequest
     from irsim_gym.training.searches.tuning import run_tuning
 
@@ -131,5 +123,5 @@ def tune(
         changes=read_changes(changes),
     )
     how: dict[str, Any] = {"dev_levels": dev_levels, "modules": tuple(modules or ())}
-    how |= {"workers": workers, "address": address, "overwrite": overwrite, "grid": grid}
+    how |= {"workers": workers, "overwrite": overwrite, "grid": grid}
     run_tuning(request, trials, scenarios=scenario, space=space, out=out, **how)
