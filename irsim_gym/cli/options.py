@@ -162,10 +162,6 @@ TeamMode = Annotated[
         help="Train one policy for all robots. When its episode ends, a robot waits (episode) or restarts (respawn)."
     ),
 ]
-Curriculum = Annotated[
-    str | None,
-    typer.Option(help="Repeat levels that the policy solves only sometimes (learnability); see docs/levels.md."),
-]
 
 EngineName = Annotated[
     str | None,

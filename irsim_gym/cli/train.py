@@ -38,7 +38,6 @@ def train(
     device: opt.Device = None,
     dev_levels: opt.DevLevels = 1000,
     team: opt.TeamMode = None,
-    curriculum: opt.Curriculum = None,
     seeds: opt.Seeds = None,
     test_levels: opt.TestLevels = 1000,
     mixture: opt.Mixture = False,
@@ -64,7 +63,7 @@ def train(
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
         *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
-        *(device, origin, curriculum),
+        *(device, origin),
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         changes=read_changes(changes),
         until=until,
@@ -101,7 +100,6 @@ def tune(
     device: opt.Device = None,
     dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
     team: opt.TeamMode = None,
-    curriculum: opt.Curriculum = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -119,7 +117,6 @@ def tune(
     parameters = read_parameters(given)
     request = TrainingRequest(
         *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
-        curriculum=curriculum,
         changes=read_changes(changes),
     )
     how: dict[str, Any] = {"dev_levels": dev_levels, "modules": tuple(modules or ())}

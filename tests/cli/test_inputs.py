@@ -106,7 +106,6 @@ def test_all_problems_of_a_training_are_told_at_once(
         "--hyperparameters": ("none.yaml", "no such file"),
         "--device": ("cudda", "got 'cudda' (did you mean 'cuda'?)"),
         "--team": ("epsode", "(did you mean 'episode'?)"),
-        "--curriculum": ("learn", "curriculum must be learnability, got 'learn'"),
         "--from": ("runs/nowhere", NOWHERE),
         "--out": ("file.txt", "file.txt is a file"),
     }

@@ -69,7 +69,6 @@ def begun(name: str, wanted: TrainingRequest) -> Run:
         ({"algorithm": "sac", "seed": 3}, "empty_goal-sac-3"),
         ({"steps": 2_000_000}, "empty_goal-ppo-0"),  # as the shipped file says
         ({"steps": 5000}, "empty_goal-ppo-steps=5000-0"),
-        ({"curriculum": "learnability"}, "empty_goal-ppo-learnability-0"),
         ({"task": "discrete_navigation", "algorithm": "dqn"}, "empty_goal-dqn-discrete_navigation-0"),
         ({"hyperparameters": "little.yaml"}, "empty_goal-ppo-gamma=0.9-0"),
         ({"hyperparameters": "little.yaml", "steps": 5000}, "empty_goal-ppo-gamma=0.9-steps=5000-0"),

@@ -282,7 +282,7 @@ def test_the_shipped_space_fits_the_shipped_settings_and_each_of_its_corners_can
 
 
 def test_a_trial_changes_what_is_drawn_and_nothing_else(tmp_path: Path) -> None:
-    request = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
+    request = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3})
     settings = request.settings()
     hyperparameters = {"gamma": 0.9, "policy_kwargs.log_std_init": -1.0, "learning_rate": "lin_0.01"}
     drawn: dict[Axis, Any] = {("hyperparameters", key): value for key, value in hyperparameters.items()}

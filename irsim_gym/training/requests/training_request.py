@@ -48,7 +48,6 @@ class TrainingRequest:
         strict: Whether unused keys of the scenario are an error; False ignores them.
         device: Device of the networks; None for that of the hyper-parameter file.
         origin: Policy to start from: a run's folder or a ``policy.zip``.
-        curriculum: Curriculum, ``"learnability"``; None for that of the hyper-parameter file.
         mixture: Scenarios that are trained together. ``scenario`` is the first of them.
         mixture_name: Name of the file that lists them; None without one.
         engine: Settings of Ray RLlib; None for Stable-Baselines3.
@@ -67,7 +66,6 @@ class TrainingRequest:
     strict: bool = True
     device: str | None = None
     origin: str | None = None
-    curriculum: str | None = None
     mixture: tuple[MixturePart, ...] = ()
     mixture_name: str | None = None
     engine: Engine | None = None
@@ -93,7 +91,6 @@ class TrainingRequest:
             "n_timesteps": self.steps,
             "team": self.team,
             "device": self.device,
-            "curriculum": self.curriculum,
             "until": self.until,
         }
         return {name: value for name, value in options.items() if value is not None}
@@ -121,8 +118,6 @@ class TrainingRequest:
             replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._scenario_settings(algorithm)
             for part in self.mixture
         ]
-        if found[0].hyperparameters.curriculum is not None:
-            raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
         mixed_up = perception_differences({one.scenario: one.perception() for one in found})
         if mixed_up:
             raise IrsimGymError(
@@ -162,7 +157,6 @@ class TrainingRequest:
         """Return the default folder of a run. Its name contains the settings that differ from the defaults."""
         task = self.task_name
         marks = [] if task is None else [task]
-        marks += [] if self.curriculum is None else [self.curriculum]
         marks += [] if self.engine is None else [RLLIB]
         marks += self._changed(settings)
         marks += [f"{name}={value}" for name, value in (self.changes or {}).items()]
