@@ -83,11 +83,8 @@ def barn(
 
 
 @imports.command()
-def jaxnav(
-    path: Annotated[Path, typer.Argument(help="Pickle of states (.pkl), or an .npz with cells, starts and goals.")],
-    out: Out,
-) -> None:
-    """Convert levels of JaxNav. A pickle is read without loading any of its classes."""
+def jaxnav(path: Annotated[Path, typer.Argument(help="An .npz with cells, starts and goals.")], out: Out) -> None:
+    """Convert levels of JaxNav. `agents/jaxnav_pickle.py` takes the arrays out of its pickles."""
     from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
     from irsim_gym.evaluation.levels.level_commands import write_levels
 

@@ -99,20 +99,10 @@ def demonstrations(file: Path) -> None:
     )
 
 
-class State:
-    """In the place of a class of JaxNav in pickles."""
-
-
 def jaxnav(file: Path) -> None:
     arrays: dict[str, Any] = {"cells": np.zeros((2, 11, 11), int), "start_xy": np.ones((2, 1, 2))}
     arrays |= {"start_heading": np.zeros((2, 1)), "goal_xy": np.full((2, 1, 2), 5.0)}
-    if file.suffix == ".npz":
-        np.savez(file, **arrays)
-    else:
-        words = {"map_data": "cells", "pos": "start_xy", "theta": "start_heading", "goal": "goal_xy"}
-        state = State()
-        vars(state).update({word: arrays[name] for word, name in words.items()})
-        file.write_bytes(pickle.dumps([state], 2).replace(f"c{State.__module__}\n".encode(), b"cjaxmarl\n"))
+    np.savez(file, **arrays)
 
 
 def barn(file: Path) -> None:
@@ -226,7 +216,6 @@ KINDS = {
     "BARN arrays": Kind("barn.npz", barn, import_barn, PACKED),
     "BARN world": Kind("world_1.world", text_of(WORLD), lambda file: import_barn(file.parent), TEXT),
     "JaxNav arrays": Kind("nav.npz", jaxnav, import_jaxnav, PACKED),
-    "JaxNav pickle": Kind("nav.pkl", jaxnav, import_jaxnav),
     "policy.zip": Kind("policy.zip", copy_of(AGENTS / "policies/circle_swap_seed_0.zip"), load_zip, PACKED),
     "state.pkl": Kind(
         "state.pkl", lambda file: file.write_bytes(pickle.dumps({"a": np.arange(9)})), load_pickled_state
