@@ -92,7 +92,6 @@ Watched = Annotated[
         autocompletion=cli_completion.policies,
     ),
 ]
-PolicyOption = Annotated[str | None, typer.Option("--policy", hidden=True, help="Older form of the argument POLICY.")]
 Given = Annotated[
     list[str] | None,
     typer.Option(
