@@ -113,7 +113,7 @@ class MaskedReplayBuffer(ReplayBuffer):
         self.pos = (self.pos + len(slots)) % self.buffer_size
 
 
-class MaskedDictReplayBuffer(MaskedReplayBuffer, DictReplayBuffer):  # type: ignore[misc]
+class MaskedDictReplayBuffer(MaskedReplayBuffer, DictReplayBuffer):
     """``MaskedReplayBuffer`` for dict observations."""
 
 

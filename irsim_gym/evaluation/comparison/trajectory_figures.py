@@ -26,39 +26,43 @@ ALIKE = 0.05
 """Starts, ends and goals count as equal in all levels if they differ by less than this share of the world's size."""
 
 
-class TrajectoryRecorder(TrajectoryLog):
-    """Records the trajectories of a policy, and the bodies of the levels.
+class TrajectoryRecorder:
+    """Records the trajectories of a policy, and the bodies of the levels. It implements `Watcher`.
 
     Args:
-        episodes: The worlds.
+        ways: Log of the trajectories.
         density: Density map to which the obstacles of new levels are added.
         fixed: Static bodies and map of each level whose complete trajectories are kept; new levels are added.
 
     Attributes:
+        ways: Log of the trajectories.
         moving: Moving bodies of these levels at the end of their episodes.
     """
 
-    def __init__(self, episodes: Episodes, density: Density, fixed: dict[int, FixedParts]) -> None:
+    def __init__(self, ways: TrajectoryLog, density: Density, fixed: dict[int, FixedParts]) -> None:
         from irsim_gym.rendering import Renderer
 
-        super().__init__(episodes)
-        simulation = episodes.simulation
-        self._density, self._fixed = density, fixed
+        simulation = ways.episodes.simulation
+        self.ways, self._density, self._fixed = ways, density, fixed
         self._renderer = Renderer(simulation.scenario, simulation.model, simulation.state)
         self.moving: dict[int, tuple[DrawnBody, ...]] = {}
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Record the starts of agents, and the obstacles."""
-        super().began(episodes, worlds, indices)
+        self.ways.began(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS and index not in self._fixed:
                 scene = self._renderer.scene(world)
                 self._fixed[index] = scene.fixed, scene.map
                 self._density.add(scene.fixed, scene.map)
 
+    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
+        """Record the positions of agents."""
+        self.ways.stepped(episodes, worlds)
+
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Complete the trajectories of worlds that have ended, and record their moving bodies."""
-        super().ended(episodes, worlds, indices)
+        self.ways.ended(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             if index < KEPT_LEVELS:
                 self.moving[index] = self._renderer.moving(world)
@@ -67,8 +71,8 @@ class TrajectoryRecorder(TrajectoryLog):
         """Return the levels whose complete trajectories are kept."""
         from irsim_gym.rendering.figures.ways_levels import DrawnLevel
 
-        simulation, of_level = self.episodes.simulation, defaultdict[int, list[AgentTrajectory]](list)
-        for way in self.ways:
+        simulation, of_level = self.ways.episodes.simulation, defaultdict[int, list[AgentTrajectory]](list)
+        for way in self.ways.ways:
             of_level[way.level].append(way)
         step_time, agents = float(simulation.model.step_time[0]), simulation.agents.tolist()
         return [
@@ -102,7 +106,7 @@ class TrajectoryFigure:
 
     def follow(self, name: str) -> Watcher:
         """Return a watcher that records a policy. The first one also records the obstacles of the levels."""
-        recorder = TrajectoryRecorder(self._episodes, self._density, self._fixed)
+        recorder = TrajectoryRecorder(TrajectoryLog(self._episodes), self._density, self._fixed)
         self._recorders[name] = recorder
         return recorder
 
@@ -120,8 +124,8 @@ class TrajectoryFigure:
             WaysPanel(
                 name,
                 successes[name],
-                _drawn(sorted(kept.ways, key=lambda way: way.level)),
-                Counter(way.outcome for way in kept.ways),
+                _drawn(sorted(kept.ways.ways, key=lambda way: way.level)),
+                Counter(way.outcome for way in kept.ways.ways),
                 worth_showing(kept.levels(), SHOWN_LEVELS) if self._differs(kept) else (),
             )
             for name, kept in self._recorders.items()
