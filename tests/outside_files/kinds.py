@@ -13,8 +13,6 @@ import numpy as np
 from damage import Random, broken_archive, broken_bytes, broken_json, broken_text
 
 import irsim_gym
-from irsim_gym.evaluation.arena import page_data
-from irsim_gym.evaluation.arena.page_file import read_page
 from irsim_gym.evaluation.comparison.demonstrations import Demonstrations, save_demonstrations
 from irsim_gym.evaluation.levels.barn import import_barn
 from irsim_gym.evaluation.levels.certificate import read_certificate
@@ -162,12 +160,6 @@ def replay(file: Path) -> None:
     file.write_text(f"<html>{held('data', deflated(data))}</html>", encoding="utf-8")
 
 
-def arena_page(file: Path) -> None:
-    data = {"schema": page_data.SCHEMA, "version": page_data.VERSION, "replays": [{}, {}]}
-    parts = [held("data", deflated(data)), *(held(f"replay-{k}", deflated({"name": "x"})) for k in range(2))]
-    file.write_text("\n".join(parts), encoding="utf-8")
-
-
 def load_zip(file: Path) -> object:
     from irsim_gym.evaluation.saved_policies.saved_models import load_model
 
@@ -221,7 +213,6 @@ KINDS = {
         "state.pkl", lambda file: file.write_bytes(pickle.dumps({"a": np.arange(9)})), load_pickled_state
     ),
     "replay page": Kind("x.html", replay, read_html, TEXT),
-    "arena page": Kind("a.html", arena_page, read_page, TEXT),
     "rows of the suite": Kind("s.csv", lambda file: write_rows(file, TEAMS), lambda file: read_rows(file, 4), TEXT),
     "suite record": Kind("summary.json", suite_record, lambda file: read_record(file.parent), DATA),
     "settings of a run": Kind("config.json", run_config, read_run, DATA),
