@@ -19,14 +19,6 @@ _PARAMETER = r"\$[A-Za-z_][A-Za-z0-9_]*"
 EXPRESSION: Schema = {"type": "string", "pattern": rf"^(?:[-+*/(), .0-9eE]|pi|min|max|floor|{_PARAMETER})+$"}
 PARAMETER: Schema = {"type": "string", "pattern": f"^{_PARAMETER}$"}
 _REFERENCE = "#/$defs/{model}"
-_KINDS = {
-    "kinematics": families.KINEMATICS,
-    "shape": families.FOOTPRINTS,
-    "behavior": families.BEHAVIORS,
-    "group_behavior": families.GROUP_BEHAVIORS,
-    "distribution": families.PLACEMENTS,
-}
-_TERMS = {"observations": families.OBSERVATIONS, "rewards": families.REWARDS, "endings": families.ENDINGS}
 
 
 def json_schema() -> Schema:
@@ -150,8 +142,9 @@ def _section(role: str, definitions: Schema) -> Schema:
 def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
     """Return the schema of one key of an entry, including lists of values for its bodies."""
     meaning = declared.get("description", "")
-    if key in _KINDS:
-        one = {"anyOf": [_named(_KINDS[key], definitions), {"type": "null"}, {"type": "object", "maxProperties": 0}]}
+    if key in (*families.KINDS_OF_BODIES, "distribution"):
+        named = _named(families.BY_KEY[key], definitions)
+        one = {"anyOf": [named, {"type": "null"}, {"type": "object", "maxProperties": 0}]}
         if key == "kinematics":
             name = {"const": NO_DRIVE, "description": "It never moves."}
             one["anyOf"].append({"type": "object", "properties": {"name": name}, "additionalProperties": False})
@@ -179,7 +172,8 @@ def _task(definitions: Schema) -> Schema:
     """Return the schema of the section ``task``; no key of a term is required, since terms may be overrides."""
     section = _options(families.SECTIONS.entry("task").kind, definitions)
     properties: Schema = section["properties"]
-    for key, registry in {"action": families.ACTIONS, **_TERMS}.items():
+    for key in ("action", "observations", "rewards", "endings"):
+        registry = families.BY_KEY[key]
         _named(registry, definitions)
         terms = []
         for entry in registry:
