@@ -203,7 +203,6 @@ class World:
     save_figure = Method("_media", MediaWriter.save_figure)
     save_animation = Method("_media", MediaWriter.save_animation)
     save_html = Method("_media", MediaWriter.save_html)
-    save_sheet = Method("_media", MediaWriter.save_sheet)
     close = Method("_media", MediaWriter.close)
     end = Method("_media", MediaWriter.end)
     quit = Method("_media", MediaWriter.quit)
