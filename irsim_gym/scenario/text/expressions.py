@@ -67,6 +67,6 @@ def _value(node: ast.expr, names: Values) -> Number:
             return -value if isinstance(node.op, ast.USub) else value
         case ast.BinOp():
             return _OPERATORS[type(node.op)](_value(node.left, names), _value(node.right, names))
-        case ast.Call(func=ast.Name()):
-            return _FUNCTIONS[node.func.id](*[_value(argument, names) for argument in node.args])
+        case ast.Call(func=ast.Name(id=name)):
+            return _FUNCTIONS[name](*[_value(argument, names) for argument in node.args])
     raise ValueError(ast.dump(node))
