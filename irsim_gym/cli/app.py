@@ -21,7 +21,7 @@ from irsim_gym.cli.robot import export
 from irsim_gym.cli.run import run_by_itself
 from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
-from irsim_gym.cli.tools import one_policy, print_shipped, read_parameters, scenario_request
+from irsim_gym.cli.tools import print_shipped, read_parameters, scenario_request
 from irsim_gym.cli.train import train, tune
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
@@ -213,7 +213,6 @@ def rollout(
         ),
     ] = None,
     overwrite: opt.ReplaceFile = False,
-    named: opt.PolicyOption = None,
     team: opt.Team = False,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
@@ -223,8 +222,7 @@ def rollout(
     from irsim_gym.cli.work.commands import run_rollout
 
     asked = scenario_request(scenario, task, team, given, lenient)
-    chosen = one_policy(policy, named) or "dash"
-    run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
+    run_rollout(asked, policy or "dash", levels=levels, split=split, out=out or [], overwrite=overwrite)
 
 
 app.command("run")(run_by_itself)
@@ -244,7 +242,6 @@ def play(
     split: opt.Split = "train",
     robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
-    named: opt.PolicyOption = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -254,8 +251,7 @@ def play(
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 
     parameters = read_parameters(given)
-    watched = one_policy(policy, named)
-    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, watched, not lenient)
+    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, policy, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:

@@ -107,17 +107,6 @@ def scenario_request(
     return ScenarioRequest(scenario, task, team, read_parameters(settings), not lenient)
 
 
-def one_policy(policy: str | None, named: str | None) -> str | None:
-    """Return the policy that an argument or the older option ``--policy`` names; None for none.
-
-    Raises:
-        IrsimGymError: If both name one.
-    """
-    if policy is not None and named is not None:
-        raise IrsimGymError(f"one policy drives: {policy}, or {named} (--policy)")
-    return named if policy is None else policy
-
-
 def print_options(name: str) -> None:
     """Print the kinds of a family, one line each, or the options of a section or kind as tables.
 
