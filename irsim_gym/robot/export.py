@@ -35,6 +35,7 @@ from irsim_gym.robot.contract import (
     RobotContract,
     RobotLimits,
     Scanner,
+    ScenarioForm,
     StateForm,
     Stops,
     TensorForm,
@@ -110,23 +111,25 @@ def export_for_robot(
     network = _network(loaded)
     graph = policy_graph(network, played, name)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
-    results = _results(compared, played, levels)
+    results = results_of(compared, played, levels)
     _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
     period, samples = period or own, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results = _results(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
     elif is_own:
         results = _known_results(loaded) or results
-    hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
+    hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
         policy=name,
         irsim_gym=__version__,
         hashes=hashes,
+        scenario=_scenario_form(asked),
         period=period,
+        periods=(own, own),
         predict=predict,
         results=results,
         stop=Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
@@ -179,7 +182,7 @@ def _network(policy: SavedPolicy) -> ShelfPolicy:
     return ShelfPolicy(network.form, network.arrays)
 
 
-def _results(policy: Policy, played: Episodes, levels: int) -> Results:
+def results_of(policy: Policy, played: Episodes, levels: int) -> Results:
     """Return in how many levels all robots arrive."""
     solved = 0
     for _, worlds, _ in drive(policy, played, levels, SPLIT):
@@ -216,6 +219,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
             steers=bool(steers),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
+            radii=(float(model.reach[0, b]),) * 2,
             low=tuple(model.velocity_min[0, b, :size].tolist()),
             high=tuple(model.velocity_max[0, b, :size].tolist()),
             acceleration=tuple(limits),
@@ -255,15 +259,25 @@ def _scanner(played: Episodes) -> Scanner | None:
         range_min=options.range_min,
         range_max=options.range_max,
         mount=options.offset,
+        mounts=tuple((place, place) for place in options.offset),
         no_return="inf",
         tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
     )
 
 
-def _scenario_hash(asked: ScenarioRequest) -> str:
+def scenario_hash(asked: ScenarioRequest) -> str:
+    """Return the hash of a scenario and its task."""
+    form = _scenario_form(asked)
+    return take_snapshot(form.name, form.task, form.parameters).digest
+
+
+def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
+    """Return how a contract names a scenario."""
     assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
     assert asked.task is None or isinstance(asked.task, str)
-    return take_snapshot(asked.scenario, asked.task, asked.parameters).digest
+    return ScenarioForm(
+        name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {})
+    )
 
 
 def _sha256(content: bytes) -> str:
