@@ -168,10 +168,11 @@ def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str
     np.minimum.at(seen, (rows, beams[rows, columns]), ranges[rows, columns].astype(np.float32))
     lacking[rows, beams[rows, columns]] = False
     for k in np.flatnonzero(lacking.any(axis=0)) if size else ():  # beams of a coarser scanner
-        away = np.abs(np.remainder((places - k) * share + np.pi, 2.0 * np.pi) - np.pi)
-        nearest = np.broadcast_to(away.argmin(axis=1), n)
-        near = lacking[:, k] & (away.min(axis=1) <= 0.51 * max(abs(angles[1]), share))
-        seen[near, k] = ranges[near, nearest[near]]
+        some = np.flatnonzero(lacking[:, k])
+        away = (places[some] if len(places) == n else places) - k
+        away = np.abs(np.remainder(away * share + np.pi, 2.0 * np.pi) - np.pi)
+        near = np.broadcast_to(away.min(axis=1) <= 0.51 * max(abs(angles[1]), share), some.shape)
+        seen[some[near], k] = ranges[some, np.broadcast_to(away.argmin(axis=1), some.shape)][near]
     return seen
 
 

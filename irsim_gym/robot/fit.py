@@ -10,12 +10,13 @@ import numpy as np
 
 from irsim_gym.base.errors import IrsimGymError, suggestion
 from irsim_gym.base.families import FOOTPRINTS, KINEMATICS
+from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.tables import write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot.contract import Results, RobotContract, Tested, read_export
 from irsim_gym.robot.drive import as_beams
 from irsim_gym.robot.export import results_of, scenario_hash
-from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
+from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy, limits_of
 from irsim_gym.robot.inputs import Measured, measured, scanner_of
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.scenario import load_scenario
@@ -53,6 +54,11 @@ class Variant:
     fits: bool = False
 
     @property
+    def share(self) -> float:
+        """Share of the levels that the policy solves."""
+        return self.results.success if self.results is not None else 0.0
+
+    @property
     def cells(self) -> tuple[str, str, str]:
         """What it differs in, the success with its interval [%], and whether it fits."""
         assert self.results is not None, "it has been played"
@@ -83,10 +89,9 @@ def fit(folder: Path, variants: Sequence[Variant], levels: int = LEVELS) -> list
     _check(contract, own, variants)
     graph, played = PolicyGraph(content, _starts(contract), 0), []
     for variant in (Variant("as in the contract", {}), *(variants or usual(own))):
-        whole = replace(variant, values={**own, **variant.values})
-        results = _play(contract, graph, asked, whole, levels)
-        least = played[0].results.success - MOST_LOST if played else 0.0
-        played.append(replace(whole, results=results, fits=results.success >= least - 1e-9))
+        one = _played(contract, graph, asked, replace(variant, values={**own, **variant.values}), levels)
+        least = played[0].share - MOST_LOST if played else 0.0
+        played.append(replace(one, fits=one.share >= least - 1e-9))
     write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2) + "\n")
     return played
 
@@ -173,20 +178,22 @@ def _starts(contract: RobotContract) -> dict[str, Any]:
     }
 
 
-def _play(
+def _played(
     contract: RobotContract, graph: PolicyGraph, asked: ScenarioRequest, variant: Variant, levels: int
-) -> Results:
-    """Return how a policy does with another robot, which is driven as the driver drives it."""
+) -> Variant:
+    """Return another robot with the results of the policy, which drives it as the driver does."""
     before = asked.episodes(1)
-    step, values = float(before.simulation.model.step_time[0]), variant.values
+    step, period = float(before.simulation.model.step_time[0]), variant.values["period"]
     scenario = _changed(asked.load(warn=False), before, variant)
     played = replace(asked, scenario=scenario, parameters=None).episodes(levels)
-    played.limit(max(1, round(before.task.max_steps * step / values["period"])))
     limits = np.array(contract.robot.low), np.array(contract.robot.high)
-    policy: Any = GraphPolicy(graph, measure=partial(_measured, contract), limits=limits)
+    slower = max(1.0, float(limits[1][0] / limits_of(played)[1][0]))  # a slow robot gets as much more time
+    played.limit(max(1, round(before.task.max_steps * slower * step / period)))
+    policy: Policy = GraphPolicy(graph, measure=partial(_measured, contract), limits=None if variant.body is None else limits)
     if contract.predict:
-        policy = DelayedPolicy(policy, round(contract.predict / values["period"]))
-    return results_of(policy, played, levels)
+        policy = DelayedPolicy(policy, round(contract.predict / period))
+    radius = float(played.simulation.model.reach[0, played.task.agents[0]])
+    return replace(variant, values={**variant.values, "radius": radius}, results=results_of(policy, played, levels))
 
 
 def _changed(scenario: Scenario, before: Episodes, variant: Variant) -> Scenario:
