@@ -1,13 +1,12 @@
 """The contract of an exported policy: what it needs, what it was tested with, and how its graph is run."""
 
 import hashlib
-import json
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from irsim_gym.base.outside_files import reading
+from irsim_gym.base.outside_files import json_object, reading
 from irsim_gym.tasks.terms.term import Needs
 
 FORMAT = 1
@@ -146,7 +145,7 @@ def read_export(folder: Path) -> tuple[RobotContract, bytes]:
     """
     file, model = folder / "contract.json", folder / "policy.onnx"
     with reading(file, "contract of an exported policy"):
-        contract = RobotContract.model_validate(json.loads(file.read_text(encoding="utf-8")))
+        contract = RobotContract.model_validate(json_object(file))
     with reading(model, f"graph of {file}"):
         content = model.read_bytes()
         if hashlib.sha256(content).hexdigest() != contract.hashes.onnx:

@@ -5,39 +5,35 @@ Any object with the fields of the ROS messages will do. While the robot stands, 
 
 import hashlib
 import json
+import runpy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import onnxruntime
 
-KEYS = ("format", "hashes", "scan", "robot", "goal", "inputs", "states", "stop")
+SCANS = runpy.run_path(str(Path(__file__).with_name("scans.py")))
+KEYS = {"format", "hashes", "scan", "robot", "goal", "inputs", "states", "stop"}
 
 
 class Driver:
-    """One robot, by contract.json beside policy.onnx.
-
-    With no_return="zero", 0 means that nothing is in range; mount is where the scanner is, if not as in the contract.
-    """
+    """One robot, by contract.json. With no_return="zero", 0 is no return; mount: where the scanner is on the robot."""
 
     def __init__(self, contract: str | Path, no_return: str = "", ahead: float = 2.0, mount: Any = None) -> None:
         try:
             self.contract = json.loads(Path(contract).read_text(encoding="utf-8"))
         except ValueError as problem:
             raise ValueError(f"{contract} is not JSON: {problem}") from None
-        if lacking := [name for name in KEYS if name not in self.contract] or self.contract["format"] != 1:
-            raise ValueError(f"{contract} is no contract of format 1 for this driver: {lacking}")
+        if (lacking := KEYS.difference(self.contract)) or self.contract["format"] != 1:
+            raise ValueError(f"{contract} is no contract of format 1; it lacks: {', '.join(sorted(lacking))}")
         model, options = Path(contract).with_name("policy.onnx").read_bytes(), onnxruntime.SessionOptions()
         if hashlib.sha256(model).hexdigest() != self.contract["hashes"]["onnx"]:
             raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
         options.intra_op_num_threads = 1
         self.session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
         self.outputs = [one.name for one in self.session.get_outputs()]
-        self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": (), "mounts": ()}
+        self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
         self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
-        for name, place, (low, high) in zip(("x", "y", "turn"), self.mount, self.own["mounts"], strict=False):
-            if not low - 0.01 <= place <= high + 0.01:
-                raise ValueError(f"the mount's {name} is {place:.4g}, tested from {low:.4g} to {high:.4g}")
         self.now = self.scan_time = self.pose_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
@@ -60,18 +56,11 @@ class Driver:
             ranges[ranges == 0.0] = np.inf
         lost = np.isnan(ranges) | (ranges < msg.range_min) & np.isfinite(ranges)
         ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
-        self.ranges = as_beams(ranges[None], (msg.angle_min, step), self.mount, self.own)
+        self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
-        own = {**self.own, "field_of_view": self.own["step"] * (self.own["beams"] - 1)}
-        self.scan_time, self.scan_fault, notes = _seconds(msg.header.stamp), "", []
-        for name, (low, high) in own["tested"].items():
-            slack = abs(step) + 0.01 if name == "field_of_view" else 0.01 * high
-            text = f"the scanner's {name} is {found[name]:.4g}, tested from {low:.4g} to {high:.4g}"
-            if not low - slack <= found[name] <= high + slack:
-                self.scan_fault = text
-            elif abs(found[name] - own[name]) > slack:
-                notes.append(f"{text}, trained with {own[name]:.4g}")
-        self.note = "; ".join(notes)
+        found.update(zip(("x", "y", "turn"), self.mount, strict=True))
+        self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
+        self.scan_time = _seconds(msg.header.stamp)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
         self.good_scans = 0 if self.scan_fault else self.good_scans + 1
@@ -146,34 +135,6 @@ class Driver:
         if not np.isfinite(gap).all():
             return "the goal is not finite"
         return "arrived" if np.sqrt(gap @ gap) < self.contract["goal"]["tolerance"] else ""
-
-
-def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str, Any]) -> Any:
-    """Return scans (n, size) as the contract's beams see them, (n, n_beams): of each beam's share the shortest range.
-
-    The scanner is mounted at (x, y, turn), and its beams look at angles: the first one's, and the step to the next.
-    """
-    n_beams, share, (n, size) = own["beams"], own["step"] or 2.0 * np.pi, ranges.shape
-    looks = (angles[0] + angles[1] * np.arange(size) + mount[2] - own["mount"][2])[None]
-    if (mount[0], mount[1]) != tuple(own["mount"][:2]):
-        shift = (complex(*mount[:2]) - complex(*own["mount"][:2])) * np.exp(-1j * own["mount"][2])
-        ends = np.minimum(ranges, 1e6) * np.exp(1j * looks) + shift
-        ranges, looks = np.where(np.isfinite(ranges), np.abs(ends), ranges), np.angle(ends)
-    looks = looks - own["first"]
-    outside = (looks < -0.5 * share) | (looks >= (n_beams - 0.5) * share)
-    places = np.where(outside, np.remainder(looks + 0.5 * share, 2.0 * np.pi) / share - 0.5, looks / share)
-    beams = np.broadcast_to(np.rint(places).astype(int), (n, size))
-    seen, lacking = np.full((n, n_beams), np.inf, np.float32), np.ones((n, n_beams), bool)
-    rows, columns = np.nonzero((beams >= 0) & (beams < n_beams))
-    np.minimum.at(seen, (rows, beams[rows, columns]), ranges[rows, columns].astype(np.float32))
-    lacking[rows, beams[rows, columns]] = False
-    for k in np.flatnonzero(lacking.any(axis=0)) if size else ():  # beams of a coarser scanner
-        some = np.flatnonzero(lacking[:, k])
-        away = (places[some] if len(places) == n else places) - k
-        away = np.abs(np.remainder(away * share + np.pi, 2.0 * np.pi) - np.pi)
-        near = np.broadcast_to(away.min(axis=1) <= 0.51 * max(abs(angles[1]), share), some.shape)
-        seen[some[near], k] = ranges[some, np.broadcast_to(away.argmin(axis=1), some.shape)][near]
-    return seen
 
 
 def _seconds(stamp: Any) -> float:

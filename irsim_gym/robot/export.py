@@ -55,7 +55,7 @@ LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py")
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py", "scans.py")
 
 
 @dataclass(frozen=True)
@@ -275,9 +275,7 @@ def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
     """Return how a contract names a scenario."""
     assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
     assert asked.task is None or isinstance(asked.task, str)
-    return ScenarioForm(
-        name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {})
-    )
+    return ScenarioForm(name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {}))
 
 
 def _sha256(content: bytes) -> str:
@@ -292,7 +290,8 @@ def _write(
     np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
-    write_bytes(folder / "drive.py", Path(__file__).with_name("drive.py").read_bytes())
+    for name in ("drive.py", "scans.py"):
+        write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))

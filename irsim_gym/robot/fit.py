@@ -14,11 +14,11 @@ from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.tables import write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot.contract import Results, RobotContract, Tested, read_export
-from irsim_gym.robot.drive import as_beams
 from irsim_gym.robot.export import results_of, scenario_hash
 from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy, limits_of
 from irsim_gym.robot.inputs import Measured, measured, scanner_of
 from irsim_gym.robot.policy_graph import PolicyGraph
+from irsim_gym.robot.scans import as_beams
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.specs.library import find
 from irsim_gym.scenario.specs.spec import BodySpec, Scenario
@@ -87,7 +87,8 @@ def fit(folder: Path, variants: Sequence[Variant], levels: int = LEVELS) -> list
         raise IrsimGymError(f"{form.name} has changed since {folder} was written: export the policy again")
     own = own_values(contract)
     _check(contract, own, variants)
-    graph, played = PolicyGraph(content, _starts(contract), 0), []
+    graph = PolicyGraph(content, _starts(contract), 0)
+    played: list[Variant] = []
     for variant in (Variant("as in the contract", {}), *(variants or usual(own))):
         one = _played(contract, graph, asked, replace(variant, values={**own, **variant.values}), levels)
         least = played[0].share - MOST_LOST if played else 0.0
@@ -189,7 +190,9 @@ def _played(
     limits = np.array(contract.robot.low), np.array(contract.robot.high)
     slower = max(1.0, float(limits[1][0] / limits_of(played)[1][0]))  # a slow robot gets as much more time
     played.limit(max(1, round(before.task.max_steps * slower * step / period)))
-    policy: Policy = GraphPolicy(graph, measure=partial(_measured, contract), limits=None if variant.body is None else limits)
+    policy: Policy = GraphPolicy(
+        graph, measure=partial(_measured, contract), limits=None if variant.body is None else limits
+    )
     if contract.predict:
         policy = DelayedPolicy(policy, round(contract.predict / period))
     radius = float(played.simulation.model.reach[0, played.task.agents[0]])
@@ -205,11 +208,11 @@ def _changed(scenario: Scenario, before: Episodes, variant: Variant) -> Scenario
         if other is not None:
             changes = {name: getattr(other, name) for name in ("shape", "vel_min", "vel_max", "acce")}
         elif values["radius"] != float(before.simulation.model.reach[0, agent]):
-            changes["shape"] = FOOTPRINTS.entry("circle").kind(radius=values["radius"])
+            if FOOTPRINTS.name_of(type(body.shape)) != "circle":
+                raise IrsimGymError(f"{body.name} is no disc: it has no radius to change")
+            changes["shape"] = replace(body.shape, radius=values["radius"])
         if scanner is not None:
-            changes["sensors"] = tuple(
-                _scanner(one, values) if one == scanner[0] else one for one in body.sensors
-            )
+            changes["sensors"] = tuple(_scanner(one, values) if one == scanner[0] else one for one in body.sensors)
         bodies[agent] = replace(body, **changes)
     world = scenario.world
     if values["period"] > world.step_time:
@@ -246,7 +249,10 @@ def widened(contract: RobotContract, played: Iterable[Variant]) -> RobotContract
         spans |= {**scan.tested.model_dump(), **dict(zip(MOUNT, scan.mounts, strict=True))}
     misfits = [variant.values for variant in played if not variant.fits]
     for variant in played:
-        wider = {name: (min(low, variant.values[name]), max(high, variant.values[name])) for name, (low, high) in spans.items()}
+        wider = {
+            name: (min(low, variant.values[name]), max(high, variant.values[name]))
+            for name, (low, high) in spans.items()
+        }
         if variant.fits and not any(_holds(wider, values) for values in misfits):
             spans = wider
     if scan is not None:
