@@ -15,11 +15,13 @@ import pytest
 from command_line import run
 
 from irsim_gym.base.errors import IrsimGymError, UnreadableFileError
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot import fit
 from irsim_gym.robot.contract import Results, RobotContract, read_export
 from irsim_gym.robot.drive import Driver
 from irsim_gym.robot.fit import Variant, own_values, read_values, told, usual, widened
 from irsim_gym.robot.graph_policy import rescaled
+from irsim_gym.robot.inputs import measured
 from irsim_gym.robot.scans import as_beams
 
 TURN = 2.0 * np.pi
@@ -107,6 +109,21 @@ def test_a_scan_is_seen_from_where_the_contract_has_the_scanner() -> None:
     np.testing.assert_allclose(
         as_beams(ranges, quarter, place, {**OWN, "mount": place}), as_beams(ranges, quarter, OWN["mount"], OWN)
     )
+
+
+def test_what_is_played_is_what_the_driver_makes_of_messages(contract: Path) -> None:
+    before = content(contract.parent)
+    asked, mount = ScenarioRequest("cluttered_room"), {"x": 0.1, "y": -0.05, "turn": 1.0}
+    values = {**own_values(before), "beams": 300, "range_max": 3.5, **mount}
+    scenario = fit._changed(asked.load(), asked.episodes(1), Variant("", values))
+    played = replace(asked, scenario=scenario).episodes(3)
+    played.begin(np.arange(3), np.arange(3), "test")
+    driver = Driver(contract, mount=tuple(mount.values()))
+    together = fit._measured(before, played, 0)["ranges"]
+    for w, ranges in enumerate(measured(played)["ranges"]):
+        driver.scan(messages.scan(0.0, ranges, range_max=3.5))
+        assert np.isfinite(driver.ranges).any()
+        np.testing.assert_allclose(driver.ranges[0], together[w], rtol=1e-6)
 
 
 @pytest.mark.parametrize("mount", [(0.0, 0.0, 0.0), (0.1, -0.05, 1.0)])
