@@ -72,15 +72,18 @@ def fit(
         Listed, typer.Option(help="Another place of the scanner: x=0.1,y=0,turn=90deg, or some of these; likewise.")
     ] = None,
     period: Annotated[
-        list[float] | None, typer.Option(min=0.001, max=10.0, help="Another time between commands [s]; likewise.")
+        list[float] | None,
+        typer.Option(min=0.001, max=10.0, help="Another time between commands in seconds; likewise."),
     ] = None,
     radius: Annotated[
-        list[float] | None, typer.Option(min=0.001, max=100.0, help="Another radius of a round robot [m]; likewise.")
+        list[float] | None,
+        typer.Option(min=0.001, max=100.0, help="Another radius of a round robot in metres; likewise."),
     ] = None,
     robot: Annotated[
         Listed, typer.Option(help="A preset with all of its values, such as turtlebot4; likewise.")
     ] = None,
     levels: Annotated[int, typer.Option(min=100, max=MOST_LEVELS, help="Number of test levels for each.")] = 200,
+    modules: Imports = None,
 ) -> None:
     """Play an exported policy with other scanners, mounts, periods and sizes, and note in its contract which fit.
 

@@ -136,10 +136,10 @@ def read_values(option: str, text: str, names: Mapping[str, str]) -> dict[str, f
     for part in text.split(","):
         word, _, number = (piece.strip() for piece in part.partition("="))
         found = evaluate(number.removesuffix("deg"))
-        if word not in names or found is None:
+        if word not in names or found is None or (names is SCANNER and found <= 0):
             near = suggestion(word, names) if word not in names else ""
             form = f"{option}: write numbers for {', '.join(names)}, such as {next(iter(names))}=..., with commas"
-            raise IrsimGymError(f"{form}, got '{part}'{near}")
+            raise IrsimGymError(f"{form}{', above 0' if names is SCANNER else ''}; got '{part}'{near}")
         values[names[word]] = float(np.radians(found)) if number.endswith("deg") else found
     return values
 
@@ -187,6 +187,8 @@ def _played(
     step, period = float(before.simulation.model.step_time[0]), variant.values["period"]
     scenario = _changed(asked.load(warn=False), before, variant)
     played = replace(asked, scenario=scenario, parameters=None).episodes(levels)
+    if variant.body is not None and played.n_discrete:
+        raise IrsimGymError(f"{contract.policy} chooses between commands: only those of its own robot are known")
     limits = np.array(contract.robot.low), np.array(contract.robot.high)
     slower = max(1.0, float(limits[1][0] / limits_of(played)[1][0]))  # a slow robot gets as much more time
     played.limit(max(1, round(before.task.max_steps * slower * step / period)))
@@ -202,12 +204,13 @@ def _played(
 def _changed(scenario: Scenario, before: Episodes, variant: Variant) -> Scenario:
     """Return a scenario whose agents are another robot."""
     values, scanner, bodies = variant.values, scanner_of(before), list(scenario.bodies)
+    same_size = values["radius"] == float(before.simulation.model.reach[0, before.task.agents[0]])
     for agent in before.task.agents:
         body, other = bodies[agent], variant.body
         changes: dict[str, Any] = {}
         if other is not None:
             changes = {name: getattr(other, name) for name in ("shape", "vel_min", "vel_max", "acce")}
-        elif values["radius"] != float(before.simulation.model.reach[0, agent]):
+        elif not same_size:
             if FOOTPRINTS.name_of(type(body.shape)) != "circle":
                 raise IrsimGymError(f"{body.name} is no disc: it has no radius to change")
             changes["shape"] = replace(body.shape, radius=values["radius"])
@@ -223,7 +226,7 @@ def _changed(scenario: Scenario, before: Episodes, variant: Variant) -> Scenario
 def _scanner(options: Any, values: Values) -> Any:
     return replace(
         options,
-        number=int(values["beams"]),
+        number=round(values["beams"]),
         angle_range=values["field_of_view"],
         range_max=values["range_max"],
         range_min=min(options.range_min, values["range_max"]),

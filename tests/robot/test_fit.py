@@ -150,7 +150,7 @@ def test_what_options_say() -> None:
         "range_max": 3.5,
     }
     assert read_values("--mount", "turn=pi/2", fit.MOUNT) == {"turn": pytest.approx(0.5 * np.pi)}
-    for text in ("beam=360", "beams", "beams=many", ""):
+    for text in ("beam=360", "beams", "beams=many", "", "beams=0", "range=-1"):
         with pytest.raises(
             IrsimGymError, match=r"--scanner: write numbers for beams, range, fov, such as beams=\.\.\."
         ):
