@@ -24,12 +24,11 @@ def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str
     rows, columns = np.nonzero((beams >= 0) & (beams < n_beams))
     np.minimum.at(seen, (rows, beams[rows, columns]), ranges[rows, columns].astype(np.float32))
     lacking[rows, beams[rows, columns]] = False
-    for k in np.flatnonzero(lacking.any(axis=0)) if size else ():  # beams of a coarser scanner
-        some = np.flatnonzero(lacking[:, k])
-        away = (places[some] if len(places) == n else places) - k
-        away = np.abs(np.remainder(away * share + np.pi, 2.0 * np.pi) - np.pi)
-        near = np.broadcast_to(away.min(axis=1) <= 0.51 * max(abs(angles[1]), share), some.shape)
-        seen[some[near], k] = ranges[some, np.broadcast_to(away.argmin(axis=1), some.shape)][near]
+    for w in range(len(places)) if size else ():  # beams of a coarser scanner take the nearest reading
+        missed, worlds = np.flatnonzero(lacking[w]), slice(None) if len(places) == 1 else w
+        away = np.abs(np.remainder((places[w] - missed[:, None]) * share + np.pi, 2.0 * np.pi) - np.pi)
+        near = away.min(axis=1) <= 0.51 * max(abs(angles[1]), share)
+        seen[worlds, missed[near]] = ranges[worlds, away.argmin(axis=1)[near]]
     return seen
 
 
@@ -42,7 +41,7 @@ def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple
     spans = {**own["tested"], **dict(zip(("x", "y", "turn"), own["mounts"], strict=True))}
     mount = dict(zip(("x", "y", "turn"), own["mount"], strict=True))
     known = {**own, **mount, "field_of_view": own["step"] * (own["beams"] - 1)}
-    slacks = {"beams": 0.0, "range_max": 0.01 * spans["range_max"][1], "field_of_view": step + 0.01}
+    slacks = {**{name: 0.01 * spans[name][1] for name in ("beams", "range_max")}, "field_of_view": step + 0.01}
     fault, notes = "", []
     for name, (low, high) in spans.items():
         slack, value = slacks.get(name, 0.01), found[name]
