@@ -58,7 +58,7 @@ class Driver:
         ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
         self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
-        found.update(zip(("x", "y", "turn"), self.mount, strict=True))
+        found["x"], found["y"], found["turn"] = self.mount
         self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
         self.scan_time = _seconds(msg.header.stamp)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:

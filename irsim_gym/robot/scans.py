@@ -1,5 +1,7 @@
 """Scans of any scanner as the contract's scanner would read them; for the driver, with NumPy alone."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np
@@ -38,9 +40,9 @@ def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple
     It is described by beams, range_max [m], field_of_view [rad] and its mount: x, y [m], turn [rad]; step is the angle
     between its beams [rad].
     """
-    spans = {**own["tested"], **dict(zip(("x", "y", "turn"), own["mounts"], strict=True))}
-    mount = dict(zip(("x", "y", "turn"), own["mount"], strict=True))
-    known = {**own, **mount, "field_of_view": own["step"] * (own["beams"] - 1)}
+    spans, known = dict(own["tested"]), {**own, "field_of_view": own["step"] * (own["beams"] - 1)}
+    for k, name in enumerate(("x", "y", "turn")):
+        spans[name], known[name] = own["mounts"][k], own["mount"][k]
     slacks = {**{name: 0.01 * spans[name][1] for name in ("beams", "range_max")}, "field_of_view": step + 0.01}
     fault, notes = "", []
     for name, (low, high) in spans.items():
