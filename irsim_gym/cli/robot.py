@@ -93,7 +93,7 @@ def fit(
     """
     require("robot", "irsim-gym fit")
     from irsim_gym.evaluation.protocol.tables import figure_table, print_table
-    from irsim_gym.robot import fit as fitting
+    from irsim_gym.robot import fitting
 
     asked = [fitting.read_values("--scanner", text, fitting.SCANNER) for text in scanner or ()]
     asked += [fitting.read_values("--mount", text, fitting.MOUNT) for text in mount or ()]

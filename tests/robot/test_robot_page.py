@@ -10,7 +10,7 @@ import pytest
 from command_line import run
 from test_readme import ROOT, blocks, commands
 
-from irsim_gym.robot import fit
+from irsim_gym.robot import fitting as fit
 from irsim_gym.robot.contract import Results
 
 PAGE = ROOT / "docs" / "to_your_robot.md"

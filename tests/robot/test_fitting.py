@@ -16,10 +16,10 @@ from command_line import run
 
 from irsim_gym.base.errors import IrsimGymError, UnreadableFileError
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.robot import fit
+from irsim_gym.robot import fitting as fit
 from irsim_gym.robot.contract import Results, RobotContract, read_export
 from irsim_gym.robot.drive import Driver
-from irsim_gym.robot.fit import Variant, own_values, read_values, told, usual, widened
+from irsim_gym.robot.fitting import Variant, own_values, read_values, told, usual, widened
 from irsim_gym.robot.graph_policy import rescaled
 from irsim_gym.robot.inputs import measured
 from irsim_gym.robot.scans import as_beams
