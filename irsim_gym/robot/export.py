@@ -128,12 +128,9 @@ def export_for_robot(
         irsim_gym=__version__,
         hashes=hashes,
         scenario=_scenario_form(asked),
-        period=period,
-        periods=(own, own),
         predict=predict,
         results=results,
-        stop=Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
-        **_form(played, graph, samples),
+        **_form(played, graph, samples, period),
     )
     _write(folder, contract, graph, samples, played)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
@@ -200,8 +197,8 @@ def _check_difference(compared: ComparedPolicy, name: str) -> None:
         )
 
 
-def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Return what a contract says of the robot, its scan, its goal, and the tensors of the graph."""
+def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], period: float) -> dict[str, Any]:
+    """Return what a contract says of the robot, its scan, its goal, its times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
     steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
@@ -212,6 +209,9 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         if name != "command"
     }
     return {
+        "period": period,
+        "periods": (float(model.step_time[0]),) * 2,
+        "stop": Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
         "needs": needs,
         "scan": _scanner(played) if "scan" in needs else None,
         "robot": RobotLimits(
