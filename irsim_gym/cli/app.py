@@ -17,7 +17,7 @@ from irsim_gym.cli import options as opt
 from irsim_gym.cli.arena import arena
 from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
-from irsim_gym.cli.robot import export
+from irsim_gym.cli.robot import export, fit
 from irsim_gym.cli.run import run_by_itself
 from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
@@ -100,6 +100,7 @@ app.command()(schema)
 app.command()(train)
 app.command()(tune)
 app.command()(export)
+app.command()(fit)
 
 
 @app.command()

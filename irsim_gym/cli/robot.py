@@ -1,4 +1,4 @@
-"""The command ``irsim-gym export``."""
+"""The commands ``irsim-gym export`` and ``irsim-gym fit``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -58,3 +58,48 @@ def export(
         f"{made.n_commands:,} commands of {levels} levels differ by {made.difference:.1e} at most; "
         f"{100 * made.contract.results.success:.1f} % solved"
     )
+
+
+Listed = list[str] | None
+
+
+def fit(
+    folder: Annotated[Path, typer.Argument(help="Folder of an export.")],
+    scanner: Annotated[
+        Listed, typer.Option(help="Another scanner: beams=360,range=3.5,fov=270deg, or some of these; may be repeated.")
+    ] = None,
+    mount: Annotated[
+        Listed, typer.Option(help="Another place of the scanner: x=0.1,y=0,turn=90deg, or some of these; likewise.")
+    ] = None,
+    period: Annotated[
+        list[float] | None,
+        typer.Option(min=0.001, max=10.0, help="Another time between commands in seconds; likewise."),
+    ] = None,
+    radius: Annotated[
+        list[float] | None,
+        typer.Option(min=0.001, max=100.0, help="Another radius of a round robot in metres; likewise."),
+    ] = None,
+    robot: Annotated[
+        Listed, typer.Option(help="A preset with all of its values, such as turtlebot4; likewise.")
+    ] = None,
+    levels: Annotated[int, typer.Option(min=100, max=MOST_LEVELS, help="Number of test levels for each.")] = 200,
+    modules: Imports = None,
+) -> None:
+    """Play an exported policy with other scanners, mounts, periods and sizes, and note in its contract which fit.
+
+    A robot fits if the policy solves at most 2 points less than with that of the contract, on the same levels. The
+    driver refuses other scanners. Without options, scanners of 90 and 360 beams, of 3.5 and 12 m and of 270 degrees are
+    played, the poorest of these together, and half and twice the period.
+    """
+    require("robot", "irsim-gym fit")
+    from irsim_gym.evaluation.protocol.tables import figure_table, print_table
+    from irsim_gym.robot import fitting
+
+    asked = [fitting.read_values("--scanner", text, fitting.SCANNER) for text in scanner or ()]
+    asked += [fitting.read_values("--mount", text, fitting.MOUNT) for text in mount or ()]
+    asked += [{"period": one} for one in period or ()] + [{"radius": one} for one in radius or ()]
+    variants = [fitting.Variant(fitting.told(values), values) for values in asked]
+    variants += [fitting.preset_variant(name) for name in robot or ()]
+    rows = [one.cells for one in fitting.fit(folder, variants, levels)]
+    print_table(figure_table(f"{folder}, {levels} test levels", ("robot", "success [%]", "fits"), rows))
+    print(f"{folder / 'contract.json'} holds the tested values")

@@ -6,14 +6,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from irsim_gym.base import families
+from irsim_gym.base.errors import suggestion
 from irsim_gym.base.options import defaults, option_fields
 from irsim_gym.scenario.checking.validation import BAD, Report, build, build_named, check_keys, read_color, read_field
 from irsim_gym.scenario.entries.pending import is_pending, read_pending
 from irsim_gym.scenario.entries.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.specs.image_files import image_problem
+from irsim_gym.scenario.specs.library import names
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 from irsim_gym.scenario.specs.spec import MAX_BODIES, BodyOptions, Waypoint
-from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
+from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, choices, show
 from irsim_gym.scenario.text.source import Place
 
 FIELDS = option_fields(BodyOptions)
@@ -232,10 +234,19 @@ def _read_description(value: object, place: Place, report: Report) -> object:
     return BAD if problem else image
 
 
+def _read_preset(value: object, place: Place, report: Report) -> object:
+    """Report a name that is not shipped: the keys of shipped robots are there in its place."""
+    shipped = names("robots")
+    near = suggestion(str(value)[:40], shipped)
+    report.add(place, f"no robot named {show(value)}{near}; it must be {choices(shipped)}")
+    return BAD
+
+
 READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "sensors": _read_sensors,
     "goal": _read_goal,
     "seen_by": _read_seen_by,
     "color": _read_color,
     "description": _read_description,
+    "preset": _read_preset,
 }

@@ -13,6 +13,7 @@ from irsim_gym.scenario.checking.validation import BAD, Report, build
 from irsim_gym.scenario.checking.whereabouts import unknown_key
 from irsim_gym.scenario.entries.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries.entries import read_entry
+from irsim_gym.scenario.entries.presets import with_presets
 from irsim_gym.scenario.entries.recorded_bodies import give_recordings
 from irsim_gym.scenario.entries.shorthand import split_entries, split_sections
 from irsim_gym.scenario.reading import notes
@@ -93,6 +94,7 @@ def read_scenario(
         UnknownNameError: If the scenario has no such parameter.
     """
     source, values = fill_in(source, parameters or {}, strict=strict)
+    source = with_presets(source)
     report = Report(source, strict=strict)
     report.may_pend = may_pend
     _report_repeats(report)

@@ -8,6 +8,7 @@ from irsim_gym.base import families
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.entries.entries import NO_DRIVE
 from irsim_gym.scenario.reading.parameters import SECTION, ParameterSpec
+from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
@@ -156,8 +157,8 @@ def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
     if key == "goal":
         return {"description": meaning, "anyOf": [{"type": "array"}, {"type": "null"}]}
     one = dict(declared)
-    if key in ("number", "number_range", "role"):
-        return one
+    if key in ("number", "number_range", "role", "preset"):
+        return one if key != "preset" else {**one, "anyOf": [{"enum": [None, *library.names("robots")]}, PARAMETER]}
     info: Schema = {name: one.pop(name) for name in ("description", "default", "unit") if name in one}
     shared = _shared(one)
     return {**info, **shared}

@@ -101,6 +101,9 @@ class WorldSpec:
 class BodyOptions:
     """The keys of an entry of ``robot`` or ``obstacle``."""
 
+    preset: str | None = option(
+        None, meaning="A shipped robot: drive, footprint, limits and sensors are its own where the entry has no key."
+    )
     number: int = option(
         1,
         ge=0,
