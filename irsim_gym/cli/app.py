@@ -17,7 +17,7 @@ from irsim_gym.cli import options as opt
 from irsim_gym.cli.arena import arena
 from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
-from irsim_gym.cli.robot import export
+from irsim_gym.cli.robot import bag, export
 from irsim_gym.cli.run import run_by_itself
 from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
@@ -30,6 +30,7 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 app.add_typer(suite, name="suite")
 app.add_typer(levels, name="levels")
 app.add_typer(shelf, name="policies")
+app.add_typer(bag, name="bag")
 
 
 @app.command("list")

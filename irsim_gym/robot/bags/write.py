@@ -1,0 +1,148 @@
+"""The command ``irsim-gym bag write``: a bag of ROS 2 of an episode in the simulator."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.policies.perception import Perceived
+from irsim_gym.evaluation.policies.policy import Policy
+from irsim_gym.evaluation.protocol.protocol import drive
+from irsim_gym.evaluation.requests.inputs import check_inputs
+from irsim_gym.evaluation.requests.remembered import as_trained
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.saved_policies.policies import load_policy
+from irsim_gym.robot.graph_policy import commands_of
+from irsim_gym.robot.inputs import Measured, measured, scanner_of
+from irsim_gym.simulator.readings.messages import (
+    Header,
+    Odometry,
+    PoseWithCovariance,
+    Twist,
+    TwistWithCovariance,
+    planar_pose,
+    planar_twist,
+    scan_message,
+)
+from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
+from irsim_gym.tasks import Episodes
+
+TOPICS = {
+    "/scan": "sensor_msgs/msg/LaserScan",
+    "/odom": "nav_msgs/msg/Odometry",
+    "/goal_pose": "geometry_msgs/msg/PoseStamped",
+    "/cmd_vel": "geometry_msgs/msg/Twist",
+}
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """A time of ROS 2."""
+
+    sec: int
+    nanosec: int
+
+
+@dataclass(frozen=True)
+class PoseStamped:
+    """A goal."""
+
+    header: Header
+    pose: Any
+
+
+@dataclass
+class Recorder:
+    """A policy whose every decision is kept: what the first robot measures, and its command."""
+
+    policy: Policy
+    rows: list[tuple[Measured, Floats]] = field(default_factory=list)
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Begin in these worlds."""
+        self.policy.begin(episodes, worlds, levels)
+
+    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
+        """Return the policy's actions."""
+        values, actions = measured(episodes), np.asarray(self.policy.act(episodes, worlds))
+        self.rows.append((values, commands_of(episodes, actions, values)[0]))
+        return actions
+
+
+def write_bag(asked: ScenarioRequest, source: str, folder: Path, level: int = 0, split: str = "test") -> dict[str, int]:
+    """Write what a robot measures and is commanded in an episode, and return the number of messages of each topic.
+
+    Args:
+        asked: The scenario.
+        source: The policy, as ``load_policy`` takes it.
+        folder: The new bag.
+        level: Number of the level.
+        split: Its split.
+
+    Raises:
+        IrsimGymError: Something asked for does not exist, or the folder does.
+    """
+    check_inputs(asked, lambda: _check_new(folder), policies=[source], split=split)
+    policy = load_policy(source)
+    played = Perceived(as_trained(asked, [source]).episodes(1)).of(policy)
+    recorder = Recorder(policy)
+    for _ in drive(recorder, played, [level], split):
+        pass
+    return _write(folder, played, recorder)
+
+
+def _check_new(folder: Path) -> None:
+    if folder.exists():
+        raise IrsimGymError(f"{folder} exists: choose another name for the bag, or remove it")
+
+
+def _write(folder: Path, played: Episodes, recorder: Recorder) -> dict[str, int]:
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store, period = get_typestore(Stores.ROS2_JAZZY), float(played.simulation.model.step_time[0])
+    counts = dict.fromkeys(TOPICS, 0)
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        places = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in TOPICS.items()}
+        goal: Any = None
+        for k, (values, command) in enumerate(recorder.rows):
+            time = round(k * period * 1e9)
+            messages = _messages(played, values, command, Stamp(*divmod(time, 10**9)))
+            if goal is not None and np.array_equal(goal, values["goal"], equal_nan=True):
+                del messages["/goal_pose"]
+            goal = values["goal"]
+            for topic, message in messages.items():
+                writer.write(places[topic], time, store.serialize_cdr(message, TOPICS[topic]))
+                counts[topic] += 1
+    return counts
+
+
+def _messages(played: Episodes, values: Measured, command: Floats, stamp: Stamp) -> dict[str, Any]:
+    """Return the messages of a step by topic."""
+    header = Header(stamp=stamp, frame_id="odom")
+    twist = TwistWithCovariance(_twist(played, values["velocity"][0]))
+    pose = PoseWithCovariance(planar_pose(*values["pose"][0]))
+    messages: dict[str, Any] = {"/odom": Odometry(header, "base_link", pose, twist)}
+    scanner = scanner_of(played)
+    if scanner is not None:
+        options, _, angles = scanner
+        ranges = np.where(values["ranges"][0] >= options.range_max, np.inf, values["ranges"][0])
+        messages["/scan"] = scan_message(Header(stamp=stamp, frame_id="laser"), options, angles, ranges)
+    messages["/goal_pose"] = PoseStamped(header, planar_pose(*np.nan_to_num(values["goal"][0])))
+    messages["/cmd_vel"] = _twist(played, command)
+    return messages
+
+
+def _twist(played: Episodes, numbers: Floats) -> Twist:
+    """Return a command or a velocity of the first robot's drive as a twist in the body frame."""
+    model, b = played.simulation.model, played.task.agents[0]
+    first, second, *third = numbers.tolist()
+    if model.drive[b] == ACKERMANN and getattr(played.simulation.scenario.bodies[b].kinematics, "mode", "") != "angular":
+        second = first * np.tan(second) / float(model.wheelbase[b])
+    if model.drive[b] in (DIFFERENTIAL, ACKERMANN):
+        return planar_twist(first, 0.0, second)
+    return planar_twist(first, second, *(third or [0.0]))
