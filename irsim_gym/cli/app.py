@@ -270,13 +270,13 @@ def draw(
     split: opt.Split = "dev",
     task: opt.Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
+        Path | None, typer.Option(help="File to write or replace: .png, .pdf, .svg, or a map of ROS, .yaml (default: SCENARIO.png).")
     ] = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
-    """Draw the start of a level."""
+    """Draw the start of a level, or write what stands in it as a map of ROS."""
     from irsim_gym.cli.work.inspection import draw_level
 
     print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))

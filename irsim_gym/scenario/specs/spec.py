@@ -72,7 +72,8 @@ class WorldSpec:
         "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
     obstacle_map: Any = option(
-        None, meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind."
+        None, meaning="Occupied cells, stretched over the world: an image file, a map.yaml of ROS, or a mapping with the "
+        "name of a kind."
     )
     mdownsample: int = option(
         1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
