@@ -270,7 +270,8 @@ def draw(
     split: opt.Split = "dev",
     task: opt.Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="File to write or replace: .png, .pdf, .svg, or a map of ROS, .yaml (default: SCENARIO.png).")
+        Path | None,
+        typer.Option(help="File to write or replace: .png, .pdf, .svg, or .yaml for ROS (default: SCENARIO.png)."),
     ] = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,

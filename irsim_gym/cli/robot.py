@@ -89,7 +89,7 @@ def write_bag(
         ),
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of the new bag (MCAP).")],
-    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help="Number of the level.")] = 0,
+    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help="The level.")] = 0,
     split: opt.Split = "test",
     task: Task = None,
     given: Given = None,

@@ -6,21 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats
-from irsim_gym.base.errors import UnreadableFileError
+from irsim_gym.base.arraytypes import Flags
+from irsim_gym.base.errors import IrsimGymError, UnreadableFileError, suggestion
 from irsim_gym.base.outside_files import reading
 
 KIND = "bag of ROS"
-ROLES = {
-    "scan": ("/scan", "LaserScan"),
-    "odometry": ("/odom", "Odometry"),
-    "command": ("/cmd_vel", "Twist", "TwistStamped"),
-    "goal": ("/goal_pose", "PoseStamped"),
-    "path": ("/plan", "Path"),
-}
-"""Usual topic of each role, and its types of messages."""
-COMMON = ("scan", "odometry", "command")
-"""Roles that take a topic of another name if it is the only one of its type."""
+TOPICS = {"scan": "/scan", "odometry": "/odom", "goal": "/goal_pose", "path": "/plan", "command": "/cmd_vel"}
+"""Usual topic of each role."""
 
 
 class Event(NamedTuple):
@@ -50,46 +42,31 @@ def read_bag(file: Path, topics: Mapping[str, str]) -> Bag:
         topics: Topics of roles, where they are not the usual ones.
 
     Raises:
-        UnreadableFileError: It is no bag, or damaged; a topic is not there, or there are several for a role.
+        UnreadableFileError: It is no bag, it is damaged, or a topic is not there.
+        IrsimGymError: There is no such role.
     """
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
+    for role in topics:
+        if role not in TOPICS:
+            raise IrsimGymError(f"no role '{role}'{suggestion(role, TOPICS)}; roles are {', '.join(TOPICS)}")
+    usual = {role: topic for role, topic in TOPICS.items() if role not in topics}
+    roles = {topic: role for role, topic in {**usual, **topics}.items()}
     if file.is_dir() and not (file / "metadata.yaml").is_file():
         raise UnreadableFileError(str(file), KIND, "the folder has no metadata.yaml")
     with reading(file, KIND), AnyReader([file], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        roles = _roles(file, {one.topic: one.msgtype.rsplit("/", 1)[-1] for one in reader.connections}, topics)
         chosen = [one for one in reader.connections if one.topic in roles]
+        there = ", ".join(f"{one.topic} ({one.msgtype.rsplit('/', 1)[-1]})" for one in reader.connections)
         events = [
             Event(1e-9 * time, roles[one.topic], reader.deserialize(content, one.msgtype))
-            for one, time, content in reader.messages(chosen)
+            for one, time, content in (reader.messages(chosen) if chosen else ())
         ]
-        if not events:
-            raise ValueError(f"it has no messages of {', '.join(roles)}")
+    lacking = [topic for topic in topics.values() if not any(one.topic == topic for one in chosen)]
+    if lacking or not events:
+        wanted = ", ".join(lacking or TOPICS.values())
+        raise UnreadableFileError(str(file), f"bag with messages of {wanted}", f"its topics are {there or 'none'}")
     return Bag(file, sorted(events, key=lambda event: (event.time, event.role == "command")))
-
-
-def _roles(file: Path, types: Mapping[str, str], topics: Mapping[str, str]) -> dict[str, str]:
-    """Return the role of each topic.
-
-    Raises:
-        UnreadableFileError: A topic is not there, or there are several for a role.
-    """
-    there = f"its topics are {', '.join(f'{topic} ({kind})' for topic, kind in types.items()) or 'none'}"
-    found: dict[str, str] = {}
-    for role, (usual, *kinds) in ROLES.items():
-        fitting = [topic for topic, kind in types.items() if kind in kinds]
-        topic = topics.get(role) or (usual if usual in fitting or role not in COMMON else "".join(fitting[:1]))
-        if topic in fitting:
-            found[topic] = role
-        elif role in topics:
-            raise UnreadableFileError(str(file), f"bag with {' or '.join(kinds)} in {topic}", there)
-        if len(fitting) > 1 and topic not in (usual, topics.get(role)):
-            reason = f"it has {', '.join(fitting)}: name one with --topic {role}=TOPIC"
-            raise UnreadableFileError(str(file), f"bag with one topic of {kinds[0]}", reason)
-    if not set(found.values()) & set(COMMON):
-        raise UnreadableFileError(str(file), "bag of a drive", f"there are no scans, odometry or commands; {there}")
-    return found
 
 
 def seconds(stamp: Any) -> float:

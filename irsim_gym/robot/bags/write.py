@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,16 +19,7 @@ from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import load_policy
 from irsim_gym.robot.graph_policy import commands_of
 from irsim_gym.robot.inputs import Measured, measured, scanner_of
-from irsim_gym.simulator.readings.messages import (
-    Header,
-    Odometry,
-    PoseWithCovariance,
-    Twist,
-    TwistWithCovariance,
-    planar_pose,
-    planar_twist,
-    scan_message,
-)
+from irsim_gym.simulator.readings.messages import Header, odometry, planar_twist, scan_message
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.tasks import Episodes
 
@@ -37,22 +29,6 @@ TOPICS = {
     "/goal_pose": "geometry_msgs/msg/PoseStamped",
     "/cmd_vel": "geometry_msgs/msg/Twist",
 }
-
-
-@dataclass(frozen=True)
-class Stamp:
-    """A time of ROS 2."""
-
-    sec: int
-    nanosec: int
-
-
-@dataclass(frozen=True)
-class PoseStamped:
-    """A goal."""
-
-    header: Header
-    pose: Any
 
 
 @dataclass
@@ -86,33 +62,22 @@ def write_bag(asked: ScenarioRequest, source: str, folder: Path, level: int = 0,
     Raises:
         IrsimGymError: Something asked for does not exist, or the folder does.
     """
-    check_inputs(asked, lambda: _check_new(folder), policies=[source], split=split)
-    policy = load_policy(source)
-    played = Perceived(as_trained(asked, [source]).episodes(1)).of(policy)
-    recorder = Recorder(policy)
-    for _ in drive(recorder, played, [level], split):
-        pass
-    return _write(folder, played, recorder)
-
-
-def _check_new(folder: Path) -> None:
-    if folder.exists():
-        raise IrsimGymError(f"{folder} exists: choose another name for the bag, or remove it")
-
-
-def _write(folder: Path, played: Episodes, recorder: Recorder) -> dict[str, int]:
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 
+    if folder.exists():
+        raise IrsimGymError(f"{folder} exists: choose another name for the bag, or remove it")
+    check_inputs(asked, policies=[source], split=split)
+    recorder = Recorder(load_policy(source))
+    played = Perceived(as_trained(asked, [source]).episodes(1)).of(recorder.policy)
+    list(drive(recorder, played, [level], split))
     store, period = get_typestore(Stores.ROS2_JAZZY), float(played.simulation.model.step_time[0])
-    counts = dict.fromkeys(TOPICS, 0)
+    counts, goal = dict.fromkeys(TOPICS, 0), np.zeros(0)
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         places = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in TOPICS.items()}
-        goal: Any = None
         for k, (values, command) in enumerate(recorder.rows):
-            time = round(k * period * 1e9)
-            messages = _messages(played, values, command, Stamp(*divmod(time, 10**9)))
-            if goal is not None and np.array_equal(goal, values["goal"], equal_nan=True):
+            messages = _messages(played, values, command, time := round(k * period * 1e9))
+            if np.array_equal(goal, values["goal"], equal_nan=True):
                 del messages["/goal_pose"]
             goal = values["goal"]
             for topic, message in messages.items():
@@ -121,28 +86,24 @@ def _write(folder: Path, played: Episodes, recorder: Recorder) -> dict[str, int]
     return counts
 
 
-def _messages(played: Episodes, values: Measured, command: Floats, stamp: Stamp) -> dict[str, Any]:
-    """Return the messages of a step by topic."""
-    header = Header(stamp=stamp, frame_id="odom")
-    twist = TwistWithCovariance(_twist(played, values["velocity"][0]))
-    pose = PoseWithCovariance(planar_pose(*values["pose"][0]))
-    messages: dict[str, Any] = {"/odom": Odometry(header, "base_link", pose, twist)}
-    scanner = scanner_of(played)
+def _messages(played: Episodes, values: Measured, command: Floats, time: int) -> dict[str, Any]:
+    """Return the messages of a step by topic; times are in nanoseconds."""
+    stamp = SimpleNamespace(sec=time // 10**9, nanosec=time % 10**9)
+    header, scanner = Header(stamp=stamp, frame_id="odom"), scanner_of(played)
+    messages = {"/odom": odometry(header, "base_link", values["pose"][0], _twist(played, values["velocity"][0]))}
     if scanner is not None:
         options, _, angles = scanner
         ranges = np.where(values["ranges"][0] >= options.range_max, np.inf, values["ranges"][0])
         messages["/scan"] = scan_message(Header(stamp=stamp, frame_id="laser"), options, angles, ranges)
-    messages["/goal_pose"] = PoseStamped(header, planar_pose(*np.nan_to_num(values["goal"][0])))
-    messages["/cmd_vel"] = _twist(played, command)
-    return messages
+    goal = odometry(header, "", np.nan_to_num(values["goal"][0]), None).pose.pose
+    return {**messages, "/goal_pose": SimpleNamespace(header=header, pose=goal), "/cmd_vel": _twist(played, command)}
 
 
-def _twist(played: Episodes, numbers: Floats) -> Twist:
+def _twist(played: Episodes, numbers: Floats) -> Any:
     """Return a command or a velocity of the first robot's drive as a twist in the body frame."""
     model, b = played.simulation.model, played.task.agents[0]
-    first, second, *third = numbers.tolist()
-    if model.drive[b] == ACKERMANN and getattr(played.simulation.scenario.bodies[b].kinematics, "mode", "") != "angular":
+    kinematics, (first, second, *third) = played.simulation.scenario.bodies[b].kinematics, numbers.tolist()
+    if model.drive[b] == ACKERMANN and getattr(kinematics, "mode", "steer") == "steer":
         second = first * np.tan(second) / float(model.wheelbase[b])
-    if model.drive[b] in (DIFFERENTIAL, ACKERMANN):
-        return planar_twist(first, 0.0, second)
-    return planar_twist(first, second, *(third or [0.0]))
+    is_sideways = model.drive[b] not in (DIFFERENTIAL, ACKERMANN)
+    return planar_twist(first, second, *(third or [0.0])) if is_sideways else planar_twist(first, 0.0, second)

@@ -24,7 +24,8 @@ def write(folder: Path, pixels: Any, **changes: Any) -> str:
     """Write a map and its image, and return its file; None leaves a key out."""
     Image.fromarray(np.asarray(pixels, np.uint8)).save(folder / "floor.pgm")
     content = {"image": "floor.pgm", **USUAL, **changes}
-    (folder / "map.yaml").write_text(yaml.safe_dump({key: value for key, value in content.items() if value is not None}))
+    text = yaml.safe_dump({key: value for key, value in content.items() if value is not None})
+    (folder / "map.yaml").write_text(text)
     return str(folder / "map.yaml")
 
 
