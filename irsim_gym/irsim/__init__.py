@@ -66,8 +66,8 @@ EnvBase3D = EnvBase
 
 EnvGridMap = Map = GridMap
 
-MESSAGES = ("ContactState", "Header", "LaserScan", "Message", "ObjectState", "Odometry", "Point", "Pose", "Quaternion")
-MESSAGES += ("PoseWithCovariance", "Twist", "TwistWithCovariance", "Vector3", "WorldState")
+MESSAGES = frozenset({"ContactState", "Header", "LaserScan", "Message", "ObjectState", "Odometry", "Point", "Pose"})
+MESSAGES |= {"PoseWithCovariance", "Quaternion", "Twist", "TwistWithCovariance", "Vector3", "WorldState"}
 """Classes of ``irsim.msg``, which can be imported from here, too."""
 
 MODULES = tuple(advice("modules"))

@@ -17,10 +17,10 @@ import messages
 from simulated_bags import Robot, command, write, write_bags
 
 from irsim_gym.base.errors import IrsimGymError, UnreadableFileError
+from irsim_gym.evaluation.measures.statistics import Estimate
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot.bags.check import check_bag
 from irsim_gym.robot.bags.fit import fit_bag, section
-from irsim_gym.robot.bags.lag import Estimate
 from irsim_gym.robot.bags.read import Bag, read_bag
 from irsim_gym.robot.bags.write import write_bag
 from irsim_gym.robot.export import RobotExport

@@ -79,12 +79,12 @@ def write_ros_map(simulation: Simulation, path: Path) -> None:
     shape = round(world.width / side), round(world.height / side)
     if shape[0] * shape[1] > MOST_CELLS or not math.isclose(shape[1] * side, world.height, rel_tol=1e-6):
         size = f"{world.width:g} x {world.height:g} m"
-        raise IrsimGymError(f"--out {path}: the cells of a map of ROS are squares of one size, but {size} need more")
+        raise IrsimGymError(f"--out {path}: {size} cannot be filled with at most {MOST_CELLS:,} squares of {side:g} m")
     occupied = touched_cells(model, simulation.state, 0, shape, blocks=fixed_bodies(model, 0))
     image = io.BytesIO()
     Image.fromarray(np.flipud(np.where(occupied, 0, 254).T).astype(np.uint8)).save(image, "PPM")
     write_bytes(path.with_suffix(".pgm"), image.getvalue())
-    origin = f"[{world.offset[0]:g}, {world.offset[1]:g}, 0.0]"
+    origin = [*map(float, world.offset), 0.0]
     lines = [f"image: {path.with_suffix('.pgm').name}", f"resolution: {side:.12g}", f"origin: {origin}", "negate: 0"]
     write_text(path, "\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196", "mode: trinary\n"]))
 

@@ -88,9 +88,8 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
             if event.role in stamps:
                 stamps[event.role] = seconds(event.message.header.stamp)
         lost = [(one.time - start, lost_beams(one.message, driver.no_return).mean()) for one in bag.of("scan")]
-    table = np.array(rows)
-    parts = np.split(table[:, 1:], [3, 6], axis=1)
-    return BagCheck(table[:, 0], *parts, reasons, np.array(lost).reshape(-1, 2))
+    times, commands, recorded, ages = np.split(np.array(rows), [1, 4, 7], axis=1)
+    return BagCheck(times[:, 0], commands, recorded, ages, reasons, np.array(lost).reshape(-1, 2))
 
 
 def _ticks(bag: Bag, period: float) -> list[Event]:

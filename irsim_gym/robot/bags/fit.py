@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Floats
-from irsim_gym.robot.bags.lag import Estimate, fit_lag
+from irsim_gym.evaluation.measures.statistics import Estimate
+from irsim_gym.robot.bags.lag import fit_lag
 from irsim_gym.robot.bags.read import Bag, lost_beams, seconds, twist
 
 UNTOLD = "cannot be told from this bag"
@@ -54,7 +55,7 @@ def fit_bag(bag: Bag, no_return: str = "") -> BagFit:
     )
     wait = _wait(times["command"], times["scan"])
     delay, tau = fit_lag(times["command"], commands, times["odometry"], velocities)
-    latency = delay if isinstance(delay, str) else Estimate(*(wait + one for one in delay))
+    latency = delay if isinstance(delay, str) else Estimate(wait + delay.value, wait + delay.low, wait + delay.high)
     messages = [event.message for event in bag.of("scan")]
     if len(messages) < LEAST_SCANS or len({len(one.ranges) for one in messages}) > 1 or not len(velocities):
         why = "it has too few scans of the same number of beams, or no odometry"

@@ -1,10 +1,9 @@
 """How late and how slowly a robot follows its commands: a delay and a first-order lag, from velocities in a bag."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
+from irsim_gym.evaluation.measures.statistics import Estimate
 
 LAGS, TAUS = np.arange(0.0, 1.01, 0.02), np.array([1e-3, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0, 1.5])
 """Delays and time constants that are tried first [s]."""
@@ -18,14 +17,6 @@ LONGEST_GAP = 0.5
 """After this time without a command, robots may stop by themselves [s]."""
 LIKELY = 1e-3
 """Likelihood, relative to the best, of what is tried again with finer steps."""
-
-
-class Estimate(NamedTuple):
-    """A value with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 def fit_lag(

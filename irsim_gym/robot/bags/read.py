@@ -71,7 +71,7 @@ def read_bag(file: Path, topics: Mapping[str, str]) -> Bag:
 
 def seconds(stamp: Any) -> float:
     """Return the time of a stamp [s]."""
-    return float(stamp.sec) + 1e-9 * stamp.nanosec
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
 def twist(message: Any) -> tuple[float, float, float]:

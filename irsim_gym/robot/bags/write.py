@@ -1,18 +1,16 @@
 """The command ``irsim-gym bag write``: a bag of ROS 2 of an episode in the simulator."""
 
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.policies.perception import Perceived
-from irsim_gym.evaluation.policies.policy import Policy
-from irsim_gym.evaluation.protocol.protocol import drive
+from irsim_gym.evaluation.policies.policy import by_agent
+from irsim_gym.evaluation.protocol.protocol import check_count
 from irsim_gym.evaluation.requests.inputs import check_inputs
 from irsim_gym.evaluation.requests.remembered import as_trained
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -21,7 +19,7 @@ from irsim_gym.robot.graph_policy import commands_of
 from irsim_gym.robot.inputs import Measured, measured, scanner_of
 from irsim_gym.simulator.readings.messages import Header, odometry, planar_twist, scan_message
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
-from irsim_gym.tasks import Episodes
+from irsim_gym.tasks import Episodes, Outcome
 
 TOPICS = {
     "/scan": "sensor_msgs/msg/LaserScan",
@@ -29,24 +27,6 @@ TOPICS = {
     "/goal_pose": "geometry_msgs/msg/PoseStamped",
     "/cmd_vel": "geometry_msgs/msg/Twist",
 }
-
-
-@dataclass
-class Recorder:
-    """A policy whose every decision is kept: what the first robot measures, and its command."""
-
-    policy: Policy
-    rows: list[tuple[Measured, Floats]] = field(default_factory=list)
-
-    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Begin in these worlds."""
-        self.policy.begin(episodes, worlds, levels)
-
-    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
-        """Return the policy's actions."""
-        values, actions = measured(episodes), np.asarray(self.policy.act(episodes, worlds))
-        self.rows.append((values, commands_of(episodes, actions, values)[0]))
-        return actions
 
 
 def write_bag(asked: ScenarioRequest, source: str, folder: Path, level: int = 0, split: str = "test") -> dict[str, int]:
@@ -68,14 +48,20 @@ def write_bag(asked: ScenarioRequest, source: str, folder: Path, level: int = 0,
     if folder.exists():
         raise IrsimGymError(f"{folder} exists: choose another name for the bag, or remove it")
     check_inputs(asked, policies=[source], split=split)
-    recorder = Recorder(load_policy(source))
-    played = Perceived(as_trained(asked, [source]).episodes(1)).of(recorder.policy)
-    list(drive(recorder, played, [level], split))
+    policy, world, levels = load_policy(source), np.zeros(1, np.int64), np.array([level])
+    played, rows = Perceived(as_trained(asked, [source]).episodes(1)).of(policy), list[tuple[Measured, Floats]]()
+    check_count(played.simulation, split, level + 1)
+    played.begin(world, levels, split)
+    policy.begin(played, world, levels)
+    while played.view.infos["outcome"][0, 0] == Outcome.RUNNING:
+        values, actions = measured(played), np.asarray(policy.act(played, world))
+        rows.append((values, commands_of(played, actions, values)[0]))
+        played.step(by_agent(actions, played, world))
     store, period = get_typestore(Stores.ROS2_JAZZY), float(played.simulation.model.step_time[0])
     counts, goal = dict.fromkeys(TOPICS, 0), np.zeros(0)
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         places = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in TOPICS.items()}
-        for k, (values, command) in enumerate(recorder.rows):
+        for k, (values, command) in enumerate(rows):
             messages = _messages(played, values, command, time := round(k * period * 1e9))
             if np.array_equal(goal, values["goal"], equal_nan=True):
                 del messages["/goal_pose"]
