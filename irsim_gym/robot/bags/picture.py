@@ -22,25 +22,26 @@ def draw_check(path: Path, found: BagCheck, title: str) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 8.5), dpi=120, layout="constrained")
-    panels = figure.subplots(5, 1, sharex=True)
-    for k, name in enumerate(COMPONENTS):
-        panels[k].step(found.times, found.recorded[:, k], where="post", color=RECORDED, lw=3.5, label="recorded")
-        panels[k].step(found.times, found.commands[:, k], where="post", color=REPLAYED, lw=1.2, label="export")
-        panels[k].set_ylabel(name)
+    used = np.flatnonzero(np.nan_to_num([found.commands, found.recorded]).any(axis=(0, 1)))
+    panels, reasons = figure.subplots(len(used) + 2, 1, sharex=True), dict[str, str]()
+    for panel, k in zip(panels, used, strict=False):
+        panel.step(found.times, found.recorded[:, k], where="post", color=RECORDED, lw=3.5, label="recorded")
+        panel.step(found.times, found.commands[:, k], where="post", color=REPLAYED, lw=1.2, label="export")
+        panel.set_ylabel(COMPONENTS[k])
     for name, age, style in zip(("scan", "odometry"), found.ages.T, ("-", "--"), strict=True):
-        panels[3].plot(found.times, np.where(np.isfinite(age), age, np.nan), style, color=INK, lw=1.2, label=name)
-    panels[4].plot(*found.lost.T * [[1.0], [100.0]], color=INK, lw=1.2)
-    for panel, label, least in ((panels[3], "age [s]", 0.1), (panels[4], "lost beams [%]", 10.0)):
-        panel.set(ylabel=label, xlabel="time [s]" * (panel is panels[4]), ylim=(0.0, max(panel.get_ylim()[1], least)))
-    for first, last, *_ in found.stops():
+        panels[-2].plot(found.times, np.where(np.isfinite(age), age, np.nan), style, color=INK, lw=1.2, label=name)
+    panels[-1].plot(*found.lost.T * [[1.0], [100.0]], color=INK, lw=1.2)
+    for panel, label, least in ((panels[-2], "age [s]", 0.1), (panels[-1], "lost beams [%]", 10.0)):
+        panel.set(ylabel=label, xlabel="time [s]" * (panel is panels[-1]), ylim=(0.0, max(panel.get_ylim()[1], least)))
+    for first, last, reason, words in found.stops():
+        reasons.setdefault(words, f"{first:.2f} s: {reason}")
         for panel in panels:
             panel.axvspan(first, last, color=STOP, alpha=0.18, lw=1.0)
     for panel in panels:
         panel.spines[["top", "right"]].set_visible(False)
-    for panel in (panels[0], panels[3]):
+    for panel in {panels[0], panels[-2]}:
         panel.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=2, fontsize=8, frameon=False)
     figure.suptitle(title, x=0.01, ha="left", fontsize=10, color=INK)
-    reasons = {words: f"{first:.2f} s: {reason}" for first, _, reason, words in reversed(found.stops())}
-    told = "\n".join(["red: stands still; when each reason came first:", *reversed(reasons.values())])
+    told = "\n".join(["red: stands still; when each reason came first:", *reasons.values()])
     figure.supxlabel(told if reasons else "", x=0.01, ha="left", fontsize=8, color=STOP)
     write_figure(path, figure)
