@@ -15,6 +15,7 @@ import pytest
 
 import irsim_gym
 import irsim_gym.irsim
+from irsim_gym.errors import UnknownNameError
 from irsim_gym.simulator.readings import messages
 
 FILE = """
@@ -216,7 +217,7 @@ def test_the_obstacle_map_stays_where_it_is() -> None:
         (lambda world: odometry(np.nan, 1.0, 0.0), ValueError, "the odometry of 'robot_0' must have finite numbers"),
         (lambda world: messages.Odometry(pose=zero_turn()), ValueError, "must have finite numbers and an orientation"),
         (lambda world: twice(world.get_msg()), ValueError, "the message has two states of 'robot_0'"),
-        (lambda world: renamed(world.get_msg()), ValueError, "no body has the name 'nobody' or the number 77"),
+        (lambda world: renamed(world.get_msg()), UnknownNameError, "no body number 77 in 'hall'"),
     ],
 )
 def test_nothing_moves_where_a_message_cannot_be_used(file: Path, change: Any, error: Any, words: str) -> None:

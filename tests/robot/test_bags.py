@@ -79,6 +79,19 @@ def test_stops_ages_and_lost_beams_are_told(exported: RobotExport, tmp_path: Pat
     ]
 
 
+def test_zeros_may_mean_that_nothing_is_in_range(exported: RobotExport, tmp_path: Path) -> None:
+    """Half of the beams read 0, with a range_min of 0.1 m."""
+    rows = drive_of([0.0, 0.1, 0.2])
+    for _, topic, message in rows:
+        if topic == "/scan":
+            message.ranges[::2], message.range_min = 0.0, 0.1
+    bag = read_bag(write(tmp_path / "bag", rows), {})
+    assert check_bag(bag, exported.folder).lost[:, 1] == pytest.approx([0.5, 0.5, 0.5])
+    found = check_bag(bag, exported.folder, "zero")
+    assert found.lost[:, 1].tolist() == [0.0, 0.0, 0.0]
+    assert found.reasons == ["", "", ""]
+
+
 def test_a_bag_without_commands_is_driven_by_a_clock(exported: RobotExport, tmp_path: Path) -> None:
     rows = [row for row in drive_of([0.0, 0.1, 0.2, 0.3]) if row[1] != "/cmd_vel"]
     found = check_bag(read_bag(write(tmp_path / "bag", rows), {}), exported.folder)

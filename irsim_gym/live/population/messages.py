@@ -80,7 +80,8 @@ class WorldMessages:
 
         Raises:
             TypeError: It is no such message.
-            ValueError: There is no such body, one has two states, or a number cannot be used.
+            UnknownNameError: There is no such body.
+            ValueError: One body has two states, or a number cannot be used.
         """
         updates = {}
         for one in getattr(msg, "objects", [msg]):
@@ -100,13 +101,9 @@ class WorldMessages:
     def _target(self, message: Any, name: str | None, number: int | None) -> Body:
         if name is None and number is None:
             name, number = getattr(message, "name", None), getattr(message, "id", None)
-        if name is None and number is None:
-            return self._population.robot
-        bodies = self._population.objects
-        fitting = [one for one in bodies if one.name == name] or [one for one in bodies if one.id == number]
-        if not fitting:
-            raise ValueError(f"no body has the name {name!r} or the number {number!r}; there are {bodies}")
-        return fitting[0]
+        if name is not None and (number is None or name in self._population.names):
+            return self._population[name]
+        return self._population.robot if number is None else self._population[number]
 
 
 def _planar(body: Body, message: Any) -> tuple[list[float], Sequence[float] | None]:

@@ -77,9 +77,10 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
         for event in sorted([*bag.events, *_ticks(bag, contract.period)], key=lambda one: one.time):
             if event.role == "tick":
                 *command, reason = driver.tick(event.time)
-                whole, ages = np.zeros(3), [event.time - stamp for stamp in stamps.values()]
+                whole = np.zeros(3)
                 whole[PLACES.get(contract.robot.drive, [0, 2])] = command
-                rows.append(np.array([event.time - start, *whole, *newest, *ages]))
+                waited = [event.time - stamp for stamp in stamps.values()]
+                rows.append(np.array([event.time - start, *whole, *newest, *waited]))
                 reasons.append(reason)
             elif event.role == "command":
                 newest = np.array(twist(event.message))

@@ -185,3 +185,13 @@ def test_bodies_that_stand_are_part_of_a_written_map(tmp_path: Path, monkeypatch
     expected = np.zeros((80, 40), bool)
     expected[30:50, 10:30] = True
     np.testing.assert_array_equal(found, expected)
+
+
+def test_a_world_that_squares_do_not_fill_is_no_map(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("hall.yaml").write_text(yaml.safe_dump({"world": {"width": 4, "height": 2.03}}))
+    assert run(monkeypatch, "draw", "hall.yaml", "--out", "map.yaml") == 1
+    assert "4 x 2.03 m cannot be filled with at most 4,000,000 squares of 0.05 m" in capsys.readouterr().err
+    assert not Path("map.yaml").exists()
