@@ -146,6 +146,24 @@ def test_twenty_bags_tell_latency_lag_noise_and_losses(tmp_path: Path) -> None:
         check_fit(robot, read_bag(file, {}))
 
 
+@pytest.mark.parametrize(("name", "storage"), [("sqlite", "sqlite3"), ("one.bag", "")])
+def test_other_forms_of_bags_are_read(exported: RobotExport, tmp_path: Path, name: str, storage: str) -> None:
+    """SQLite of ROS 2, and a bag of ROS 1, which the library itself converts."""
+    from rosbags.convert import convert
+    from rosbags.typesys import Stores, get_typestore
+
+    write_bag(ROOM, "cluttered_room", tmp_path / "bag", 3)
+    store = None if storage else get_typestore(Stores.ROS1_NOETIC)
+    how = {"compress": None, "compress_mode": "none", "default_typestore": None, "typestore": store}
+    all_of: dict[str, Any] = dict.fromkeys(
+        ("exclude_topics", "include_topics", "exclude_msgtypes", "include_msgtypes"), ()
+    )
+    convert([tmp_path / "bag"], tmp_path / name, dst_storage=storage, dst_version=8, **how, **all_of)
+    found = check_bag(read_bag(tmp_path / name, {}), exported.folder)
+    assert len(found.times) > 20
+    assert np.abs(found.commands - found.recorded).max() < 1e-6
+
+
 def test_what_a_bag_cannot_tell_is_said(tmp_path: Path) -> None:
     """Commands that do not change say nothing of a lag, and a robot that only drives nothing of noise."""
     rows = drive_of([round(0.1 * k, 1) for k in range(80)])
