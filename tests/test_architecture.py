@@ -47,7 +47,7 @@ APART = {
 }
 """Rooms that share no arrow, though their floors would allow it."""
 NARROW = {
-    ("bodies", "scenario"): ("scenario.specs.recordings", "scenario.specs.wander_goals"),
+    ("bodies", "scenario"): ("scenario.specs.recordings", "scenario.specs.wander_goals", "scenario.reading.ros_map"),
     ("tasks", "rendering"): ("rendering.raster",),
     ("rendering", "simulator"): ("simulator.world", "simulator.readings"),
 }
