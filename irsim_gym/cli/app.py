@@ -17,7 +17,7 @@ from irsim_gym.cli import options as opt
 from irsim_gym.cli.arena import arena
 from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
-from irsim_gym.cli.robot import export
+from irsim_gym.cli.robot import bag, export, fit
 from irsim_gym.cli.run import run_by_itself
 from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
@@ -30,6 +30,7 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 app.add_typer(suite, name="suite")
 app.add_typer(levels, name="levels")
 app.add_typer(shelf, name="policies")
+app.add_typer(bag, name="bag")
 
 
 @app.command("list")
@@ -100,6 +101,7 @@ app.command()(schema)
 app.command()(train)
 app.command()(tune)
 app.command()(export)
+app.command()(fit)
 
 
 @app.command()
@@ -265,13 +267,14 @@ def draw(
     split: opt.Split = "dev",
     task: opt.Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
+        Path | None,
+        typer.Option(help="File to write or replace: .png, .pdf, .svg, or .yaml for ROS (default: SCENARIO.png)."),
     ] = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
-    """Draw the start of a level."""
+    """Draw the start of a level, or write what stands in it as a map of ROS."""
     from irsim_gym.cli.work.inspection import draw_level
 
     print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))

@@ -69,6 +69,15 @@ def read_changes(settings: Sequence[str] | None) -> dict[str, str]:
     return _pairs(settings, "--hp", "KEY=VALUE, e.g. --hp learning_rate=1e-3")
 
 
+def read_topics(settings: Sequence[str] | None) -> dict[str, str]:
+    """Return the values of ``--topic ROLE=TOPIC`` as text.
+
+    Raises:
+        IrsimGymError: If one is not of this form, or a role appears twice.
+    """
+    return _pairs(settings, "--topic", "ROLE=TOPIC, e.g. --topic scan=/front/scan")
+
+
 def _pairs(settings: Sequence[str] | None, option: str, form: str) -> dict[str, str]:
     given: dict[str, str] = {}
     for text in settings or ():

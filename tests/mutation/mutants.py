@@ -21,10 +21,7 @@ PARTS: dict[str, tuple[str, ...]] = {
     ),
     "recent": (
         *(f"bodies/behaviors/{name}/*.py" for name in ("local_planners", "hybrid_astar", "pursuit")),
-        *(
-            f"bodies/maps/{name}.py"
-            for name in ("cells", "cellular", "level", "maze", "noise_levels", "rooms", "shelves")
-        ),
+        *(f"bodies/maps/{name}.py" for name in ("cells", "cellular", "level", "maze", "rooms", "shelves")),
         *(
             f"simulator/cell_paths/{name}.py"
             for name in ("cell_lines", "occupancy", "outline_room", "scan_marks", "wavefront")

@@ -3,9 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from irsim_gym.base import families
+from irsim_gym.base.families import OBSERVATIONS
 from irsim_gym.evaluation.levels.played import QUARTER_NAMES
 from irsim_gym.evaluation.measures.worst_levels import WORST
 from irsim_gym.evaluation.suite.suite_record import SuiteRecord
+from irsim_gym.tasks.terms.term import needs_of
 
 DASH = "-"
 ENDS = ("timeout", "left_world", "deadlock")
@@ -82,9 +85,18 @@ def member_markdown(record: SuiteRecord, name: str) -> str:
     is_team = len(record.members[name]["conditions"]["agents"]) > 1
     read = _columns(list(scores.values()), is_team)
     shown = {head: [cell(score) for score in scores.values()] for head, cell in read.items()}
+    shown["needs"] = [_needs(record, name, method) for method in scores]
     shown = {head: cells for head, cells in shown.items() if any(cell != DASH for cell in cells)}
     rows = [[method, *(cells[row] for cells in shown.values())] for row, method in enumerate(scores)]
     return _markdown(name, _notes(record, name), ["method", *shown], rows)
+
+
+def _needs(record: SuiteRecord, member: str, method: str) -> str:
+    """Return what a robot must have for the observations of a method."""
+    entries = record.runs.get(member, {}).get(method, [])
+    names = dict.fromkeys(name for entry in entries for name in entry.get("observes") or ())
+    families.load()
+    return ", ".join(needs_of(OBSERVATIONS.entry(name).kind() for name in names if name in OBSERVATIONS)) or DASH
 
 
 def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:

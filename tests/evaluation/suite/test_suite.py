@@ -248,6 +248,9 @@ def test_tables_show_the_columns_that_rows_have(tmp_path: Path) -> None:
     assert f"fail, the policies of the certificate. Levels that none of them solves: {of['unsolved']} of 4." in single
     assert ("easiest quarter" in single, "easiest quarter" in team) == (True, False)
     assert ("makespan" in single, "makespan" in team) == (False, True)
+    assert "| needs |" not in single
+    record.runs["room"]["dash"][0]["observes"] = ["scan", "goal", "position"]
+    assert "| scan, odometry, map_frame |" in suite_tables.member_markdown(record, "room")
     assert "within 0.25 m" not in single
     assert "worst 5 % [%]" in single
     assert "shared" not in single  # no method has several policies
