@@ -631,7 +631,6 @@ def test_files_from_outside_have_one_reader() -> None:
     others = {
         *(
             "base/compiled/cache.py",
-            "base/faces.py",
             "base/kernels/workers.py",
             "rendering/replay/replay_items.py",
             "training/runs/checkpoint.py",
