@@ -114,9 +114,9 @@ class Driver:
         return (*command.tolist(), "")
 
     def _still(self, reason: str) -> tuple[Any, ...]:
+        self.forget(*self.states.keys() - {"action"})  # the latest action is to stand
         if "pending" in self.states:  # this command is under way, too
-            kept = self.states["pending"][:, 1:]
-            self.states["pending"] = np.concatenate([kept, np.zeros_like(self.states["pending"][:, :1])], axis=1)
+            self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)
 
     def _fault(self) -> str:

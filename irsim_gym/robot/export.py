@@ -44,6 +44,7 @@ from irsim_gym.robot.contract import (
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
 from irsim_gym.robot.inputs import scanner_of
 from irsim_gym.robot.model_card import model_card
+from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
@@ -84,6 +85,7 @@ def export_for_robot(
     period: float | None = None,
     asked: ScenarioRequest | None = None,
     levels: int = LEVELS,
+    node: str | None = None,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -94,12 +96,14 @@ def export_for_robot(
         period: Time from one command to the next on the robot [s]; None for that of the training.
         asked: The scenario with the robot and its scanner; None for that of the training.
         levels: Number of ``test`` levels that are played by both.
+        node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
     _check_folder(folder)
+    check_node(node)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -133,6 +137,8 @@ def export_for_robot(
         **_form(played, graph, samples),
     )
     _write(folder, contract, graph, samples, played)
+    for place, text in package_files(contract, node).items() if node else ():
+        write_text(folder / place, text)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
