@@ -95,8 +95,7 @@ class Driver:
         fault = "the clock jumps back" if is_back else self._fault()
         self.good_scans = 0 if fault else self.good_scans
         self.has_fault = bool(fault) or (self.has_fault and self.good_scans < 3)
-        reason = fault or ("waits for good scans" if self.has_fault else self._rest())
-        if reason:
+        if reason := fault or ("waits for good scans" if self.has_fault else self._rest()):
             return self._still(reason)
         away = np.hypot(*(self.way[:, :2] - self.pose[0, :2]).T)
         beyond = np.flatnonzero((np.arange(len(away)) >= away.argmin()) & (away >= self.ahead))
@@ -141,7 +140,8 @@ class Driver:
 
 
 def _seconds(stamp: Any) -> float:
-    return float(stamp.sec + 1e-9 * stamp.nanosec) if hasattr(stamp, "sec") else float(stamp)
+    is_ros_1 = hasattr(stamp, "to_sec")
+    return float(stamp.to_sec() if is_ros_1 else stamp.sec + 1e-9 * stamp.nanosec if hasattr(stamp, "sec") else stamp)
 
 
 def _pose(pose: Any) -> Any:
