@@ -14,7 +14,7 @@ import pytest
 from processes import Robot, running
 
 HERE = Path(__file__).parent
-SYSTEM = Path(os.environ.get("IRSIM_GYM_ROS", "build/ros"))
+SYSTEM = Path(__file__).parents[2] / "build" / "ros"
 """A virtual environment of the system's Python, with onnxruntime and what Debian has of ROS."""
 
 
