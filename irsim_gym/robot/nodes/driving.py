@@ -32,9 +32,9 @@ class Driving:
     ) -> None:
         self.driver, self.transform, self.say, self.drive = Driver(contract), transform, say, drive
         scan = self.driver.contract["scan"] or {"no_return": "inf", "mount": [0.0, 0.0, 0.0]}
-        self.mount_yaw = scan["mount"][2]
+        self.mount_yaw = float(scan["mount"][2])
         self.settings: dict[str, Any] = {
-            "period": self.driver.contract["period"],  # between commands [s]
+            "period": float(self.driver.contract["period"]),  # between commands [s]
             "no_return": scan["no_return"],  # "zero" where the scanner reports 0 for nothing in range
             "scanner_yaw": self.mount_yaw,  # where the scanner's beam at 0 looks on the robot [rad]
             "ahead": self.driver.ahead,  # of a path, the goal is this far on [m]
@@ -42,12 +42,13 @@ class Driving:
             "on_scan": False,  # a command for each scan at once, for scanners as fast as the policy
         }
         self.way: Any = None
-        self.way_frame = self.said = ""
+        self.way_frame, self.said = "", "nothing"
         self.answered = -np.inf
 
     def use(self, parameter: Callable[[str, Any], Any]) -> float:
         """Take the settings from a node's ``parameter(name, default)``; return how often to ask for a command [s]."""
         settings = self.settings = {name: parameter(name, default) for name, default in self.settings.items()}
+        settings["on_scan"] &= self.driver.contract["scan"] is not None
         self.driver.no_return, self.driver.ahead = settings["no_return"], settings["ahead"]
         return float(settings["period"] * (0.5 if settings["on_scan"] else 1.0))
 
@@ -63,7 +64,7 @@ class Driving:
     def begin(self) -> None:
         """Forget everything but the goal, as after a pause."""
         self.driver.forget()
-        self.driver.now, self.said = -np.inf, ""
+        self.driver.now, self.said = -np.inf, "nothing"
 
     def scan(self, msg: Any) -> None:
         """Take a scan, and turn it to where the contract has the scanner look."""
@@ -89,8 +90,10 @@ class Driving:
 
     def command(self, now: float) -> tuple[float, float, float] | None:
         """Return what to drive now: ahead and to the left [m/s], and the turn rate [rad/s]; None if nothing is due."""
-        driver, period = self.driver, self.settings["period"]
-        if self.settings["on_scan"] and 0.0 <= now - driver.now < (0.75 if self._is_new() else 1.5) * period:
+        driver, waited = self.driver, now - self.driver.now
+        is_old = now - min(driver.scan_time, driver.pose_time) > driver.contract["stop"]["scan_age"]
+        least = (0.75 if self._is_new() else 1.5) * self.settings["period"]
+        if self.settings["on_scan"] and not is_old and 0.0 <= waited < least:
             return None
         self.answered = driver.scan_time
         self._place_goal()

@@ -23,7 +23,7 @@ class DriverNode(LifecycleNode):
 
     def __init__(self) -> None:
         super().__init__("policy_driver")
-        self.buffer, self.timer = Buffer(), None
+        self.buffer, self.is_active = Buffer(), False
         self.listener = TransformListener(self.buffer, self)
 
     def _value(self, name: str, default: Any) -> Any:
@@ -38,9 +38,8 @@ class DriverNode(LifecycleNode):
         except (OSError, ValueError) as problem:
             log.error(str(problem))
             return TransitionCallbackReturn.FAILURE
-        self.interval = self.driving.use(self._value)
-        is_new = os.environ.get("ROS_DISTRO", "") >= "kilted"  # their names go along the alphabet
-        self.kind = TwistStamped if self._value("stamped", is_new) else Twist
+        self.timer = self.create_timer(self.driving.use(self._value), self._drive)
+        self.kind = TwistStamped if self._value("stamped", os.environ.get("ROS_DISTRO", "") >= "kilted") else Twist
         self.publisher = self.create_lifecycle_publisher(self.kind, "cmd_vel", 1)
         stream = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # a queue would be latency
         self.inputs = [
@@ -52,14 +51,13 @@ class DriverNode(LifecycleNode):
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Drive from now on."""
         self.driving.begin()
-        self.timer = self.create_timer(self.interval, self._drive)
+        self.is_active = True
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop the robot, if it is driven, before the publisher falls silent."""
-        if self.timer:
-            self.destroy_timer(self.timer)
-            self.timer = None
+        if self.is_active:
+            self.is_active = False
             self._send(0.0, 0.0, 0.0)
         return super().on_deactivate(state)
 
@@ -67,13 +65,14 @@ class DriverNode(LifecycleNode):
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Hear and send nothing any more."""
+        self.destroy_timer(self.timer)
         for one in self.inputs:
             self.destroy_subscription(one)
         self.destroy_lifecycle_publisher(self.publisher)
         return super().on_cleanup(state)
 
     def _drive(self) -> None:
-        if self.timer and (command := self.driving.command(self.get_clock().now().nanoseconds / 1e9)):
+        if self.is_active and (command := self.driving.command(self.get_clock().now().nanoseconds / 1e9)):
             self._send(*command)
 
     def _send(self, ahead: float, left: float, turn: float) -> None:
@@ -97,5 +96,5 @@ def main() -> None:
     except KeyboardInterrupt:
         pass
     finally:
-        node.on_deactivate(None)
+        node.on_deactivate(LifecycleState("active", 3))
         rclpy.shutdown()
