@@ -113,7 +113,7 @@ class Driver:
         return (*command.tolist(), "")
 
     def _still(self, reason: str) -> tuple[Any, ...]:
-        self.forget(*self.states.keys() - {"action"})  # the latest action is to stand
+        self.states["action"] = np.full_like(self.states["action"], self.contract["states"]["action"]["start"])
         if "pending" in self.states:  # this command is under way, too
             self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)

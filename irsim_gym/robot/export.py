@@ -102,8 +102,8 @@ def export_for_robot(
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
-    _check_folder(folder)
     check_node(node)
+    _check_folder(folder)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -136,9 +136,7 @@ def export_for_robot(
         stop=Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
         **_form(played, graph, samples),
     )
-    _write(folder, contract, graph, samples, played)
-    for place, text in package_files(contract, node).items() if node else ():
-        write_text(folder / place, text)
+    _write(folder, contract, graph, samples, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
@@ -277,7 +275,12 @@ def _sha256(content: bytes) -> str:
 
 
 def _write(
-    folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
+    folder: Path,
+    contract: RobotContract,
+    graph: PolicyGraph,
+    samples: Mapping[str, NDArray[Any]],
+    played: Episodes,
+    node: str | None,
 ) -> None:
     check = io.BytesIO()
     arrays: dict[str, Any] = dict(samples)
@@ -288,3 +291,5 @@ def _write(
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
+    for place, text in package_files(contract, node).items() if node else ():
+        write_text(folder / place, text)

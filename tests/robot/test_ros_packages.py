@@ -24,10 +24,8 @@ from irsim_gym.robot.nodes.package import package_files, package_name
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 NAME = "cluttered_room_driver"
-SHARED = {f"{NAME}/{file}" for file in ("__init__.py", "drive.py", "driving.py", "node.py")} | {
-    "package.xml",
-    "setup.py",
-}
+SHARED = {"ROS.md", "package.xml", "setup.py"} | {f"{NAME}/{file}" for file in ("__init__.py", "driving.py", "node.py")}
+WORDS = ("PACKAGE_VERSION", "CONTRACT_PERIOD", "SCANNER_YAW", "NO_RETURN", "ROBOT_RADIUS", "SCAN_AGE")
 OWN = {
     "ros1": {"CMakeLists.txt", "launch/drive.launch"},
     "ros2": {"setup.cfg", f"resource/{NAME}", "launch/drive_launch.py", "config/collision_monitor.yaml"},
@@ -46,7 +44,7 @@ def test_the_files_of_a_package(exported: RobotExport, node: str) -> None:
     assert set(texts) == SHARED | OWN[node]
     assert not set(texts) & set(FILES)
     for place, text in texts.items():
-        assert not [word for word in ("policy_driver", "irsim_gym.robot", "SCAN_AGE") if word in text], place
+        assert not [word for word in ("policy_driver", "irsim_gym.robot", *WORDS) if word in text], place
         assert "\n\n\n\n" not in text
     assert len(texts[f"{NAME}/node.py"].splitlines()) <= 100
 
@@ -125,10 +123,12 @@ def test_a_package_is_installed_with_its_node_and_policy(ros2: Path, tmp_path: P
     assert done.returncode == 0, done.stdout + done.stderr
     (wheel,) = tmp_path.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert {f"{NAME}/{file}" for file in ("__init__.py", "drive.py", "driving.py", "node.py")} <= set(names)
+    assert {f"{NAME}/{file}" for file in ("__init__.py", "driving.py", "node.py")} <= set(names)
     shared = {name.split("/data/share/")[1] for name in names if "/data/share/" in name}
-    own = {"contract.json", "policy.onnx", "package.xml", "launch/drive_launch.py", "config/collision_monitor.yaml"}
-    assert shared == {f"{NAME}/{file}" for file in own} | {f"ament_index/resource_index/packages/{NAME}"}
+    own = {"package.xml", "launch/drive_launch.py", "config/collision_monitor.yaml", "contract.json", "policy.onnx"}
+    drivers = {file.name for file in ros2.glob("*.py")} - {"setup.py"}
+    assert "drive.py" in drivers
+    assert shared == {f"{NAME}/{file}" for file in own | drivers} | {f"ament_index/resource_index/packages/{NAME}"}
     (entries,) = (name for name in names if name.endswith("entry_points.txt"))
     assert f"node = {NAME}.node:main" in zipfile.ZipFile(wheel).read(entries).decode()
     scripts = configparser.ConfigParser(interpolation=None)

@@ -142,7 +142,9 @@ def test_the_node_stops_within_three_periods_and_says_why_once(course: Course, n
     stopped = next(k for k, some in enumerate(sent) if [0.0, 0.0] in some)
     assert (stopped + 1) * 0.5 * PERIOD <= 4.0 * PERIOD + 1e-9  # the first missing scan was due after one
     assert node.text().count("stands: the scan is") == 1
-    assert [course.tick() == [0.0, 0.0] for _ in range(3)] == [True, True, False]
+    stands = [course.tick() == [0.0, 0.0] for _ in range(5)]  # until three good scans have come
+    assert stands[:2] == [True, True]
+    assert not stands[-1]
 
 
 def test_a_goal_of_an_unknown_frame_is_named(course: Course, node: Node) -> None:
@@ -160,3 +162,14 @@ def test_the_robot_stands_when_the_node_ends(course: Course, node: Node) -> None
     end(node.process)
     time.sleep(0.2)
     assert course.robot.ask("heard") == [[0.0, 0.0]]
+
+
+def test_the_manifest_of_ros_2_is_one_for_the_tools_of_ros(variables: dict[str, str], tmp_path: Path) -> None:
+    export_for_robot("cluttered_room", tmp_path / "package", levels=1, node="ros2")
+    code = "import sys; from catkin_pkg.package import parse_package as p; f = p(sys.argv[1]); print(f.name, f.exports)"
+    with running(
+        f"python3 -c '{code}' {shlex.quote(str(tmp_path / 'package'))}", variables, stdout=subprocess.PIPE
+    ) as process:
+        said = process.communicate(timeout=60.0)[0]
+    assert said.startswith("cluttered_room_driver ")
+    assert "ament_python" in said

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
+import runpy
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Odometry
+from nav_msgs.msg import Path as Way
 from sensor_msgs.msg import LaserScan
 from tf2_ros import TransformException
-
-from irsim_gym.robot.drive import Driver
 
 
 class Driving:
@@ -21,7 +22,7 @@ class Driving:
     A contract that does not fit its graph is a ValueError, a missing one an OSError.
 
     Args:
-        contract: Path of contract.json.
+        contract: Path of contract.json, with drive.py and the graph beside it.
         transform: Returns a geometry_msgs/TransformStamped to one frame from another.
         say: Logs a text.
         drive: Publishes a command, if one is due; called for each scan with the setting ``on_scan``.
@@ -30,7 +31,8 @@ class Driving:
     def __init__(
         self, contract: str, transform: Callable[[str, str], Any], say: Callable[[str], Any], drive: Callable[[], None]
     ) -> None:
-        self.driver, self.transform, self.say, self.drive = Driver(contract), transform, say, drive
+        self.driver: Any = runpy.run_path(str(Path(contract).with_name("drive.py")))["Driver"](contract)
+        self.transform, self.say, self.drive = transform, say, drive
         scan = self.driver.contract["scan"] or {"no_return": "inf", "mount": [0.0, 0.0, 0.0]}
         self.mount_yaw = float(scan["mount"][2])
         self.settings: dict[str, Any] = {
@@ -58,7 +60,7 @@ class Driving:
             ("scan", LaserScan, self.scan, True),
             ("odom", Odometry, self.odometry, True),
             ("goal_pose", PoseStamped, self.goal, False),
-            ("plan", Path, self.path, False),
+            ("plan", Way, self.path, False),
         ]
 
     def begin(self) -> None:

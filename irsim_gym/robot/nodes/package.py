@@ -7,33 +7,16 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.robot.contract import RobotContract
 
 HERE = Path(__file__).parent
+KINDS = ("ros1", "ros2")
+"""Folders with the files of a package in their places; code that is no module of ours ends with ``.py.txt``."""
 OWN = "policy_driver"
-"""Stands for the name of the package in the files."""
-SHARED = {"../drive.py": f"{OWN}/drive.py", "driving.py": f"{OWN}/driving.py"}
-FILES = {
-    "ros1": {
-        "node.py": f"{OWN}/node.py",
-        "package.xml": "package.xml",
-        "setup.py.txt": "setup.py",
-        "CMakeLists.txt": "CMakeLists.txt",
-        "drive.launch": "launch/drive.launch",
-    },
-    "ros2": {
-        "node.py": f"{OWN}/node.py",
-        "package.xml": "package.xml",
-        "setup.py.txt": "setup.py",
-        "setup.cfg": "setup.cfg",
-        "drive_launch.py.txt": "launch/drive_launch.py",
-        "collision_monitor.yaml": "config/collision_monitor.yaml",
-    },
-}
-"""Files of the package, by what they are written from."""
+"""Stands for the name of the package in the files and their places."""
 
 
 def check_node(node: str | None) -> None:
     """Raise an IrsimGymError if there is no package for a node."""
-    if node is not None and node not in FILES:
-        raise IrsimGymError(f"--node: there is no '{node}': choose {' or '.join(FILES)}")
+    if node is not None and node not in KINDS:
+        raise IrsimGymError(f"--node: there is no '{node}': choose {' or '.join(KINDS)}")
 
 
 def package_name(policy: str) -> str:
@@ -43,17 +26,17 @@ def package_name(policy: str) -> str:
 
 
 def package_files(contract: RobotContract, node: str) -> dict[str, str]:
-    """Return the texts of a ROS package by their places in it; contract.json and policy.onnx come beside them.
+    """Return the texts of a ROS package by their places in it; it installs the files of the export.
 
     Args:
         contract: The contract of the export.
         node: ``ros1`` or ``ros2``.
     """
-    name, scan = package_name(contract.policy), contract.scan
+    name, scan, root = package_name(contract.policy), contract.scan, HERE / node
     words = {
+        ".py.txt": ".py",
         OWN: name,
         "irsim_gym.robot.nodes": name,
-        "irsim_gym.robot": name,
         "PACKAGE_VERSION": contract.irsim_gym,
         "CONTRACT_PERIOD": f"{contract.period:g}",
         "SCANNER_YAW": f"{float(scan.mount[2]) if scan else 0.0}",
@@ -61,14 +44,10 @@ def package_files(contract: RobotContract, node: str) -> dict[str, str]:
         "ROBOT_RADIUS": f"{contract.robot.radius:.4g}",
         "SCAN_AGE": f"{contract.stop.scan_age:.4g}",
     }
-    texts = {f"{OWN}/__init__.py": '"""Drives a robot by a policy."""\n'}
-    if node == "ros2":
-        texts[f"resource/{OWN}"] = ""
-    for source, place in SHARED.items():
-        texts[place] = (HERE / source).read_text(encoding="utf-8")
-    for source, place in FILES[node].items():
-        texts[place] = (HERE / node / source).read_text(encoding="utf-8")
-    return {place.replace(OWN, name): _replaced(text, words) for place, text in texts.items()}
+    files = {file.relative_to(root).as_posix(): file for file in sorted(root.rglob("*")) if file.is_file()}
+    places = {place: file for place, file in files.items() if place != "__init__.py" and "__pycache__" not in place}
+    places[f"{OWN}/driving.py"] = HERE / "driving.py"
+    return {_replaced(place, words): _replaced(file.read_text("utf-8"), words) for place, file in places.items()}
 
 
 def _replaced(text: str, words: dict[str, str]) -> str:
