@@ -6,6 +6,7 @@ import shlex
 import subprocess
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -38,19 +39,35 @@ class Node:
 
 
 @pytest.fixture(scope="module")
-def node(variables: dict[str, str], robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Node]:
+def install(variables: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return where catkin has installed an exported package."""
     folder = tmp_path_factory.mktemp("package")
     export_for_robot("cluttered_room", folder / "source", levels=5, node="ros1")
+    source, build, place = (shlex.quote(str(folder / name)) for name in ("source", "build", "install"))
+    make = f"cmake -S {source} -B {build} -DCMAKE_INSTALL_PREFIX={place} && make -C {build} install"
     log = folder / "log"
-    source, build, install = (shlex.quote(str(folder / name)) for name in ("source", "build", "install"))
-    make = f"cmake -S {source} -B {build} -DCMAKE_INSTALL_PREFIX={install} && make -C {build} install"
-    launch = f". {install}/setup.sh && exec roslaunch cluttered_room_driver drive.launch on_scan:=true goal:=goal_pose"
-    with log.open("w") as file:
-        with running(make, variables, stdout=file, stderr=file) as process:
-            assert process.wait(300.0) == 0, log.read_text()
-        with running(launch, variables, stdout=file, stderr=file) as process:
-            assert robot.ask("wait", 60.0), log.read_text()
-            yield Node(log, process)
+    with log.open("w") as file, running(make, variables, stdout=file, stderr=file) as process:
+        assert process.wait(300.0) == 0, log.read_text()
+    return folder / "install"
+
+
+@contextmanager
+def launched(install: Path, variables: dict[str, str], robot: Robot, *arguments: str) -> Iterator[Node]:
+    """Launch the node, and wait until it has connected."""
+    launch = f"roslaunch cluttered_room_driver drive.launch goal:=goal_pose {shlex.join(arguments)}"
+    log = install.with_name(f"log{''.join(arguments)}")
+    with (
+        log.open("w") as file,
+        running(f". {install / 'setup.sh'} && exec {launch}", variables, stdout=file, stderr=file) as process,
+    ):
+        assert robot.ask("wait", 60.0), log.read_text()
+        yield Node(log, process)
+
+
+@pytest.fixture(scope="module")
+def node(install: Path, variables: dict[str, str], robot: Robot) -> Iterator[Node]:
+    with launched(install, variables, robot, "on_scan:=true") as node:
+        yield node
 
 
 @dataclass
@@ -102,14 +119,19 @@ class Course:
         return int(self.played.view.infos["outcome"][0, 0])
 
 
-@pytest.fixture(scope="module")
-def course(robot: Robot, node: Node) -> Course:
-    course = Course(robot)
+def standing(robot: Robot, now: float = 10.0) -> Course:
+    """Return a course whose node is at work: its first commands may be those of one that waits."""
+    course = Course(robot, now)
     course.played.begin(np.zeros(1, np.int64), np.zeros(1, np.int64), "test")
-    for _ in range(3):  # the first commands may be those of a node that waits
+    for _ in range(3):
         course.stand()
         robot.ask("pause", 0.2)
     return course
+
+
+@pytest.fixture(scope="module")
+def course(robot: Robot, node: Node) -> Course:
+    return standing(robot)
 
 
 def test_the_node_drives_100_levels_to_the_same_outcomes(course: Course) -> None:
@@ -164,12 +186,18 @@ def test_the_robot_stands_when_the_node_ends(course: Course, node: Node) -> None
     assert course.robot.ask("heard") == [[0.0, 0.0]]
 
 
+def test_a_timer_drives_as_well(install: Path, variables: dict[str, str], robot: Robot) -> None:
+    """It fires when the clock has moved, and may see the scan before."""
+    with launched(install, variables, robot, "period:=0.09"):
+        course = standing(robot, 5000.0)
+        assert [course.drive(level) for level in range(5)] == ["success"] * 5
+
+
 def test_the_manifest_of_ros_2_is_one_for_the_tools_of_ros(variables: dict[str, str], tmp_path: Path) -> None:
     export_for_robot("cluttered_room", tmp_path / "package", levels=1, node="ros2")
-    code = "import sys; from catkin_pkg.package import parse_package as p; f = p(sys.argv[1]); print(f.name, f.exports)"
-    with running(
-        f"python3 -c '{code}' {shlex.quote(str(tmp_path / 'package'))}", variables, stdout=subprocess.PIPE
-    ) as process:
+    read = "import sys; from catkin_pkg.package import parse_package as p; found = p(sys.argv[1])"
+    code = f"{read}; print(found.name, found.get_build_type())"
+    command = shlex.join(["python3", "-c", code, str(tmp_path / "package")])
+    with running(command, variables, stdout=subprocess.PIPE) as process:
         said = process.communicate(timeout=60.0)[0]
-    assert said.startswith("cluttered_room_driver ")
-    assert "ament_python" in said
+    assert said == "cluttered_room_driver ament_python\n"
