@@ -1,7 +1,6 @@
-"""Drives a robot by an exported policy: messages in, velocities out, with NumPy and onnxruntime alone.
+"""Drives a robot by an exported policy: anything with the fields of ROS messages in, velocities out."""
 
-Any object with the fields of the ROS messages will do. While the robot stands, ``tick`` says why.
-"""
+from __future__ import annotations
 
 import hashlib
 import json
@@ -102,7 +101,7 @@ class Driver:
         goal, waited = self.way[[beyond[0] if len(beyond) else -1]], np.array([[elapsed if elapsed < np.inf else 0.0]])
         values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": goal, "elapsed": waited}
         given = {name: value for name, value in {**values, **self.states}.items() if name in self.contract["inputs"]}
-        found = dict(zip(self.outputs, self.session.run(None, given), strict=True))
+        found = dict(zip(self.outputs, self.session.run(None, given)))  # noqa: B905  (Python 3.8 knows no strict)
         command, robot = found["command"][0].astype(float), self.contract["robot"]
         if not np.isfinite(command).all():
             self.good_scans, self.has_fault = 0, True

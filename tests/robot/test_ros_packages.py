@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import compileall
 import configparser
 import importlib.util
@@ -69,6 +70,21 @@ def test_another_node_is_refused(tmp_path: Path) -> None:
 
 def test_the_code_of_a_package_is_compiled(package: Path) -> None:
     assert compileall.compile_dir(package, quiet=1, force=True)
+
+
+def test_the_code_of_ros_1_runs_on_python_3_8(ros1: Path) -> None:
+    """That of ROS Noetic: its syntax, no types of later versions outside of annotations, no ``zip(strict=...)``."""
+    files = [*ros1.glob("*.py"), *(ros1 / NAME).glob("*.py")]
+    assert {"drive.py", "driving.py", "node.py"} <= {file.name for file in files}
+    for file in files:
+        tree = ast.parse(file.read_text(encoding="utf-8"), str(file), feature_version=(3, 8))
+        has_functions = any(isinstance(node, ast.FunctionDef) for node in ast.walk(tree))
+        future = [node for node in tree.body if isinstance(node, ast.ImportFrom) and node.module == "__future__"]
+        assert future or not has_functions, file
+        stated = [node.value for node in tree.body if isinstance(node, ast.Assign)]
+        generic = [one for value in stated for one in ast.walk(value) if isinstance(one, ast.Subscript)]
+        assert not [one for one in generic if ast.unparse(one.value) in {"dict", "list", "set", "tuple"}], file
+        assert not [node for node in ast.walk(tree) if isinstance(node, ast.keyword) and node.arg == "strict"], file
 
 
 def test_the_code_of_a_package_is_clean(package: Path) -> None:

@@ -25,7 +25,7 @@ class DriverNode:
     """
 
     def __init__(self) -> None:
-        self.lock, self.buffer = threading.Lock(), Buffer()  # each topic has a thread of its own
+        self.lock, self.buffer = threading.RLock(), Buffer()  # each topic has a thread of its own
         self.listener = TransformListener(self.buffer)
         own = str(Path(rospkg.RosPack().get_path("policy_driver")) / "contract.json")
         contract = rospy.get_param("~contract", own)
@@ -58,7 +58,8 @@ class DriverNode:
 
     def stop(self) -> None:
         """Let the robot stand."""
-        self.send(0.0, 0.0, 0.0)
+        with self.lock:
+            self.send(0.0, 0.0, 0.0)
 
     def send(self, ahead: float, left: float, turn: float) -> None:
         """Publish a velocity."""
