@@ -102,8 +102,7 @@ def export_for_robot(
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
-    check_node(node)
-    _check_folder(folder)
+    _check_target(folder, node)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -140,7 +139,8 @@ def export_for_robot(
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
-def _check_folder(folder: Path) -> None:
+def _check_target(folder: Path, node: str | None) -> None:
+    check_node(node)
     known = [name for name in FILES if (folder / name).exists()]
     if known:
         raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")

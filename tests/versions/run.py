@@ -43,7 +43,7 @@ TESTS = (
     "tests/scenario",
     "tests/test_readme.py",
 )
-"""Numba's insides, the faces for Gymnasium, PettingZoo and Stable-Baselines3, IR-SIM's steps, commands, pictures, graphs."""
+"""Numba's insides, the faces for Gymnasium, PettingZoo and SB3, IR-SIM's steps, commands, pictures, graphs."""
 FOREIGN = ("DeprecationWarning", "PendingDeprecationWarning")
 """An old release that warns of what it does itself, next to newer ones, is no mistake of ours."""
 
