@@ -241,6 +241,18 @@ def test_with_on_scan_a_scan_is_answered_at_once(folder: Path) -> None:
     assert ros.node.said[-1].startswith("stands: the scan is")
 
 
+def test_with_on_scan_scans_are_answered_after_the_clock_has_jumped_back(folder: Path) -> None:
+    ros = Ros(folder, on_scan=True)
+    ros.activate()
+    ros.hear("goal_pose", messages.goal(8.0, 1.0))
+    ros.feed(50.0)
+    assert ros.fire(10.0) is not None
+    for k in range(5):
+        ros.feed(10.1 + PERIOD * k)
+        assert len(ros.sent) == 3 + k
+    assert ros.node.said == ["drives", "stands: the clock jumps back", "stands: waits for good scans", "drives"]
+
+
 def test_a_turned_scanner_is_turned_back(folder: Path) -> None:
     """A wall on the left, as a scanner sees it whose beam 0 looks to the left."""
     ros, straight = Ros(folder, scanner_yaw=np.pi / 2), Ros(folder)

@@ -66,11 +66,17 @@ class Robot:
         msg.transform.translation.x, msg.transform.translation.y = x, y
         self.transforms.sendTransform(msg)
 
-    def step(self, now: float, ranges: list[float], first: float, step: float, place: list[float]) -> list[float]:
-        """Publish what the robot measures now, and return the command that follows; empty if none comes in 5 s."""
+    def step(
+        self, now: float, ranges: list[float], first: float, step: float, place: list[float], pause: float
+    ) -> list[float]:
+        """Publish what the robot measures now, and return the command that follows; empty if none comes in 5 s.
+
+        With a pause [s], the clock moves when the messages have arrived.
+        """
         self.heard()
         stamp = rospy.Time.from_sec(now)
-        self.clock.publish(stamp)
+        if not pause:
+            self.clock.publish(stamp)
         msg = Odometry(child_frame_id="base_link")
         msg.header.stamp, msg.header.frame_id = stamp, "odom"
         msg.pose.pose.position.x, msg.pose.pose.position.y = place[:2]
@@ -81,6 +87,9 @@ class Robot:
         scan.header.stamp, scan.header.frame_id = stamp, "laser"
         scan.angle_max, scan.ranges = first + step * (len(ranges) - 1), ranges
         self.scans.publish(scan)
+        if pause:
+            time.sleep(pause)
+            self.clock.publish(stamp)
         try:
             return list(self.commands.get(timeout=5.0))
         except queue.Empty:

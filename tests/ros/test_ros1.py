@@ -79,6 +79,7 @@ class Course:
 
     robot: Robot
     now: float = 10.0
+    pause: float = 0.0
 
     def __post_init__(self) -> None:
         self.played = ScenarioRequest("cluttered_room").episodes(1)
@@ -93,7 +94,7 @@ class Course:
         self.now += PERIOD
         place = [*values["pose"][0].tolist(), *values["velocity"][0].tolist()]
         ranges = np.where(values["ranges"][0] >= 6.0, np.inf, values["ranges"][0]).tolist()
-        command: list[float] = self.robot.ask("step", self.now, ranges, *self.angles, place)
+        command: list[float] = self.robot.ask("step", self.now, ranges, *self.angles, place, self.pause)
         assert command, "the node is silent"
         return command
 
@@ -119,9 +120,9 @@ class Course:
         return int(self.played.view.infos["outcome"][0, 0])
 
 
-def standing(robot: Robot, now: float = 10.0) -> Course:
+def standing(robot: Robot, now: float = 10.0, pause: float = 0.0) -> Course:
     """Return a course whose node is at work: its first commands may be those of one that waits."""
-    course = Course(robot, now)
+    course = Course(robot, now, pause)
     course.played.begin(np.zeros(1, np.int64), np.zeros(1, np.int64), "test")
     for _ in range(3):
         course.stand()
@@ -169,6 +170,18 @@ def test_the_node_stops_within_three_periods_and_says_why_once(course: Course, n
     assert not stands[-1]
 
 
+def test_the_node_stands_when_the_clock_jumps_back_and_goes_on(course: Course, node: Node) -> None:
+    course.played.begin(np.zeros(1, np.int64), np.array([6]), "test")
+    course.robot.ask("goal", *measured(course.played)["goal"][0, :2].tolist(), "odom")
+    course.robot.ask("pause", 0.05)
+    assert course.tick() != [0.0, 0.0]
+    course.now -= 5.0
+    stands = [course.tick() == [0.0, 0.0] for _ in range(6)]
+    assert stands[:2] == [True, True]
+    assert not stands[-1]
+    assert node.text().count("stands: the clock jumps back") == 1
+
+
 def test_a_goal_of_an_unknown_frame_is_named(course: Course, node: Node) -> None:
     course.robot.ask("goal", 1.0, 1.0, "moon")
     course.robot.ask("pause", 0.05)
@@ -187,9 +200,9 @@ def test_the_robot_stands_when_the_node_ends(course: Course, node: Node) -> None
 
 
 def test_a_timer_drives_as_well(install: Path, variables: dict[str, str], robot: Robot) -> None:
-    """It fires when the clock has moved, and may see the scan before."""
+    """The clock moves when scan and odometry have had time to arrive."""
     with launched(install, variables, robot, "period:=0.09"):
-        course = standing(robot, 5000.0)
+        course = standing(robot, 5000.0, pause=0.02)
         assert [course.drive(level) for level in range(5)] == ["success"] * 5
 
 

@@ -110,7 +110,7 @@ class Driving:
 
     def _is_new(self) -> bool:
         """Return whether a scan waits for a command, and the odometry is as new."""
-        return bool(self.answered < self.driver.scan_time <= self.driver.pose_time)
+        return bool(self.answered != self.driver.scan_time <= self.driver.pose_time)
 
     def _answer(self) -> None:
         if self.settings["on_scan"] and self._is_new():
