@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import json
+import shutil
 import signal
 from pathlib import Path
 from typing import Any
@@ -253,16 +255,42 @@ def test_with_on_scan_scans_are_answered_after_the_clock_has_jumped_back(folder:
     assert ros.node.said == ["drives", "stands: the clock jumps back", "stands: waits for good scans", "drives"]
 
 
-def test_a_turned_scanner_is_turned_back(folder: Path) -> None:
-    """A wall on the left, as a scanner sees it whose beam 0 looks to the left."""
-    ros, straight = Ros(folder, scanner_yaw=np.pi / 2), Ros(folder)
+def test_a_turned_scanner_is_turned_back(folder: Path, tmp_path: Path) -> None:
+    """A wall on the left, as a scanner sees it whose beam 0 looks to the left; the contract says that it was tested."""
+    shutil.copytree(folder, tmp_path / "fitted")
+    file = tmp_path / "fitted" / "contract.json"
+    contract = json.loads(file.read_text(encoding="utf-8"))
+    contract["scan"]["mounts"][2] = [0.0, 1.6]
+    file.write_text(json.dumps(contract), encoding="utf-8")
+    turned, straight = Ros(folder, scanner_yaw=np.pi / 2, contract=str(file)), Ros(folder)
     angles = np.linspace(-np.pi, np.pi, 180)
-    for one, looks in ((ros, angles + np.pi / 2), (straight, angles)):
+    for one, looks in ((turned, angles + np.pi / 2), (straight, angles)):
         one.activate()
         one.feed(0.0, np.where(np.abs(np.remainder(looks + np.pi, 2 * np.pi) - np.pi - 1.5) < 0.3, 1.0, 6.0))
-    seen = [np.flatnonzero(one.node.driving.driver.ranges[0] < 2.0) for one in (ros, straight)]
+    seen = [np.flatnonzero(one.node.driving.driver.ranges[0] < 2.0) for one in (turned, straight)]
     assert len(seen[1]) > 10
     assert np.abs(seen[0].mean() - seen[1].mean()) < 1.0
+    assert turned.node.driving.driver.scan_fault == ""
+
+
+def test_a_mount_that_was_not_tested_is_refused(folder: Path) -> None:
+    ros = Ros(folder, scanner_x=0.3)
+    ros.activate()
+    ros.hear("goal_pose", messages.goal(8.0, 2.0))
+    ros.feed(0.0)
+    ros.fire(0.0)
+    assert ros.sent == [(0.0, 0.0)]
+    assert ros.node.said == ["stands: the scanner's x is 0.3, tested from 0 to 0"]
+
+
+def test_a_policy_without_a_scan_hears_none(folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(folder, tmp_path / "blind")
+    file = tmp_path / "blind" / "contract.json"
+    contract = json.loads(file.read_text(encoding="utf-8"))
+    file.write_text(json.dumps({**contract, "scan": None}), encoding="utf-8")
+    ros = Ros(folder, contract=str(file))
+    ros.activate()
+    assert [one.topic for one in ros.node.subscriptions] == ["odom", "goal_pose", "plan"]
 
 
 def test_a_share_of_the_speed_and_zeros_for_nothing_in_range(folder: Path) -> None:

@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 NAME = "cluttered_room_driver"
 SHARED = {"ROS.md", "package.xml", "setup.py"} | {f"{NAME}/{file}" for file in ("__init__.py", "driving.py", "node.py")}
-WORDS = ("PACKAGE_VERSION", "CONTRACT_PERIOD", "SCANNER_YAW", "NO_RETURN", "ROBOT_RADIUS", "SCAN_AGE")
+WORDS = ("PACKAGE_VERSION", "CONTRACT_PERIOD", "SCANNER_", "NO_RETURN", "ROBOT_RADIUS", "SCAN_AGE")
 OWN = {
     "ros1": {"CMakeLists.txt", "launch/drive.launch"},
     "ros2": {"setup.cfg", f"resource/{NAME}", "launch/drive_launch.py", "config/collision_monitor.yaml"},
@@ -185,4 +185,5 @@ def test_a_scanner_that_is_mounted_turned_is_the_default(exported: RobotExport, 
     turned = RobotExport(exported.contract.model_copy(update={"scan": scan}), 1, 0.0, 1, exported.folder)
     launch = (package_of(turned, "ros1", tmp_path / "turned") / "launch" / "drive.launch").read_text(encoding="utf-8")
     found = {one.attrib["name"]: one.attrib["default"] for one in ElementTree.fromstring(launch).findall("arg")}
-    assert (found["scanner_yaw"], found["no_return"], found["period"]) == ("1.5", "zero", "0.1")
+    assert [found[f"scanner_{part}"] for part in ("x", "y", "yaw")] == ["0.1", "0.0", "1.5"]
+    assert (found["no_return"], found["period"]) == ("zero", "0.1")

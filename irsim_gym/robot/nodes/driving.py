@@ -34,11 +34,13 @@ class Driving:
         self.driver: Any = runpy.run_path(str(Path(contract).with_name("drive.py")))["Driver"](contract)
         self.transform, self.say, self.drive = transform, say, drive
         scan = self.driver.contract["scan"] or {"no_return": "inf", "mount": [0.0, 0.0, 0.0]}
-        self.mount_yaw = float(scan["mount"][2])
+        x, y, yaw = map(float, scan["mount"])
         self.settings: dict[str, Any] = {
             "period": float(self.driver.contract["period"]),  # between commands [s]
             "no_return": scan["no_return"],  # "zero" where the scanner reports 0 for nothing in range
-            "scanner_yaw": self.mount_yaw,  # where the scanner's beam at 0 looks on the robot [rad]
+            "scanner_x": x,  # where the scanner is on the robot [m]
+            "scanner_y": y,
+            "scanner_yaw": yaw,  # where its beam at 0 looks [rad]
             "ahead": self.driver.ahead,  # of a path, the goal is this far on [m]
             "speed_share": 1.0,  # of every command
             "on_scan": False,  # a command for each scan at once, for scanners as fast as the policy
@@ -52,12 +54,14 @@ class Driving:
         settings = self.settings = {name: parameter(name, default) for name, default in self.settings.items()}
         settings["on_scan"] &= self.driver.contract["scan"] is not None
         self.driver.no_return, self.driver.ahead = settings["no_return"], settings["ahead"]
+        self.driver.mount = [settings[name] for name in ("scanner_x", "scanner_y", "scanner_yaw")]
         return float(settings["period"] * (0.5 if settings["on_scan"] else 1.0))
 
     def topics(self) -> list[tuple[str, Any, Callable[[Any], None], bool]]:
         """Return the topics to hear: name, type, what takes a message, and whether the next message makes up for it."""
+        scan = [("scan", LaserScan, self.scan, True)] if self.driver.contract["scan"] else []
         return [
-            ("scan", LaserScan, self.scan, True),
+            *scan,
             ("odom", Odometry, self.odometry, True),
             ("goal_pose", PoseStamped, self.goal, False),
             ("plan", Way, self.path, False),
@@ -69,8 +73,7 @@ class Driving:
         self.driver.now, self.said = -np.inf, "nothing"
 
     def scan(self, msg: Any) -> None:
-        """Take a scan, and turn it to where the contract has the scanner look."""
-        msg.angle_min += self.settings["scanner_yaw"] - self.mount_yaw
+        """Take a scan."""
         self.driver.scan(msg)
         self._answer()
 

@@ -39,7 +39,10 @@ def package_files(contract: RobotContract, node: str) -> dict[str, str]:
         "irsim_gym.robot.nodes": name,
         "PACKAGE_VERSION": contract.irsim_gym,
         "CONTRACT_PERIOD": f"{contract.period:g}",
-        "SCANNER_YAW": f"{float(scan.mount[2]) if scan else 0.0}",
+        **{
+            f"SCANNER_{part}": f"{float(scan.mount[k]) if scan else 0.0}"
+            for k, part in enumerate(("AHEAD", "LEFT", "YAW"))
+        },
         "NO_RETURN": scan.no_return if scan else "inf",
         "ROBOT_RADIUS": f"{contract.robot.radius:.4g}",
         "SCAN_AGE": f"{contract.stop.scan_age:.4g}",
