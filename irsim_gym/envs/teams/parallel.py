@@ -16,7 +16,7 @@ from pettingzoo import ParallelEnv
 from irsim_gym.base.arraytypes import Bytes, Rays
 from irsim_gym.base.errors import UnknownNameError, suggestion
 from irsim_gym.envs.described.description import Description
-from irsim_gym.envs.gymnasium.explained import OneWorld
+from irsim_gym.envs.described.moment import Bodies
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.envs.parts.observations import on_each
 from irsim_gym.envs.parts.pictures import RENDER_MODES, render_warning
@@ -77,7 +77,7 @@ def parallel_env(
     return WorldParallelEnv(worlds, padded=padded, black_death=black_death)
 
 
-class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
+class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
     """A scenario in which several robots learn, all of them unless the task names some.
 
     Agents have the names of the robots: ``robot_0`` and so on, or those that the file gives. Of names that are no word
@@ -266,6 +266,21 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         if self.render_mode is not None and not self._begun:
             raise ResetNeeded("no episode has begun: call reset() before render()")
         return self.worlds.pictures.of(0)
+
+    @property
+    def robots(self) -> Bodies:
+        """All robots of the level, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().robots
+
+    @property
+    def bodies(self) -> Bodies:
+        """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().bodies
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the episode [s]."""
+        return self.worlds.moment().time
 
     def describe(self, agent: str | None = None) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to an agent; it prints as tables.
