@@ -11,18 +11,9 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Flags, Floats
 from irsim_gym.rendering.frames.letters import Masks
 from irsim_gym.rendering.frames.stamps import dot_mask, flag_mask
-from irsim_gym.rendering.looks import theme
+from irsim_gym.rendering.looks import styles, theme
 from irsim_gym.rendering.looks.colours import CLEAR, Colour, colour, shade
-from irsim_gym.rendering.looks.styles import (
-    GROUND,
-    TOP,
-    BodyStyle,
-    ScanStyle,
-    body_style,
-    field_of_view,
-    is_omni,
-    scan_style,
-)
+from irsim_gym.rendering.looks.styles import GROUND, TOP, BodyStyle, ScanStyle
 from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.scene import vocabulary
 from irsim_gym.rendering.scene.primitives import Figure, Ink
@@ -77,7 +68,7 @@ class Plan:
         self._model, self._masks, self._point, self._images = model, masks, point, images
         self._bodies = scenario.bodies
         self.corners: Floats = np.zeros((0, 6))
-        self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
+        self._styles = [styles.body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
         self.groups = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self.has_speeds = any("radial_velocity" in group.arrays for group in self.groups)
         self.angles: Floats = np.zeros(0)
@@ -162,7 +153,7 @@ class Plan:
             red = [CLEAR, colour(theme.IMPACT, 1.0), colour(theme.IMPACT, 0.25)]
             item = self._item(records.IMPACT, body, colours=red, width=1.8, other_width=5.0, box=wall)
             yield (TOP, RANKS["impacts"], 0, float(model.movable[body])), item
-            field = field_of_view(self._bodies[body]) if style.show_field else None
+            field = styles.field_of_view(self._bodies[body]) if style.show_field else None
             if field is not None:
                 colours = [colour(name, style.field_alpha) for name in (style.field_colour, style.field_edge_colour)]
                 item = self._item(records.FIELD, body, colours=colours, width=0.9, x=field[0], y=field[1])
@@ -185,7 +176,7 @@ class Plan:
             x=length,
             y=width,
             box=records.WALLS,
-            turns=is_omni(self._bodies[body]),
+            turns=styles.is_omni(self._bodies[body]),
         )
 
     def _label(self, body: int, style: BodyStyle) -> Iterator[Item]:
@@ -296,7 +287,7 @@ class Plan:
         first, dot = 0, dot_mask(self._masks, 1.3 * self._point)
         for group in self.groups:
             for k, body in enumerate(group.members.tolist()):
-                style = scan_style(group.options[k])
+                style = styles.scan_style(group.options[k])
                 beam = self._beams(group, k, style, first)
                 angles.append(np.asarray(group.arrays["angles"], np.float64))
                 first += len(angles[-1])
