@@ -254,7 +254,7 @@ def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, mod
             0 if is_agent or goals.interval is None else max(1, round(goals.interval / float(model.step_time[0])))
         )
         model.wander_low[b], model.wander_high[b] = body.renewal.range_low, body.renewal.range_high
-        model.wandering[b] = goals.radius or 0.0, goals.jitter, plan.keeps_first, interval, goals.chance
+        model.wandering[b] = goals.radius or 0.0, goals.jitter, goals.chance, plan.keeps_first, interval
     model.waypoints[:, b, :, 2] = np.nan
     # A body that wanders has only one or two rows, however many goals the file gives.
     given = np.array(body.goal[: plan.rows]).reshape(-1, 3)

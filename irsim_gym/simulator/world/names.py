@@ -9,24 +9,6 @@ from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULA
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.simulator.world.state import State
 
-__all__ = [
-    "ACKERMANN",
-    "DIFFERENTIAL",
-    "OMNI_ANGULAR",
-    "OMNI_BODY",
-    "OMNI_WORLD",
-    "ROBOT",
-    "Flags",
-    "Floats",
-    "Group",
-    "Ints",
-    "Model",
-    "Rays",
-    "Shard",
-    "State",
-    "Struct",
-    "kernel",
-    "kind",
-    "option",
-    "row_of",
-]
+__all__ = ["ACKERMANN", "DIFFERENTIAL", "OMNI_ANGULAR", "OMNI_BODY", "OMNI_WORLD", "ROBOT"]
+__all__ += ["Flags", "Floats", "Group", "Ints", "Model", "Rays", "Shard", "State", "Struct"]
+__all__ += ["kernel", "kind", "option", "row_of"]
