@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,10 @@ from irsim_gym.rendering.looks.styles import GROUND, TOP, BodyStyle, ScanStyle
 from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.scene import vocabulary
 from irsim_gym.rendering.scene.primitives import Figure, Ink
+from irsim_gym.rendering.scene.reader import DrawnSimulation
 from irsim_gym.rendering.scene.scene import DrawnBody, Form, GoalView
 from irsim_gym.simulator.world.group import Group
-from irsim_gym.simulator.world.model import ACKERMANN, Model
-
-if TYPE_CHECKING:
-    from irsim_gym.scenario.specs.spec import Scenario
+from irsim_gym.simulator.world.model import ACKERMANN
 
 LINE_STYLES = {"solid": 0, "dashed": 1, "dashdot": 2, "dotted": 3}
 FORMS = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE, "linestring": records.CURVE}
@@ -53,44 +51,33 @@ class Plan:
 
     def __init__(
         self,
-        scenario: Scenario,
-        model: Model,
-        sensors: Sequence[Group],
-        learners: Collection[int],
+        drawn: DrawnSimulation,
         followed: Sequence[int],
         images: dict[int, int],
         masks: Masks,
         point: float,
-        *,
-        fog: bool,
-        lowest: float = TOP,
+        lowest: float,
     ) -> None:
+        model, learners, self._bodies = drawn.model, drawn.learners, drawn.scenario.bodies
         self._model, self._masks, self._point, self._images = model, masks, point, images
-        self._bodies = scenario.bodies
         self.corners: Floats = np.zeros((0, 6))
-        self._styles = [styles.body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
-        self.groups = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
+        self._styles = [styles.body_style(body, learner=b in learners) for b, body in enumerate(self._bodies)]
+        self.groups = [group for group in drawn.sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self.has_speeds = any("radial_velocity" in group.arrays for group in self.groups)
         self.angles: Floats = np.zeros(0)
         self.scans: Rows = np.zeros(0, records.BEAMS)
         self.flagged: Flags = np.array([style.show_goal for style in self._styles], np.bool_)
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
-        if fog:
+        if drawn.explored is not None:
             live.append(((GROUND, RANKS["fog"], 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
         # What never moves is painted once for all pictures if nothing that is drawn anew, and no mark, lies below it.
         floor = min([lowest, *(key[0] for key, _ in live)])
         fixed = [b for b in self._ordered() if not model.movable[b]]
         live += [row for b in fixed if self._styles[b].order > floor for row in self._fixed_items(b)]
         self.live, self.layers = _table(live), np.array(sorted(key[0] for key, _ in live))
-        self.covered = max((self._styles[b].order for b in fixed if self._styles[b].order <= floor), default=-np.inf)
-        self.ground = _table(
-            [
-                ((0.0, *key[1:]), item)
-                for b in fixed
-                if self._styles[b].order <= floor
-                for key, item in self._fixed_items(b)
-            ]
-        )
+        below = [b for b in fixed if self._styles[b].order <= floor]
+        self.covered = max((self._styles[b].order for b in below), default=-np.inf)
+        self.ground = _table([((0.0, *key[1:]), item) for b in below for key, item in self._fixed_items(b)])
 
     def _ordered(self) -> list[int]:
         return sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
