@@ -96,7 +96,7 @@ RENDER_FROM = {"envs", "evaluation", "live", "training", "cli"}
 RASTER = "rendering.raster"
 
 # Copied to where the package is not: they import nothing of it.
-SCRIPTS = {"robot/drive.py"}
+SCRIPTS = {"robot/drive.py", "robot/perceive.py"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60

@@ -34,15 +34,13 @@ from irsim_gym.robot.contract import (
     Results,
     RobotContract,
     RobotLimits,
-    Scanner,
     StateForm,
     Stops,
     TensorForm,
-    Tested,
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import scanner_of
+from irsim_gym.robot.inputs import scanner_form, seen_map_form
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
@@ -54,7 +52,7 @@ LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py")
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py", "perceive.py")
 
 
 @dataclass(frozen=True)
@@ -206,11 +204,12 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
     inputs = {
         name: TensorForm(shape=("batch", *rows.shape[1:]), dtype=str(rows.dtype))
         for name, rows in samples.items()
-        if name != "command"
+        if name not in ("command", "level")
     }
     return {
         "needs": needs,
-        "scan": _scanner(played) if "scan" in needs else None,
+        "scan": scanner_form(played) if "scan" in needs else None,
+        "seen_map": seen_map_form(played),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
             steers=bool(steers),
@@ -242,24 +241,6 @@ def _start(start: NDArray[Any]) -> Any:
     return start.tolist()
 
 
-def _scanner(played: Episodes) -> Scanner | None:
-    found = scanner_of(played)
-    if found is None:
-        return None
-    options, _, angles = found
-    view, n_beams = float(angles[-1] - angles[0]), len(angles)
-    return Scanner(
-        beams=n_beams,
-        first=float(angles[0]),
-        step=view / (n_beams - 1) if n_beams > 1 else 0.0,
-        range_min=options.range_min,
-        range_max=options.range_max,
-        mount=options.offset,
-        no_return="inf",
-        tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
-    )
-
-
 def _scenario_hash(asked: ScenarioRequest) -> str:
     assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
     assert asked.task is None or isinstance(asked.task, str)
@@ -278,7 +259,8 @@ def _write(
     np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
-    write_bytes(folder / "drive.py", Path(__file__).with_name("drive.py").read_bytes())
+    for name in ("drive.py", "perceive.py") if contract.seen_map else ("drive.py",):
+        write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
