@@ -16,8 +16,6 @@ FREE, TIGHT, BLOCKED = 0, 1, 2
 """Levels of a cell."""
 STRAIGHT, ACROSS, FACTOR = 5, 7, 8
 """Costs of a straight and of a diagonal step, and the factor of a step from a tight cell."""
-NEVER = 2**30
-"""More than any way costs; a step to a blocked cell costs as much."""
 NEIGHBOURS = [(i, j, STRAIGHT) for i, j in ((0, 1), (0, -1), (1, 0), (-1, 0))]
 NEIGHBOURS += [(i, j, ACROSS) for i in (1, -1) for j in (1, -1)]
 """Rows and columns to a cell's neighbours, and costs; of equally short ways, the one counts whose steps come first."""
@@ -26,11 +24,7 @@ NEAR, EDGE = 15, 1e-6
 
 
 class SeenMap:
-    """The map of one robot.
-
-    Args:
-        contract: The content of contract.json, of which ``seen_map`` and ``scan`` are read.
-    """
+    """The map of one robot, by ``seen_map`` and ``scan`` of contract.json."""
 
     def __init__(self, contract: dict[str, Any]) -> None:
         form, scan = contract["seen_map"], contract["scan"]
@@ -43,6 +37,9 @@ class SeenMap:
         self.near, self.near_levels = _surroundings(form["inflation"] / self.cell)
         # How far on a neighbour is among all cells, in all, by its row and by its column; the cost of the step.
         self.steps = [(i * self.columns + j, i * self.columns, j, cost) for i, j, cost in NEIGHBOURS]
+        # More than any way costs, and as much as a step to a blocked cell; the sum of a line of steps has to fit.
+        is_small = self.rows * self.columns <= 2**14 and max(self.rows, self.columns) < 2**10
+        self.never, self.kind = (2**20, np.int32) if is_small else (2**30, np.int64)
         self.forget()
 
     def forget(self) -> None:
@@ -173,10 +170,14 @@ class SeenMap:
     def _shortest(self, here: Place, goal: Place) -> list[int]:
         """Return the cells of the shortest way from a place to the goal [m]; none without a way."""
         start = self._free_cell(here)
-        # Costs only rise as more is seen, so a way that the known costs still explain is still the shortest.
-        cells = self._followed(start) if goal == self.target and start >= 0 else []
-        if not cells and start >= 0:
+        if start < 0:
+            return []
+        if goal != self.target:
             self.target, self.costs = goal, self._costs_to(goal)
+        cells = self._followed(start)
+        # Costs only rise as more is seen: a way that the known ones explain is the shortest, and none stays none.
+        if not cells and self.costs[start] < self.never:
+            self.costs = self._costs_to(goal)
             cells = self._followed(start)
         return cells
 
@@ -198,7 +199,7 @@ class SeenMap:
     def _followed(self, start: int) -> list[int]:
         """Return the cells that the costs lead through from a cell; none where they do not explain a step."""
         costs, walls, here, cells = self.costs, self.walls, start, [start]
-        while 0 < costs[here] < NEVER:
+        while 0 < costs[here] < self.never:
             cost, factor = costs[here], FACTOR if walls[here] == TIGHT else 1
             for step, along, aside, length in self.steps:
                 there = here + step
@@ -214,13 +215,13 @@ class SeenMap:
         return cells if costs[here] == 0 else []
 
     def _costs_to(self, goal: Place) -> list[int]:
-        """Return what the shortest way from each cell to the goal [m] costs, at least ``NEVER`` where there is none.
+        """Return what the shortest way from each cell to the goal [m] costs, at least ``never`` where there is none.
 
         Costs spread along whole diagonals, rows and columns at once, until none is lowered any more.
         """
         column = min(max(math.floor((goal[0] - self.x) / self.cell), 1), self.columns - 2)
         row = min(max(math.floor((goal[1] - self.y) / self.cell), 1), self.rows - 2)
-        costs, before = np.full(len(self.flat), NEVER, np.int64), -1
+        costs, before = np.full(len(self.flat), self.never, self.kind), -1
         costs[row * self.columns + column] = 0
         lines = self._lines(costs)
         while before != (total := int(costs.sum())):
@@ -228,7 +229,7 @@ class SeenMap:
             for part, on, back in lines:
                 np.minimum(part, np.minimum.accumulate(part - on) + on, out=part)
                 np.minimum(part, np.minimum.accumulate((part + back)[::-1])[::-1] - back, out=part)
-            np.minimum(costs, NEVER, out=costs)
+            np.minimum(costs, self.never, out=costs)
         return list(costs[: self.levels.size].tolist())
 
     def _lines(self, costs: Array) -> list[tuple[Array, Array, Array]]:
@@ -237,9 +238,8 @@ class SeenMap:
         In rows of w + 1 and w - 1 cells, the cells of a diagonal of a map of w columns lie below each other. Sums are
         those of the steps up to each cell, first of ways that come from above, then of those from below.
         """
-        wide, straight = self.columns, np.array([STRAIGHT, FACTOR * STRAIGHT, NEVER])[self.flat]
-        across, lines = np.array([ACROSS, FACTOR * ACROSS, NEVER])[self.flat], []
-        blocked = np.where(self.flat == BLOCKED, NEVER, 0)
+        steps = [np.array([step, FACTOR * step, self.never], self.kind) for step in (STRAIGHT, ACROSS, 0)]
+        (straight, across, blocked), wide, lines = (costs_of.take(self.flat) for costs_of in steps), self.columns, []
         for side in (1, -1):
             # No cutting of corners: both cells beside a diagonal step must not be blocked.
             on = np.maximum(across, np.maximum(np.roll(blocked, wide), np.roll(blocked, side)))
@@ -247,7 +247,7 @@ class SeenMap:
             lines.append([_rows(values, wide + side) for values in (costs, on, back)])
         columns = [_rows(values, wide) for values in (costs, straight, straight)]
         lines += [columns, [part.T for part in columns]]
-        return [(part, on.cumsum(axis=0), back.cumsum(axis=0) - back) for part, on, back in lines]
+        return [(part, on.cumsum(0, self.kind), back.cumsum(0, self.kind) - back) for part, on, back in lines]
 
 
 def _rows(values: Array, size: int) -> Array:

@@ -57,7 +57,8 @@ OTHERWISE: list[Any] = [
     {"name": "trail", "sectors": 1, "spacing": 0.2, "marks": 5, "fresh": 0},
     {"name": "way_on_seen_map", "cell": 0.21, "every": 3, "clearance": 0.1},
 ]
-MOVING = {"kinematics": {"name": "omni"}, "behavior": {"name": "wander"}, "vel_max": [1, 1]}
+WANDER = {"name": "dash", "wander": True, "range_low": [0.5, 0.5, -3.1], "range_high": [5.5, 5.5, 3.1]}
+MOVING = {"kinematics": {"name": "diff"}, "behavior": WANDER, "vel_max": [1, 3]}
 
 
 def episodes(robot: dict[str, Any], observations: list[Any], shift: float = 0.0, **others: Any) -> Episodes:
