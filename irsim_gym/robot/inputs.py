@@ -48,10 +48,10 @@ def scanner_form(episodes: Episodes) -> Scanner | None:
 
 def seen_map_form(episodes: Episodes) -> SeenMapForm | None:
     """Return what a contract says of the map on which the first agent finds its way; None without one."""
-    found = [term.arrays for term in episodes.terms["observations"] if isinstance(term.options, WayOnSeenMap)]
-    if not found:
+    found = (term.arrays for term in episodes.terms["observations"] if isinstance(term.options, WayOnSeenMap))
+    ways = next(found, None)
+    if ways is None:
         return None
-    (ways,) = found
     grid, model = ways.seen.grid, episodes.simulation.model
     return SeenMapForm(
         origin=(grid.origin_x, grid.origin_y),

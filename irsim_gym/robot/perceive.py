@@ -28,8 +28,8 @@ class SeenMap:
 
     def __init__(self, contract: dict[str, Any]) -> None:
         form, scan = contract["seen_map"], contract["scan"]
-        self.x, self.y, self.cell = (*form["origin"], form["cell"])
-        self.rows, self.columns, self.every, self.frees = (form[key] for key in ("rows", "columns", "every", "frees"))
+        (self.x, self.y), self.cell = map(float, form["origin"]), float(form["cell"])
+        self.rows, self.columns, self.every, self.frees = (int(form[k]) for k in ("rows", "columns", "every", "frees"))
         self.least, self.most = np.float32(scan["range_min"]), np.float32(scan["range_max"])
         self.mount = scan["mount"]
         angles = scan["first"] + scan["step"] * np.arange(scan["beams"]) + self.mount[2]
@@ -39,7 +39,7 @@ class SeenMap:
         self.steps = [(i * self.columns + j, i * self.columns, j, cost) for i, j, cost in NEIGHBOURS]
         # More than any way costs, and as much as a step to a blocked cell; the sum of a line of steps has to fit.
         is_small = self.rows * self.columns <= 2**14 and max(self.rows, self.columns) < 2**10
-        self.never, self.kind = (2**20, np.int32) if is_small else (2**30, np.int64)
+        self.never, self.kind = (2**20, "int32") if is_small else (2**30, "int64")
         self.forget()
 
     def forget(self) -> None:

@@ -95,8 +95,6 @@ def _reasons(episodes: Episodes) -> Iterator[str]:
     """Yield why the observations or the action cannot be computed in a graph."""
     for term in episodes.terms["observations"]:
         yield from _term_reasons(term)
-    if sum(isinstance(term.options, WayOnSeenMap) for term in episodes.terms["observations"]) > 1:
-        yield "it observes ways on two seen maps"
     if not isinstance(episodes.task.action, VelocityAction | DiscreteAction):
         yield f"its action '{episodes.terms['action'][0].name}' has no twin in ONNX operators"
     if len(set(episodes.action_sizes.tolist())) > 1:

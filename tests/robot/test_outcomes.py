@@ -92,6 +92,13 @@ def outcomes(policy: Any, played: Episodes, n_levels: int) -> Any:
     return ends
 
 
+def test_a_driver_with_a_map_ends_levels_as_the_package_does(tmp_path: Path) -> None:
+    export_for_robot("maze", tmp_path / "maze", levels=1)
+    policy, played = levels_of("maze", 4)
+    driven = DriverPolicy(tmp_path / "maze" / "contract.json")
+    np.testing.assert_array_equal(outcomes(driven, played, 4), outcomes(policy, played, 4))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*ONE_FILE, *WITH_MAP])
 def test_drivers_end_levels_as_the_package_does(name: str, tmp_path: Path) -> None:
@@ -110,3 +117,4 @@ def test_drivers_end_levels_as_the_package_does(name: str, tmp_path: Path) -> No
         f"99 % {np.percentile(spent, 99):.2f} ms, at most {spent.max():.2f} ms"
     )
     np.testing.assert_array_equal(ends, expected)
+    assert np.median(spent) < 2.0
