@@ -4,20 +4,21 @@ It finds what the observation ``way_on_seen_map`` finds in the simulator: quarte
 counts as free, and cells in which the robot fits, but not at their centre, cost eight times as much.
 """
 
+from __future__ import annotations
+
 import math
-from typing import Any
+from typing import Any, Tuple  # noqa: UP035  (Python 3.8 of ROS 1)
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-Place = tuple[float, float]
+Place = Tuple[float, float]  # noqa: UP006
 FREE, TIGHT, BLOCKED = 0, 1, 2
 """Levels of a cell."""
 STRAIGHT, ACROSS, FACTOR = 5, 7, 8
 """Costs of a straight and of a diagonal step, and the factor of a step from a tight cell."""
-NEIGHBOURS = [(i, j, STRAIGHT) for i, j in ((0, 1), (0, -1), (1, 0), (-1, 0))]
-NEIGHBOURS += [(i, j, ACROSS) for i in (1, -1) for j in (1, -1)]
+NEIGHBOURS = ((0, 1, 5), (0, -1, 5), (1, 0, 5), (-1, 0, 5), (1, 1, 7), (1, -1, 7), (-1, 1, 7), (-1, -1, 7))
 """Rows and columns to a cell's neighbours, and costs; of equally short ways, the one counts whose steps come first."""
 NEAR, EDGE = 15, 1e-6
 """How far a free cell is looked for [cells]; how far inside the upper and right edge beams are cut [quarters]."""
@@ -113,8 +114,7 @@ class SeenMap:
             self._narrow(rows[fresh], columns[fresh])
 
     def _inside(self, x: Array, y: Array) -> Array:
-        inside: Array = (x >= 0.0) & (x < self.columns) & (y >= 0.0) & (y < self.rows)
-        return inside
+        return np.asarray((x >= 0.0) & (x < self.columns) & (y >= 0.0) & (y < self.rows))
 
     def _narrow(self, rows: Array, columns: Array, *, anew: bool = False) -> None:
         """Write which cells are blocked or tight because of occupied quarters; ``anew``: of these alone."""
@@ -284,9 +284,9 @@ def _passed(eye: Array, ends: Array, size: Array, hits: Array) -> tuple[Array, A
         part = np.where((ends >= 0.0) & (ends < size), 1.0, (np.where(far > 0.0, size, 0.0) - eye[:, None]) / far)
     far = far * np.maximum(part.min(axis=0), 0.0)
     # Along the axis on which a beam goes farther, it passes the cells on both sides of each boundary.
-    n_beams, main = np.arange(far.shape[1]), (np.abs(far[1]) > np.abs(far[0])).astype(np.int64)
-    major, minor, ahead = eye[main], eye[1 - main], np.where(far[main, n_beams] >= 0.0, 1, -1)
-    long, side = far[main, n_beams], far[1 - main, n_beams]
+    every, main = np.arange(far.shape[1]), (np.abs(far[1]) > np.abs(far[0])).astype(np.int64)
+    major, minor, ahead = eye[main], eye[1 - main], np.where(far[main, every] >= 0.0, 1, -1)
+    long, side = far[main, every], far[1 - main, every]
     slope = np.divide(side, long, out=np.zeros_like(side), where=long != 0.0)
     begin, end, last = major.astype(np.int64), (major + long).astype(np.int64), (minor + side).astype(np.int64)
     meets = minor + (begin + (ahead > 0) - major) * slope
@@ -294,7 +294,7 @@ def _passed(eye: Array, ends: Array, size: Array, hits: Array) -> tuple[Array, A
     beam, n = np.nonzero(np.arange(count.max(initial=0)) < count[:, None])
     across, along = (meets[beam] + n * (ahead * slope)[beam]).astype(np.int64), begin[beam] + n * ahead[beam]
     across, along = np.concatenate([last, across, across]), np.concatenate([end, along, along + ahead[beam]])
-    beam = np.concatenate([n_beams, beam, beam])
+    beam = np.concatenate([every, beam, beam])
     kept = hits[beam] & (along == end[beam]) & (across == last[beam])
     cells = np.where(main[beam] == 1, [along, across], [across, along])[:, ~kept]
     return cells[0], cells[1]
