@@ -34,6 +34,7 @@ from irsim_gym.robot.contract import (
     Results,
     RobotContract,
     RobotLimits,
+    ScenarioForm,
     StateForm,
     Stops,
     TensorForm,
@@ -42,6 +43,7 @@ from irsim_gym.robot.contract import (
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
 from irsim_gym.robot.inputs import scanner_form, seen_map_form
 from irsim_gym.robot.model_card import model_card
+from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
@@ -52,7 +54,8 @@ LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py", "perceive.py")
+SCRIPTS = ("drive.py", "scans.py", "perceive.py")
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,7 @@ def export_for_robot(
     period: float | None = None,
     asked: ScenarioRequest | None = None,
     levels: int = LEVELS,
+    node: str | None = None,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -92,12 +96,13 @@ def export_for_robot(
         period: Time from one command to the next on the robot [s]; None for that of the training.
         asked: The scenario with the robot and its scanner; None for that of the training.
         levels: Number of ``test`` levels that are played by both.
+        node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
-    _check_folder(folder)
+    _check_target(folder, node)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -108,33 +113,33 @@ def export_for_robot(
     network = _network(loaded)
     graph = policy_graph(network, played, name)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
-    results = _results(compared, played, levels)
+    results = results_of(compared, played, levels)
     _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
     period, samples = period or own, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results = _results(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
     elif is_own:
         results = _known_results(loaded) or results
-    hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
+    hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
         policy=name,
         irsim_gym=__version__,
         hashes=hashes,
-        period=period,
+        scenario=_scenario_form(asked),
         predict=predict,
         results=results,
-        stop=Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
-        **_form(played, graph, samples),
+        **_form(played, graph, samples, period),
     )
-    _write(folder, contract, graph, samples, played)
+    _write(folder, contract, graph, samples, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
-def _check_folder(folder: Path) -> None:
+def _check_target(folder: Path, node: str | None) -> None:
+    check_node(node)
     known = [name for name in FILES if (folder / name).exists()]
     if known:
         raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
@@ -177,7 +182,7 @@ def _network(policy: SavedPolicy) -> ShelfPolicy:
     return ShelfPolicy(network.form, network.arrays)
 
 
-def _results(policy: Policy, played: Episodes, levels: int) -> Results:
+def results_of(policy: Policy, played: Episodes, levels: int) -> Results:
     """Return in how many levels all robots arrive."""
     solved = 0
     for _, worlds, _ in drive(policy, played, levels, SPLIT):
@@ -195,8 +200,8 @@ def _check_difference(compared: ComparedPolicy, name: str) -> None:
         )
 
 
-def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Return what a contract says of the robot, its scan, its goal, and the tensors of the graph."""
+def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], period: float) -> dict[str, Any]:
+    """Return what a contract says of the robot, its scan, its goal, its times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
     steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
@@ -207,6 +212,9 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         if name not in ("command", "level")
     }
     return {
+        "period": period,
+        "periods": (float(model.step_time[0]),) * 2,
+        "stop": Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
         "needs": needs,
         "scan": scanner_form(played) if "scan" in needs else None,
         "seen_map": seen_map_form(played),
@@ -215,6 +223,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
             steers=bool(steers),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
+            radii=(float(model.reach[0, b]),) * 2,
             low=tuple(model.velocity_min[0, b, :size].tolist()),
             high=tuple(model.velocity_max[0, b, :size].tolist()),
             acceleration=tuple(limits),
@@ -241,10 +250,17 @@ def _start(start: NDArray[Any]) -> Any:
     return start.tolist()
 
 
-def _scenario_hash(asked: ScenarioRequest) -> str:
+def scenario_hash(asked: ScenarioRequest) -> str:
+    """Return the hash of a scenario and its task."""
+    form = _scenario_form(asked)
+    return take_snapshot(form.name, form.task, form.parameters).digest
+
+
+def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
+    """Return how a contract names a scenario."""
     assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
     assert asked.task is None or isinstance(asked.task, str)
-    return take_snapshot(asked.scenario, asked.task, asked.parameters).digest
+    return ScenarioForm(name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {}))
 
 
 def _sha256(content: bytes) -> str:
@@ -252,15 +268,22 @@ def _sha256(content: bytes) -> str:
 
 
 def _write(
-    folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
+    folder: Path,
+    contract: RobotContract,
+    graph: PolicyGraph,
+    samples: Mapping[str, NDArray[Any]],
+    played: Episodes,
+    node: str | None,
 ) -> None:
     check = io.BytesIO()
     arrays: dict[str, Any] = dict(samples)
     np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
-    for name in ("drive.py", "perceive.py") if contract.seen_map else ("drive.py",):
+    for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
+    for place, text in package_files(contract, node).items() if node else ():
+        write_text(folder / place, text)

@@ -41,6 +41,7 @@ def scanner_form(episodes: Episodes) -> Scanner | None:
         range_min=options.range_min,
         range_max=options.range_max,
         mount=options.offset,
+        mounts=tuple((place, place) for place in options.offset),
         no_return="inf",
         tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
     )

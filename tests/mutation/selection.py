@@ -50,8 +50,8 @@ TESTS = {
         *(f"tests/tasks/test_{name}.py" for name in ("observations", "clear_ways", "seen_map", "ways_and_memory")),
         *(f"tests/tasks/test_{name}.py" for name in ("yielding_way", "team_navigation", "sight", "obstruction")),
         *("tests/evaluation/test_certificate_measures.py", "tests/envs/test_mirror.py", "tests/training/test_gru.py"),
-        *("tests/envs/test_learnability.py", "tests/envs/contracts/test_levels_from_files.py"),
-        *("tests/envs/contracts/test_learnability_callback.py", "tests/envs/contracts/test_mirror_callback.py"),
+        *("tests/envs/contracts/test_levels_from_files.py"),
+        *("tests/envs/contracts/test_mirror_callback.py"),
     ),
 }
 """Files and folders of tests that are tried, by the part that is mutated."""
@@ -75,7 +75,7 @@ SLOWEST = 6.0
 """A test that takes longer in plain Python [s] is left out, unless asked for."""
 
 PLAIN = {"NUMBA_DISABLE_JIT": "1", "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1"}
-MARKS = ("-m", "not slow and not gui and not libraries")
+MARKS = ("-m", "not slow and not gui and not libraries and not ros")
 HERE = Path(__file__).parent
 
 

@@ -76,7 +76,7 @@ def test_scans_are_added_every_few_decisions_and_forgotten_with_the_rest() -> No
 
 
 def test_large_maps_have_ways_too() -> None:
-    """In 64 bits: a wall in column 150 but for row 1. From there 2 straight steps, 49 diagonal and 230 straight ones."""
+    """In 64 bits: a wall in column 150 but for row 1. From there, 2 straight steps, 49 diagonal and 230 straight."""
     seen = empty_map(rows=300, columns=300, inflation=0.1)
     for y in range(2, 299):
         seen.way(ahead(1.0), np.array([149.5, y + 0.5, 0.0]), np.array([140.5, y + 0.5]))

@@ -5,26 +5,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from irsim_gym.base.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
+from irsim_gym.base import families
+from irsim_gym.base.errors import suggestion
 from irsim_gym.base.options import defaults, option_fields
-from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.validation import BAD, Report, build, build_named, check_keys, read_color, read_field
 from irsim_gym.scenario.entries.pending import is_pending, read_pending
 from irsim_gym.scenario.entries.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.specs.image_files import image_problem
+from irsim_gym.scenario.specs.library import names
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 from irsim_gym.scenario.specs.spec import MAX_BODIES, BodyOptions, Waypoint
-from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
+from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, choices, show
 from irsim_gym.scenario.text.source import Place
 
 FIELDS = option_fields(BodyOptions)
 OF_ENTRY = frozenset({"number", "number_range", "distribution"})
-FAMILIES: dict[str, Registry] = {
-    "kinematics": KINEMATICS,
-    "shape": FOOTPRINTS,
-    "behavior": BEHAVIORS,
-    "group_behavior": GROUP_BEHAVIORS,
-}
 SISTERS = {"behavior": "group_behavior", "group_behavior": "behavior"}
 """Keys that are often confused."""
 ROBOT, OBSTACLE = "robot", "obstacle"
@@ -109,17 +104,17 @@ def _read_number(entry: BodyEntry, report: Report) -> None:
 def _read_placement(raw: RawEntry, report: Report) -> object:
     data, place = raw.data.get("distribution"), (*raw.place, "distribution")
     if data is None or data == {}:
-        return PLACEMENTS.entry("manual").kind()
+        return families.PLACEMENTS.entry("manual").kind()
     if isinstance(data, Mapping) and "3d" in data:
         if data["3d"] not in (False, None):
             report.add((*place, "3d"), "the world is two-dimensional: only false is allowed")
         data = {key: value for key, value in data.items() if key != "3d"}
-    return build_named(PLACEMENTS, data, place, report)
+    return build_named(families.PLACEMENTS, data, place, report)
 
 
 def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, Place, Report], Any]:
     """Return the function that checks one value of a key."""
-    if key in FAMILIES:
+    if key in families.KINDS_OF_BODIES:
         return lambda value, place, report: _read_kind(key, value, place, report)
     if key == "plot":
         return lambda value, place, report: _read_plot(value, plot, place, report)
@@ -132,17 +127,18 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
     if value is None or value == {}:
         return None
     name = value.get("name") if isinstance(value, Mapping) else None
-    if key == "kinematics" and isinstance(name, str) and name not in KINEMATICS:
+    if key == "kinematics" and isinstance(name, str) and name not in families.KINEMATICS:
         if name.lower() == NO_DRIVE:
             check_keys(value, ["name"], place, report)
             return None
-        value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
+        value = {**value, "name": name.lower() if name.lower() in families.KINEMATICS else name}
     if key == "shape" and isinstance(value, Mapping) and name is None:
         value = _named_shape(value, place, report)
-    if key in SISTERS and isinstance(name, str) and name not in FAMILIES[key] and name in FAMILIES[SISTERS[key]]:
+    own, sister = families.BY_KEY[key], families.BY_KEY.get(SISTERS.get(key, ""), ())
+    if isinstance(name, str) and name not in own and name in sister:
         report.add((*place, "name"), f"'{name}' is a {SISTERS[key]}: write `{SISTERS[key]}: {{name: {name}}}`")
         return BAD
-    if key == "group_behavior" and isinstance(name, str) and name not in GROUP_BEHAVIORS:
+    if key == "group_behavior" and isinstance(name, str) and name not in families.GROUP_BEHAVIORS:
         report.could_be_lenient = True
         if not report.strict:
             why = "each member decides by itself, as in IR-SIM 2.12.0"
@@ -151,13 +147,13 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
     if report.may_pend and is_pending(key, value):
         made: Any = read_pending(key, value, place, report)
     else:
-        made = build_named(FAMILIES[key], value, place, report)
+        made = build_named(own, value, place, report)
     return BAD if made is None else made
 
 
 def _named_shape(shape: Mapping[str, Any], place: Place, report: Report) -> Mapping[str, Any]:
     """Return a shape with a name if the reader is not strict: IR-SIM takes one without for a circle."""
-    if not set(shape) <= {"name", *option_fields(FOOTPRINTS.entry("circle").kind)}:
+    if not set(shape) <= {"name", *option_fields(families.FOOTPRINTS.entry("circle").kind)}:
         return shape
     report.could_be_lenient = True
     if report.strict:
@@ -180,7 +176,7 @@ def _read_sensor(item: object, place: Place, report: Report) -> object:
     if isinstance(item, Mapping) and item.get("name", item.get("type")) == CONTACT_SENSOR:
         report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
         return None
-    return build_named(SENSORS, item, place, report, default="lidar2d", synonym="type")
+    return build_named(families.SENSORS, item, place, report, default="lidar2d", synonym="type")
 
 
 def _read_goal(value: Any, place: Place, report: Report) -> object:
@@ -238,10 +234,19 @@ def _read_description(value: object, place: Place, report: Report) -> object:
     return BAD if problem else image
 
 
+def _read_preset(value: object, place: Place, report: Report) -> object:
+    """Report a name that is not shipped: the keys of shipped robots are there in its place."""
+    shipped = names("robots")
+    near = suggestion(str(value)[:40], shipped)
+    report.add(place, f"no robot named {show(value)}{near}; it must be {choices(shipped)}")
+    return BAD
+
+
 READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "sensors": _read_sensors,
     "goal": _read_goal,
     "seen_by": _read_seen_by,
     "color": _read_color,
     "description": _read_description,
+    "preset": _read_preset,
 }

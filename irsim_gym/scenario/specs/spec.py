@@ -72,7 +72,7 @@ class WorldSpec:
         "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
     obstacle_map: Any = option(
-        None, meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind."
+        None, meaning="Occupied cells over the world: an image, a map.yaml of ROS, or a mapping with a kind's name."
     )
     mdownsample: int = option(
         1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
@@ -101,6 +101,9 @@ class WorldSpec:
 class BodyOptions:
     """The keys of an entry of ``robot`` or ``obstacle``."""
 
+    preset: str | None = option(
+        None, meaning="A shipped robot: drive, footprint, limits and sensors are its own where the entry has no key."
+    )
     number: int = option(
         1,
         ge=0,

@@ -11,7 +11,6 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints, Vector
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.bodies.behaviors.shared.renewal import renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import clear_command, wanted_velocity
 from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN
 from irsim_gym.bodies.behaviors.social_force.pushes import follow, planned_velocity
@@ -41,14 +40,13 @@ class SocialForceGroup(SocialForces):
         1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
+    def further_problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
         listed = [member for party in self.social_groups for member in party]
         for member in sorted({one for one in listed if listed.count(one) > 1}):
             yield "social_groups", f"member {member} is listed twice"
         if any(member < 0 for member in listed):
             yield "social_groups", f"members are counted from 0, got {min(listed)}"
-        yield from renewal_problems(self)
 
     def without_member(self, member: int) -> Self:
         """Return these options for a group that has lost a member; later members move up by one."""
