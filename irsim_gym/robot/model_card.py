@@ -6,6 +6,17 @@ from irsim_gym.robot.contract import RobotContract
 from irsim_gym.tasks.terms.term import NEEDS
 
 WIDTH = 120
+PERCEIVE = "| `perceive.py` | `SeenMap`, which the driver keeps: a map of the scans, and the way on it; NumPy alone |\n"
+SEEN = """
+import json
+from perceive import SeenMap
+
+contract, maps = json.load(open("contract.json")), {}
+for k, level in enumerate(check["level"]):
+    seen = maps.setdefault(level, SeenMap(contract))
+    way = seen.way(*(check[name][k] for name in ("ranges", "pose", "goal")))
+    assert np.allclose(way, check["way_on_seen_map"][k], rtol=0.0, atol=1e-5)
+"""
 CARD = """---
 library_name: irsim_gym
 tags: [reinforcement-learning, robotics, navigation, onnx, irsim_gym]
@@ -31,17 +42,17 @@ model-index:
 | `check.npz` | inputs and commands, to repeat the check on the target |
 | `drive.py` | `Driver`: ROS messages in, velocities out, and why it stands still; NumPy and onnxruntime alone |
 | `scans.py` | for the driver: scans of any scanner by the beams of the contract |
-
+{perceive}
 Check it on the target:
 
 ```python
 import numpy as np
 import onnxruntime
 
-check, session = np.load("check.npz"), onnxruntime.InferenceSession("policy.onnx")
+check, session = dict(np.load("check.npz")), onnxruntime.InferenceSession("policy.onnx")
 given = {{one.name: check[one.name] for one in session.get_inputs()}}
 assert np.abs(session.run(["command"], given)[0] - check["command"]).max() < 1e-5
-```
+{seen}```
 
 Drive, here in a ROS 2 node:
 
@@ -83,7 +94,17 @@ def model_card(contract: RobotContract, scenario: str) -> str:
     ]
     if scan is not None:
         needs.append(f"Its scan has {scan.beams} beams up to {scan.range_max:g} m; others are mapped to it by angle.")
+    grid = contract.seen_map
+    if grid is not None:
+        size = " x ".join(f"{count * grid.cell:.3g}" for count in (grid.columns - 2, grid.rows - 2))
+        left, low = (corner + grid.cell for corner in grid.origin)
+        needs.append(
+            f"Its map covers {size} m from ({left:.3g}, {low:.3g}) on, in the frame of the goal. Set "
+            "`seen_map.origin` in contract.json so that the robot and its goals lie on it."
+        )
     return CARD.format(
+        perceive=PERCEIVE if grid else "",
+        seen=SEEN if grid else "",
         name=contract.policy,
         scenario=scenario,
         rate=success,
