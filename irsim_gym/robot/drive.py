@@ -1,7 +1,6 @@
-"""Drives a robot by an exported policy: messages in, velocities out, with NumPy and onnxruntime alone.
+"""Drives a robot by an exported policy: anything with the fields of ROS messages in, velocities out."""
 
-Any object with the fields of the ROS messages will do. While the robot stands, ``tick`` says why.
-"""
+from __future__ import annotations
 
 import hashlib
 import json
@@ -92,15 +91,14 @@ class Driver:
         fault = "the clock jumps back" if is_back else self._fault()
         self.good_scans = 0 if fault else self.good_scans
         self.has_fault = bool(fault) or (self.has_fault and self.good_scans < 3)
-        reason = fault or ("waits for good scans" if self.has_fault else self._rest())
-        if reason:
+        if reason := fault or ("waits for good scans" if self.has_fault else self._rest()):
             return self._still(reason)
         away = np.hypot(*(self.way[:, :2] - self.pose[0, :2]).T)
         beyond = np.flatnonzero((np.arange(len(away)) >= away.argmin()) & (away >= self.ahead))
         goal, waited = self.way[[beyond[0] if len(beyond) else -1]], np.array([[elapsed if elapsed < np.inf else 0.0]])
         values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": goal, "elapsed": waited}
         given = {name: value for name, value in {**values, **self.states}.items() if name in self.contract["inputs"]}
-        found = dict(zip(self.outputs, self.session.run(None, given), strict=True))
+        found = dict(zip(self.outputs, self.session.run(None, given)))  # noqa: B905  (Python 3.8 knows no strict)
         command, robot = found["command"][0].astype(float), self.contract["robot"]
         if not np.isfinite(command).all():
             self.good_scans, self.has_fault = 0, True
@@ -111,9 +109,9 @@ class Driver:
         return (*command.tolist(), "")
 
     def _still(self, reason: str) -> tuple[Any, ...]:
+        self.states["action"] = np.full_like(self.states["action"], self.contract["states"]["action"]["start"])
         if "pending" in self.states:  # this command is under way, too
-            kept = self.states["pending"][:, 1:]
-            self.states["pending"] = np.concatenate([kept, np.zeros_like(self.states["pending"][:, :1])], axis=1)
+            self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)
 
     def _fault(self) -> str:
@@ -138,7 +136,8 @@ class Driver:
 
 
 def _seconds(stamp: Any) -> float:
-    return float(stamp.sec + 1e-9 * stamp.nanosec) if hasattr(stamp, "sec") else float(stamp)
+    is_ros_1 = hasattr(stamp, "to_sec")
+    return float(stamp.to_sec() if is_ros_1 else stamp.sec + 1e-9 * stamp.nanosec if hasattr(stamp, "sec") else stamp)
 
 
 def _pose(pose: Any) -> Any:

@@ -45,6 +45,7 @@ from irsim_gym.robot.contract import (
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
 from irsim_gym.robot.inputs import scanner_of
 from irsim_gym.robot.model_card import model_card
+from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
@@ -85,6 +86,7 @@ def export_for_robot(
     period: float | None = None,
     asked: ScenarioRequest | None = None,
     levels: int = LEVELS,
+    node: str | None = None,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -95,12 +97,13 @@ def export_for_robot(
         period: Time from one command to the next on the robot [s]; None for that of the training.
         asked: The scenario with the robot and its scanner; None for that of the training.
         levels: Number of ``test`` levels that are played by both.
+        node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
-    _check_folder(folder)
+    _check_target(folder, node)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -132,11 +135,12 @@ def export_for_robot(
         results=results,
         **_form(played, graph, samples, period),
     )
-    _write(folder, contract, graph, samples, played)
+    _write(folder, contract, graph, samples, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
-def _check_folder(folder: Path) -> None:
+def _check_target(folder: Path, node: str | None) -> None:
+    check_node(node)
     known = [name for name in FILES if (folder / name).exists()]
     if known:
         raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
@@ -283,7 +287,12 @@ def _sha256(content: bytes) -> str:
 
 
 def _write(
-    folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
+    folder: Path,
+    contract: RobotContract,
+    graph: PolicyGraph,
+    samples: Mapping[str, NDArray[Any]],
+    played: Episodes,
+    node: str | None,
 ) -> None:
     check = io.BytesIO()
     arrays: dict[str, Any] = dict(samples)
@@ -295,3 +304,5 @@ def _write(
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
+    for place, text in package_files(contract, node).items() if node else ():
+        write_text(folder / place, text)
