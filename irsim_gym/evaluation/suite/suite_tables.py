@@ -20,6 +20,7 @@ Some hold the ``interval`` of an estimate, are for a ``team`` alone, or are left
 Figures = Mapping[str, Any]
 """Figures of a method as ``scores`` computes them, as plain data with None in place of NaN."""
 
+
 def markdown(record: SuiteRecord) -> str:
     """Return the tables over all benchmarks, and one for each benchmark, as Markdown."""
     members = [member_markdown(record, name) for name in record.figures]
