@@ -70,7 +70,11 @@ def draw_items(
 
 @kernel
 def _find_struck(w: int, model: Model, state: State, scratch: Scratch) -> None:
-    """Mark the bodies that take part in a robot's collision."""
+    """Mark the bodies that take part in a robot's collision.
+
+    Reads: model (role), state (collided, hit).
+    Writes: scratch.
+    """
     n_bodies = scratch.struck.shape[0]
     for b in range(n_bodies):
         scratch.struck[b] = False
