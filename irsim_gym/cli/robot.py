@@ -75,6 +75,8 @@ def export(
     asked = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(given))
     made = export_for_robot(policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node)
     size = (made.folder / "policy.onnx").stat().st_size / 1000
+    if made.contract.seen_map:
+        print("not one file: way_on_seen_map, which perceive.py finds beside the graph")
     print(
         f"{made.folder}: {made.n_nodes} nodes, {size:.0f} kB; needs {', '.join(made.contract.needs)}\n"
         f"{made.n_commands:,} commands of {levels} levels differ by {made.difference:.1e} at most; "

@@ -34,16 +34,14 @@ from irsim_gym.robot.contract import (
     Results,
     RobotContract,
     RobotLimits,
-    Scanner,
     ScenarioForm,
     StateForm,
     Stops,
     TensorForm,
-    Tested,
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import scanner_of
+from irsim_gym.robot.inputs import scanner_form, seen_map_form
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
@@ -56,7 +54,8 @@ LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py", "scans.py")
+SCRIPTS = ("drive.py", "scans.py", "perceive.py")
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
 
 
 @dataclass(frozen=True)
@@ -210,14 +209,15 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
     inputs = {
         name: TensorForm(shape=("batch", *rows.shape[1:]), dtype=str(rows.dtype))
         for name, rows in samples.items()
-        if name != "command"
+        if name not in ("command", "level")
     }
     return {
         "period": period,
         "periods": (float(model.step_time[0]),) * 2,
         "stop": Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
         "needs": needs,
-        "scan": _scanner(played) if "scan" in needs else None,
+        "scan": scanner_form(played) if "scan" in needs else None,
+        "seen_map": seen_map_form(played),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
             steers=bool(steers),
@@ -250,25 +250,6 @@ def _start(start: NDArray[Any]) -> Any:
     return start.tolist()
 
 
-def _scanner(played: Episodes) -> Scanner | None:
-    found = scanner_of(played)
-    if found is None:
-        return None
-    options, _, angles = found
-    view, n_beams = float(angles[-1] - angles[0]), len(angles)
-    return Scanner(
-        beams=n_beams,
-        first=float(angles[0]),
-        step=view / (n_beams - 1) if n_beams > 1 else 0.0,
-        range_min=options.range_min,
-        range_max=options.range_max,
-        mount=options.offset,
-        mounts=tuple((place, place) for place in options.offset),
-        no_return="inf",
-        tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
-    )
-
-
 def scenario_hash(asked: ScenarioRequest) -> str:
     """Return the hash of a scenario and its task."""
     form = _scenario_form(asked)
@@ -299,7 +280,7 @@ def _write(
     np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
-    for name in ("drive.py", "scans.py"):
+    for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())

@@ -104,8 +104,8 @@ STOPS: dict[str, tuple[str, Any]] = {
     "scan too old": (r"the scan is 0\.40 s old", lambda driver: stale(driver, "odometry")),
     "odometry too old": (r"the odometry is 0\.40 s old", lambda driver: stale(driver, "scan")),
     "clock": ("the clock jumps back", lambda driver: feed(driver, 0.0)),
-    "beams": ("the scanner's beams is 720, tested from 180 to 180", lambda driver: feed(driver, 1.1, np.ones(720))),
-    "range": ("the scanner's range_max is 12,", lambda driver: feed(driver, 1.1, range_max=12.0)),
+    "beams": ("scanner: beams 720, tested from 180 to 180", lambda driver: feed(driver, 1.1, np.ones(720))),
+    "range": ("scanner: range_max 12,", lambda driver: feed(driver, 1.1, range_max=12.0)),
     "lost": ("50% of the beams are lost", lambda driver: feed(driver, 1.1, np.tile([np.nan, 2.0], 90))),
     "pose": ("the odometry is not finite", lambda driver: feed(driver, 1.1, place=(np.nan, 1.0, 0.0))),
 }

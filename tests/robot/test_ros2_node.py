@@ -280,7 +280,7 @@ def test_a_mount_that_was_not_tested_is_refused(folder: Path) -> None:
     ros.feed(0.0)
     ros.fire(0.0)
     assert ros.sent == [(0.0, 0.0)]
-    assert ros.node.said == ["stands: the scanner's x is 0.3, tested from 0 to 0"]
+    assert ros.node.said == ["stands: scanner: x 0.3, tested from 0 to 0"]
 
 
 def test_a_policy_without_a_scan_hears_none(folder: Path, tmp_path: Path) -> None:
