@@ -1,16 +1,16 @@
 """Arguments and options of the command line, each declared once."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from irsim_gym.base.imports import import_modules
+from irsim_gym.base.outside_files import json_object
 from irsim_gym.cli import completion as cli_completion
 from irsim_gym.cli.tools import read_count
 
-HELP = json.loads(Path(__file__).with_name("help.json").read_text(encoding="utf-8"))
+HELP = json_object(Path(__file__).with_name("help.json"))
 """Help of each option, by its name here; of those that one command has, by the function and its argument."""
 LAST_SEED = 2**32 - 1  # largest seed of NumPy's legacy generator, which Stable-Baselines3 seeds
 LAST_LEVEL = 2**53 - 1  # largest level of an environment
