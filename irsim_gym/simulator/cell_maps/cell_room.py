@@ -115,28 +115,18 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
             aside = max(cells.x + i * cells.width - x, x - (cells.x + (i + 1) * cells.width), 0.0)
             if aside * aside > bound:
                 break
-            j = own_j
-            while j < rows:
-                up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
+            for down in range(2):
                 # Squares of quadrant 0 skip free rows upwards, those of quadrant 2 downwards.
-                free, near = int(squares[0, i, j]), aside * aside + up * up
-                if free == 0 or near > bound:
-                    if cells.radius > 0.0 and near <= bound:
-                        near = disc_gap2(cells, i, j, (x, y))
-                    best = min(best, near) if near <= bound else best
-                    break
-                j += free
-            bound = min(best, bound)
-            j = own_j
-            while j >= 0:
-                up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
-                free, near = int(squares[2, i, j]), aside * aside + up * up
-                if free == 0 or near > bound:
-                    if cells.radius > 0.0 and near <= bound:
-                        near = disc_gap2(cells, i, j, (x, y))
-                    best = min(best, near) if near <= bound else best
-                    break
-                j -= free
-            bound = min(best, bound)
+                j = own_j
+                while 0 <= j < rows:
+                    up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
+                    free, near = int(squares[2 * down, i, j]), aside * aside + up * up
+                    if free == 0 or near > bound:
+                        if cells.radius > 0.0 and near <= bound:
+                            near = disc_gap2(cells, i, j, (x, y))
+                        best = min(best, near) if near <= bound else best
+                        break
+                    j += free - 2 * down * free
+                bound = min(best, bound)
             i += 1 - 2 * direction
     return best

@@ -22,27 +22,3 @@ from irsim_gym.tasks.terms.mirrored import IN_WORLD, Mirrored
 from irsim_gym.tasks.terms.outcome import Outcome
 from irsim_gym.tasks.terms.term import Bound, Needs, Role, Term
 from irsim_gym.tasks.terms.words import Columns
-
-__all__ = [
-    "IN_WORLD",
-    "Bound",
-    "Columns",
-    "EpisodeState",
-    "Floats",
-    "Ints",
-    "Mirrored",
-    "Model",
-    "Needs",
-    "Outcome",
-    "Rays",
-    "Role",
-    "Shard",
-    "Simulation",
-    "State",
-    "Struct",
-    "Term",
-    "kernel",
-    "kind",
-    "option",
-    "row_of",
-]

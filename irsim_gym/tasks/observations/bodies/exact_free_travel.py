@@ -11,7 +11,7 @@ from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import span
 from irsim_gym.tasks.observations.scan.free_travel import directions, shorten, way_columns
-from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, RangeCode, code_problems, encode, range_code
+from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, code_problems, encode, range_code
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.terms.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.terms.term import Bound, Needs, Term
@@ -68,10 +68,7 @@ class ExactFreeTravel(EncodesDepths):
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the longest distance and of contact."""
-        low, high = np.full(self.directions, self.horizon, np.float32), np.zeros(self.directions, np.float32)
-        for values in (low, high):
-            encode(values, RangeCode.of(self, self.horizon))
-        return low, high
+        return self.coded_bounds(self.horizon, self.directions)
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""

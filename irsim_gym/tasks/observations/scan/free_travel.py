@@ -9,7 +9,6 @@ from irsim_gym.base.options import kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
     WITHOUT_SENSOR,
     EncodesDepths,
-    RangeCode,
     code_problems,
     encode,
     encoded_graph,
@@ -90,11 +89,7 @@ class FreeTravel(EncodesDepths):
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the longest distance and of contact."""
-        far = float(term.arrays.far.max())
-        low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
-        for values in (low, high):
-            encode(values, RangeCode.of(self, far))
-        return low, high
+        return self.coded_bounds(float(term.arrays.far.max()), self.directions)
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""

@@ -11,7 +11,6 @@ from irsim_gym.simulator.world.state import State
 from irsim_gym.tasks.observations.scan.ranges import (
     WITHOUT_SENSOR,
     EncodesDepths,
-    RangeCode,
     code_problems,
     encode,
     encoded_graph,
@@ -100,12 +99,7 @@ class PastScans(EncodesDepths):
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the maximum depth and of contact."""
-        width = self.sectors * len(self.ago)
-        far = term.arrays.far.max()
-        low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
-        for values in (low, high):
-            encode(values, RangeCode.of(self, far))
-        return low, high
+        return self.coded_bounds(term.arrays.far.max(), self.sectors * len(self.ago))
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""

@@ -35,6 +35,13 @@ class EncodesDepths:
     )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (d + near) that becomes 0.")
 
+    def coded_bounds(self, far: float, width: int) -> tuple[Rays, Rays]:
+        """Return the codes of a distance [m] and of contact, shape ``(width,)`` each."""
+        low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
+        for values in (low, high):
+            encode(values, RangeCode.of(self, far))
+        return low, high
+
 
 class RangeCode(NamedTuple):
     """How depths become numbers.
