@@ -33,15 +33,12 @@ def find_room(cells: CellMap, line: Floats) -> None:
     first = (1.0 - inset) * height
     for i in range(columns):
         # First pass, column by column: the vertical distance to the nearest occupied cell, from below and from above.
-        gap = far
-        for j in range(rows):
-            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
-            room[i, j] = gap
-        gap = far
-        for a in range(rows):
-            j = rows - 1 - a
-            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
-            room[i, j] = min(room[i, j], gap)
+        for down in range(2):
+            gap = far
+            for a in range(rows):
+                j = rows - 1 - a if down else a
+                gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
+                room[i, j] = min(room[i, j], gap) if down else gap
     # Second pass: the least of (horizontal, vertical) distances over all columns, nearest columns first. Both passes
     # give the exact Euclidean distance (Saito and Toriwaki 1994, "New algorithms for Euclidean distance
     # transformation").

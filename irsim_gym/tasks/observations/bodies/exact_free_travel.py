@@ -10,10 +10,9 @@ from irsim_gym.simulator.cell_maps.cells import segment_cells_distance
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import span
-from irsim_gym.tasks.observations.scan.free_travel import directions, shorten, way_columns
-from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, code_problems, encode, range_code
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.mirrored import Mirrored, directions_exchanged
+from irsim_gym.tasks.observations.scan.free_travel import ObservesTravel, directions, shorten, way_columns
+from irsim_gym.tasks.observations.scan.ranges import encode, range_code
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
 from irsim_gym.tasks.terms.term import Bound, Needs, Term
 
 NEAR_ENOUGH = 0.01
@@ -48,19 +47,13 @@ class Directions(Struct):
 
 
 @kind
-class ExactFreeTravel(EncodesDepths):
+class ExactFreeTravel(ObservesTravel):
     """``free_travel`` for agents without a range sensor, computed from outlines and the map.
 
     It sees through walls and in all directions, but not bodies that are ``unobstructed``.
     """
 
     needs: ClassVar[Needs] = ("bodies",)
-
-    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
-    margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-
-    problems = code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Directions:
         """Return the directions in the body frame and the radii of the discs around the agents."""
@@ -73,10 +66,6 @@ class ExactFreeTravel(EncodesDepths):
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, self.horizon)
-
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the directions from right to left."""
-        return directions_exchanged(self.directions)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

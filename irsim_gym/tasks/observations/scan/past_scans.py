@@ -13,7 +13,6 @@ from irsim_gym.tasks.observations.scan.ranges import (
     EncodesDepths,
     code_problems,
     encode,
-    encoded_graph,
     range_code,
     shared_sensors,
 )
@@ -140,7 +139,7 @@ class PastScans(EncodesDepths):
         ahead, left = moved_x + cosine * x - sine * y, moved_y + sine * x + cosine * y
         depth = ((ahead * ahead + left * left).op("Sqrt") - memory.reach[agent]).most(0.0).cast(np.float32)
         is_hit = (scan < far).spread(2) & sector_flags(ahead, left, self.sectors)
-        return encoded_graph(self, far, is_hit.where(depth.spread(2), far).smallest(1).least(far))
+        return self.coded_graph(far, is_hit.where(depth.spread(2), far).smallest(1).least(far))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
