@@ -7,8 +7,9 @@ exact search.
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMap, Floats, Point
+from irsim_gym.base.arraytypes import CellMap, Floats
 from irsim_gym.base.kernels import kernel
+from irsim_gym.simulator.geometry.segments import point_segment_distance2
 
 FARTHEST = 64
 """Maximum distance that is stored [cells]."""
@@ -81,10 +82,10 @@ def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
 
 
 @kernel
-def disc_gap2(cells: CellMap, i: int, j: int, point: Point) -> float:
-    """Return the squared distance [m2] of a point from the disc in a cell, 0 within it."""
-    dx, dy = cells.x + (i + 0.5) * cells.width - point[0], cells.y + (j + 0.5) * cells.height - point[1]
-    gap = max(np.sqrt(dx * dx + dy * dy) - cells.radius, 0.0)
+def segment_disc_distance2(cells: CellMap, i: int, j: int, ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the squared distance [m2] between the segment ab, which may be a point, and the disc in a cell."""
+    x, y = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+    gap = max(np.sqrt(point_segment_distance2(x, y, ax, ay, bx, by)) - cells.radius, 0.0)
     return float(gap * gap)
 
 
@@ -120,7 +121,7 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
                     free, near = int(squares[2 * down, i, j]), aside * aside + up * up
                     if free == 0 or near > bound:
                         if cells.radius > 0.0 and near <= bound:
-                            near = disc_gap2(cells, i, j, (x, y))
+                            near = segment_disc_distance2(cells, i, j, x, y, x, y)
                         best = min(best, near) if near <= bound else best
                         break
                     j += free - 2 * down * free
