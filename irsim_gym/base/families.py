@@ -16,6 +16,7 @@ FOOTPRINTS = Registry("shape", contract=(_WORLD, "FOOTPRINT"))
 PLACEMENTS = Registry("distribution", _OWN.format("placement"), (_WORLD, "PLACEMENT"))
 SENSORS = Registry("sensor", _OWN.format("sensor"), (_WORLD, "SENSOR"))
 MAPS = Registry("obstacle map", contract=(_WORLD, "MAP"))
+DISTURBANCES = Registry("disturbance", contract=(_WORLD, "DISTURBANCE"))
 ACTIONS = Registry("action", _OWN.format("action"), (_TASK, "ACTION"))
 OBSERVATIONS = Registry("observation", _OWN.format("observation"), (_TASK, "OBSERVATION"))
 REWARDS = Registry("reward", _OWN.format("reward"), (_TASK, "REWARD"))
@@ -25,7 +26,7 @@ SECTIONS = Registry("section")
 
 _PACKAGES = (
     *("bodies.drives", "bodies.behaviors", "bodies.shapes", "bodies.placements", "bodies.sensors", "bodies.maps"),
-    "tasks",
+    *("bodies.disturbances", "tasks"),
 )
 
 
@@ -45,6 +46,7 @@ def every() -> tuple[Registry, ...]:
         PLACEMENTS,
         SENSORS,
         MAPS,
+        DISTURBANCES,
         ACTIONS,
         OBSERVATIONS,
         REWARDS,

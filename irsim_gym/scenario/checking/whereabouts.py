@@ -35,6 +35,7 @@ _KINDS: dict[str, Registry] = {
     "group_behavior": families.GROUP_BEHAVIORS,
     "distribution": families.PLACEMENTS,
     "sensors": families.SENSORS,
+    "disturbances": families.DISTURBANCES,
     "obstacle_map": families.MAPS,
     "action": families.ACTIONS,
     "observations": families.OBSERVATIONS,

@@ -95,6 +95,7 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         behavior=values["behavior"],
         group_behavior=values["group_behavior"],
         sensors=values["sensors"] or (),
+        disturbances=values["disturbances"] or (),
         state=None if getattr(entry.placement, "gives_goal", False) and not is_given else _pose(values["state"]),
         steering=_padded(values["state"], 4, 0.0)[3],
         goal=values["goal"],

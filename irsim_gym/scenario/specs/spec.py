@@ -174,6 +174,9 @@ class BodyOptions:
         consequence="If smaller than half the distance of a step, the body may jump over the goal; 0 is never reached.",
     )
     sensors: Any = option(None, meaning="List of sensors.")
+    disturbances: Any = option(
+        None, meaning="List of disturbances: what makes a robot drive and measure otherwise than its entry says."
+    )
     arrive_mode: Literal["position", "state"] = option(
         "position",
         meaning="What must match the goal on arrival.",
@@ -245,6 +248,7 @@ class BodySpec:
         behavior: Instance of a registered behaviour, or None.
         group_behavior: Instance of a registered group behaviour, or None.
         sensors: Instances of registered sensors.
+        disturbances: Instances of registered disturbances.
         state: Start pose (x, y, heading) [m, m, rad]; None if the distribution chooses it.
         steering: Steering angle at the start [rad].
         goal: Waypoints (x, y, heading) [m, m, rad] in order; headings that are not given are NaN; empty without a goal.
@@ -279,6 +283,7 @@ class BodySpec:
     behavior: Any = None
     group_behavior: Any = None
     sensors: tuple[Any, ...] = ()
+    disturbances: tuple[Any, ...] = ()
     state: Waypoint | None = (0.0, 0.0, 0.0)
     steering: float = 0.0
     goal: tuple[Waypoint, ...] = ()
@@ -354,6 +359,7 @@ class Scenario:
         ignored: Unused keys that were ignored.
         strict: Whether unused keys are errors, also in the section ``task``.
         parameters: Values of its parameters by name: given ones, else the defaults.
+        disturbances: Disturbances of all learners, besides those of their entries.
     """
 
     name: str
@@ -372,6 +378,7 @@ class Scenario:
     ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
+    disturbances: tuple[Any, ...] = ()
 
     def __repr__(self) -> str:
         n_robots, n_bodies = len(self.robots), len(self.bodies)

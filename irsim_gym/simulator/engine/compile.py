@@ -101,7 +101,7 @@ def compile(
     model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
-    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
+    parts = collect_parts(scenario, outlines, model, state, agents, shards.n_slots)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)

@@ -8,6 +8,7 @@ from irsim_gym.base.arraytypes import Ints, Records
 from irsim_gym.simulator.contact.swept import SweptMotion
 from irsim_gym.simulator.levels.level_table import LevelTable
 from irsim_gym.simulator.levels.path_checks import ReachabilityCheck
+from irsim_gym.simulator.step.disturbances import Disturbances
 from irsim_gym.simulator.step.fog import FogMap
 from irsim_gym.simulator.step.patience import Patience
 from irsim_gym.simulator.step.turns import Turn
@@ -45,6 +46,7 @@ class Parts:
         fog: What the robots have explored; None unless the file asks for it.
         sweep: Memory for contacts within a step; None where only its end is tested.
         patience: Wandering bodies that go on after a collision; None without any.
+        disturbances: What disturbs robots.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
     """
@@ -74,6 +76,7 @@ class Parts:
     fog: FogMap | None
     sweep: SweptMotion | None
     patience: Patience | None
+    disturbances: Disturbances
     names: tuple[str, ...]
     places: tuple[str, ...]
 

@@ -11,6 +11,7 @@ from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.simulator.running.direct import Direct
 from irsim_gym.simulator.world.model import OMNI_WORLD
+from irsim_gym.simulator.world.state import State as WorldState
 from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.definition.task import Task, checked_limit
 from irsim_gym.tasks.endings.arrived import Arrived
@@ -277,7 +278,7 @@ class Episodes:
         commands.rest(worlds, self._agents, model, state)
         account.begin_episodes(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
-            term.options.begin(term, model, simulation.state, state, shard)
+            term.options.begin(term, model, self._known_to(term), state, shard)
         self._observe(shard)
         account.mark(worlds, False, state.began)
 
@@ -331,7 +332,12 @@ class Episodes:
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+            term.options.write(term, self.simulation.model, self._known_to(term), self.state, shard)
+
+    def _known_to(self, term: Term) -> WorldState:
+        """Return the state that a term reads: an observation of the robot's own place that which the robot knows."""
+        is_believed = hasattr(term.options, "needs") and term.options.needs != ("bodies",)
+        return self.simulation.told if is_believed else self.simulation.state
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(
