@@ -126,13 +126,14 @@ def evaluate(
     ] = True,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.cli.work.commands import run_evaluation
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
     run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
@@ -165,6 +166,7 @@ def record(
     sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -177,7 +179,7 @@ def record(
     kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet)) if wanted]
     if len(kinds) > 1:
         raise IrsimGymError("--html and --sheet exclude each other: call record once for each")
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 
@@ -216,13 +218,14 @@ def rollout(
     named: opt.PolicyOption = None,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Run a policy on a few levels and print how they ended."""
     from irsim_gym.cli.work.commands import run_rollout
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     chosen = one_policy(policy, named) or "dash"
     run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
 
@@ -246,6 +249,7 @@ def play(
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
     named: opt.PolicyOption = None,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -253,7 +257,7 @@ def play(
     from irsim_gym.cli.play.manual_play import PlaySettings
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 
-    parameters = read_parameters(given)
+    parameters = read_parameters(given, perturb)
     watched = one_policy(policy, named)
     settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, watched, not lenient)
     played = play_by_hand(settings)

@@ -99,6 +99,14 @@ Given = Annotated[
         "--set", metavar="NAME=VALUE", help="Set a parameter of the scenario, e.g. n_robots=8; may be repeated."
     ),
 ]
+Perturbed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--perturb",
+        metavar="NAME:KEY=VALUE",
+        help="Disturb the learners, e.g. latency:time=0.2 or slip:ahead=0.05:turn=0.05; may be repeated.",
+    ),
+]
 Team = Annotated[
     bool, typer.Option("--team", help="Let the policy drive all robots (or those that the task names) instead of one.")
 ]

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Any
 
-OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock")
+OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock", "misplaced")
+ARRIVALS = ("success", "misplaced")
+"""Outcomes of episodes that end because the robot believes that it has arrived."""
 HITS = ("obstacle", "moving obstacle", "robot")
 HIT_OF_KIND = ("", *HITS, "obstacle")
 """The word for each ``HitKind``; a map counts as an obstacle."""
@@ -40,6 +42,7 @@ class EpisodeRow:
             there are no people.
         goals_reached: Number of its successive goals that it reached, without unit; NaN if it has only one.
         goals_per_minute: ``goals_reached`` by duration, or by the time limit if it did not reach all [1/min]; likewise.
+        goal_distance: True distance from the goal at the end [m], whatever the robot believes; NaN if not measured.
     """
 
     level: int
@@ -58,6 +61,7 @@ class EpisodeRow:
     time_to_collision: float = math.nan
     goals_reached: float = math.nan
     goals_per_minute: float = math.nan
+    goal_distance: float = math.nan
 
     @property
     def is_success(self) -> bool:
@@ -127,6 +131,10 @@ class Rate:
         return replace(self, low=self.value, high=self.value)
 
 
+NOBODY = Rate(0, 0.0, 0.0, 0.0)
+"""A share of what did not occur."""
+
+
 def wilson(count: float, total: float) -> tuple[float, float]:
     """Return the score interval of a share (Wilson 1927), which stays inside [0, 1] and is accurate near its ends."""
     if total == 0:
@@ -176,6 +184,8 @@ class Summary:
         intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
         throughput: Mean rate of reached goals [1/min]; NaN if a robot has only one goal.
+        misplaced: Share that believed to have arrived and had not, where odometry is disturbed.
+        end_distance: Mean true distance from the goal at the end [m], over episodes that ended as arrivals or misplaced.
     """
 
     policy: str
@@ -198,6 +208,8 @@ class Summary:
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
     throughput: float = math.nan
+    misplaced: Rate = NOBODY
+    end_distance: float = math.nan
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -206,7 +218,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     counts = {outcome: sum(row.outcome == outcome for row in rows) for outcome in OUTCOMES}
     hits = {hit: sum(row.outcome == "collision" and row.hit == hit for row in rows) for hit in HITS}
     assert sum(counts.values()) == total, (
-        "success + collision + timeout + left + deadlock must equal the number of episodes"
+        "success + collision + timeout + left + deadlock + misplaced must equal the number of episodes"
     )
     assert sum(hits.values()) == counts["collision"], "every collision must have a kind"
     shares: dict[str, Any] = {outcome: rate(count, total) for outcome, count in counts.items()}
@@ -219,6 +231,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         collision_with={hit: rate(count, total) for hit, count in hits.items()},
         time=mean([row.time for row in rows if row.outcome == "success"]),
         throughput=mean([row.goals_per_minute for row in rows]),
+        end_distance=mean([row.goal_distance for row in rows if row.outcome in ARRIVALS]),
         **means(rows),
     )
 

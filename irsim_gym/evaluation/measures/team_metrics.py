@@ -11,7 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, Rate, are_copies, mean, means, rate, wilson
+from irsim_gym.evaluation.measures.metrics import (
+    NOBODY,
+    OUTCOMES,
+    EpisodeRow,
+    Rate,
+    are_copies,
+    mean,
+    means,
+    rate,
+    wilson,
+)
 
 TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
 PERCENTILES = (50, 75, 90)
@@ -155,6 +165,7 @@ class TeamSummary:
         intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
         time_to_collision: Mean of the minimum times to collision with a person [s], over agents that met one.
         throughput: Mean over levels of the rate of goals of a team [1/min]; NaN if agents have only one goal.
+        misplaced: Share of agents that believed to have arrived and had not, where odometry is disturbed.
     """
 
     policy: str
@@ -183,6 +194,7 @@ class TeamSummary:
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
     throughput: float = math.nan
+    misplaced: Rate = NOBODY
 
 
 def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
@@ -244,6 +256,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         timeout=shares["timeout"],
         left_world=shares["left_world"],
         deadlock=shares["deadlock"],
+        misplaced=shares["misplaced"],
         deadlocked=rate_of_agents([row.deadlocked for row in rows], team),
         makespan=mean([row.makespan for row in rows]),
         flowtime=mean([row.flowtime for row in rows]),

@@ -188,6 +188,9 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     ]
     if any(summary.deadlock.count for summary in summaries):
         columns.append(("deadlock\n[%]", lambda row: percent(row.deadlock)))
+    if any(summary.misplaced.count for summary in summaries):
+        columns.append(("misplaced\n[%]", lambda row: percent(row.misplaced)))
+        columns.append(("end\n[m]", lambda row: number(row.end_distance, 3)))
     columns += [
         ("SPL", lambda row: number(row.spl, 3)),
         ("time\n[s]", lambda row: number(row.time, 2)),

@@ -67,6 +67,8 @@ def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
     ]
     if any(summary.deadlock.count for summary in summaries):
         columns.append(("given\nup\n[%]", lambda row: percent(row.deadlock)))
+    if any(summary.misplaced.count for summary in summaries):
+        columns.append(("mis-\nplaced\n[%]", lambda row: percent(row.misplaced)))
     columns += [
         ("dead-\nlocked\n[%]", lambda row: percent(row.deadlocked)),
         ("SPL", lambda row: number(row.spl, 3)),

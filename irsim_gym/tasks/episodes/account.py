@@ -3,8 +3,10 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
-from irsim_gym.tasks.terms.outcome import RUNNING, SUCCESS, TIMEOUT
+from irsim_gym.simulator.step.arrival import goal_gap
+from irsim_gym.simulator.world.model import STATE
+from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel, row_of
+from irsim_gym.tasks.terms.outcome import MISPLACED, RUNNING, SUCCESS, TIMEOUT
 
 
 @kernel
@@ -152,6 +154,27 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
             episode.truncated[w, a] = found == RUNNING and episode.steps[w, a] >= max_steps
             episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else found
             episode.success[w, a] = found == SUCCESS
+
+
+@kernel
+def find_misplaced(worlds: Ints, agents: Ints, model: Model, state: State, episode: EpisodeState) -> None:
+    """Let the episodes of agents fail that believe that they have arrived, but are not there.
+
+    Reads: model (arrive_mode, goal_threshold), state (goal, pose), episode (outcome, over).
+    Writes: episode (outcome, success).
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+    """
+    for w in worlds:
+        threshold = model.goal_threshold[row_of(model.goal_threshold, w)]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            if episode.outcome[w, a] != SUCCESS or episode.over[w, a]:
+                continue
+            if goal_gap(state.pose[w, b], state.goal[w, b], model.arrive_mode[b] == STATE) >= threshold[b]:
+                episode.outcome[w, a], episode.success[w, a] = MISPLACED, False
 
 
 @kernel

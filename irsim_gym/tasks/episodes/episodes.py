@@ -298,6 +298,8 @@ class Episodes:
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
+        if simulation.told is not world:
+            account.find_misplaced(shard.worlds, self._agents, model, world, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
@@ -335,9 +337,10 @@ class Episodes:
             term.options.write(term, self.simulation.model, self._known_to(term), self.state, shard)
 
     def _known_to(self, term: Term) -> WorldState:
-        """Return the state that a term reads: an observation of the robot's own place that which the robot knows."""
-        is_believed = hasattr(term.options, "needs") and term.options.needs != ("bodies",)
-        return self.simulation.told if is_believed else self.simulation.state
+        """Return the state that a term reads: for observations, except those of true bodies, what the robot knows."""
+        needs = getattr(term.options, "needs", ("bodies",)) or ()
+        sees_bodies = "bodies" in needs and "map_frame" not in needs
+        return self.simulation.state if sees_bodies else self.simulation.told
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(
