@@ -3,8 +3,6 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints
-from irsim_gym.simulator.step.arrival import goal_gap
-from irsim_gym.simulator.world.model import STATE
 from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel, row_of
 from irsim_gym.tasks.terms.outcome import MISPLACED, RUNNING, SUCCESS, TIMEOUT
 
@@ -157,23 +155,29 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
 
 
 @kernel
-def find_misplaced(worlds: Ints, agents: Ints, model: Model, state: State, episode: EpisodeState) -> None:
-    """Let the episodes of agents fail that believe that they have arrived, but are not there.
+def find_misplaced(
+    worlds: Ints, agents: Ints, model: Model, state: State, told: State, episode: EpisodeState
+) -> None:
+    """Let the episodes of agents fail that believe that they have arrived, but are elsewhere by more than their tolerance.
 
-    Reads: model (arrive_mode, goal_threshold), state (goal, pose), episode (outcome, over).
+    What counts is the distance between the true and the believed position: a robot that stops as soon as it believes
+    to be within the tolerance is beyond it in truth half of the time, however small its error is.
+
+    Reads: model (goal_threshold), state (pose), told (pose), episode (outcome, over).
     Writes: episode (outcome, success).
 
     Args:
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
+        told: The state with the believed poses.
     """
     for w in worlds:
         threshold = model.goal_threshold[row_of(model.goal_threshold, w)]
         for a in range(agents.shape[0]):
             b = agents[a]
-            if episode.outcome[w, a] != SUCCESS or episode.over[w, a]:
-                continue
-            if goal_gap(state.pose[w, b], state.goal[w, b], model.arrive_mode[b] == STATE) >= threshold[b]:
+            dx, dy = told.pose[w, b, 0] - state.pose[w, b, 0], told.pose[w, b, 1] - state.pose[w, b, 1]
+            is_elsewhere = dx * dx + dy * dy > threshold[b] * threshold[b]
+            if episode.outcome[w, a] == SUCCESS and not episode.over[w, a] and is_elsewhere:
                 episode.outcome[w, a], episode.success[w, a] = MISPLACED, False
 
 

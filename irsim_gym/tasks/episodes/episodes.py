@@ -299,7 +299,7 @@ class Episodes:
             term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         if simulation.told is not world:
-            account.find_misplaced(shard.worlds, self._agents, model, world, state)
+            account.find_misplaced(shard.worlds, self._agents, model, world, simulation.told, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
