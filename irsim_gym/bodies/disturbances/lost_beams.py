@@ -1,10 +1,11 @@
 """lost_beams: beams without a reading."""
 
+import hashlib
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Rays
+from irsim_gym.base.arraytypes import Pixels, Rays
 from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.base.rng import next_bits
 from irsim_gym.simulator.world.disturbed import Disturbed
@@ -12,6 +13,9 @@ from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, ke
 from irsim_gym.simulator.world.own_scan import OwnScan
 
 TWO_32 = 2.0**32
+PLACES = 4096
+HIGH, LOW = np.uint64(64 - 12), np.uint64(2**32 - 1)
+"""Bits of a random number that choose one of ``PLACES``, and those that shift."""
 
 
 @kind
@@ -34,38 +38,37 @@ class LostBeams:
         zero = np.array([one.reads == "zero" for one in group.options], np.bool_)
         reading = np.where(zero, scan.range_min[scan.sensors], scan.range_max[scan.sensors])
         group.arrays["reading"] = reading.astype(np.float32)
+        # Each scan takes random numbers from a random place of this table on, and adds a random number to all of them:
+        # to draw one for each beam would take several times as long as the beams' other disturbances together.
+        noise = hashlib.shake_128(b"lost_beams").digest(4 * (PLACES + scan.ranges.shape[2]))
+        group.arrays["numbers"] = np.frombuffer(noise, "<u4").astype(np.uint32)
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Overwrite the ranges of lost beams."""
-        lose_beams(shard.worlds, group.tables, group.scan, group.arrays["reading"])
+        lose_beams(shard.worlds, group.tables, group.scan, group.arrays["reading"], group.arrays["numbers"])
 
 
 @kernel
-def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays) -> None:
+def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays, numbers: Pixels) -> None:
     """Overwrite the ranges of beams whose random number is too small.
 
-    Reads: disturbed (random, values), scan (ranges, sensors), reading.
+    Reads: disturbed (random, values), scan (ranges, sensors), numbers, reading.
     Writes: disturbed (random), scan (ranges).
     """
     for w in worlds:
         for k in range(scan.sensors.shape[0]):
-            bits = next_bits(disturbed.random[w], k)
-            threshold = np.uint64(disturbed.values[w, k, 0] * TWO_32)
-            overwrite_some(scan.ranges[w, scan.sensors[k]], reading[k], bits, threshold)
+            bits, count = next_bits(disturbed.random[w], k), np.int64(disturbed.values[w, k, 0] * TWO_32)
+            if count > 0:
+                first, ranges = np.int64(bits >> HIGH), scan.ranges[w, scan.sensors[k]]
+                chosen = numbers[first : first + ranges.shape[0]]
+                overwrite_some(ranges, reading[k], chosen, np.uint32(bits & LOW), np.uint32(count - 1))
 
 
 @kernel
-def overwrite_some(ranges: Rays, reading: np.float32, bits: np.uint64, threshold: np.uint64) -> None:
-    """Overwrite each range with the probability ``threshold`` / 2^32.
-
-    The random numbers are a hash of the beam's number (the finaliser of MurmurHash3, in 32 bits): beams need no
-    numbers of those before them, so that the loop is vectorised.
-    """
-    first = np.uint32(bits)
+def overwrite_some(
+    ranges: Rays, reading: np.float32, numbers: Pixels, shift: np.uint32, most: np.uint32
+) -> None:
+    """Overwrite each range whose number, shifted, is at most ``most``; without branches, so that it is vectorised."""
     for i in range(ranges.shape[0]):
-        x = np.uint32(np.uint32(i) * np.uint32(0x9E3779B1) + first)
-        x = np.uint32((x ^ (x >> np.uint32(16))) * np.uint32(0x85EBCA6B))
-        x = np.uint32((x ^ (x >> np.uint32(13))) * np.uint32(0xC2B2AE35))
-        x = np.uint32(x ^ (x >> np.uint32(16)))
-        ranges[i] = reading if np.uint64(x) < threshold else ranges[i]
+        ranges[i] = reading if np.uint32(numbers[i] + shift) <= most else ranges[i]

@@ -6,8 +6,11 @@ import numpy as np
 
 from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Group, Ints, Model, Rays, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.own_scan import OwnScan
+
+Limits = tuple[np.float32, np.float32]
+"""Least and greatest range of a sensor [m]."""
 
 
 @kind
@@ -37,10 +40,17 @@ def add_bias(worlds: Ints, disturbed: Disturbed, scan: OwnScan) -> None:
     for w in worlds:
         for k in range(scan.sensors.shape[0]):
             s = scan.sensors[k]
-            least, most, ranges = np.float32(scan.range_min[s]), np.float32(scan.range_max[s]), scan.ranges[w, s]
+            least, most = np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
             offset, factor = np.float32(disturbed.values[w, k, 0]), np.float32(1.0 + disturbed.values[w, k, 1])
-            for i in range(ranges.shape[0]):
-                read = ranges[i] * factor + offset
-                read = least if read < least else read
-                read = read if read < most else most
-                ranges[i] = read if ranges[i] < most else most
+            shift_ranges(scan.ranges[w, s], factor, offset, (least, most))
+
+
+@kernel
+def shift_ranges(ranges: Rays, factor: np.float32, offset: np.float32, limits: Limits) -> None:
+    """Scale and shift the ranges of a scan; without branches, so that the loop is vectorised."""
+    least, most = limits
+    for i in range(ranges.shape[0]):
+        read = ranges[i] * factor + offset
+        read = least if read < least else read
+        read = read if read < most else most
+        ranges[i] = read if ranges[i] < most else most
