@@ -64,7 +64,17 @@ def train(
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given, perturb), not lenient),
+        *(
+            scenario[0],
+            algorithm,
+            seed,
+            steps,
+            task,
+            hyperparameters,
+            team,
+            read_parameters(given, perturb),
+            not lenient,
+        ),
         *(device, origin, curriculum),
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         changes=read_changes(changes),

@@ -40,7 +40,7 @@ class BlindSector:
 def hide_sector(worlds: Ints, disturbed: Disturbed, scan: OwnScan, blind: Flags) -> None:
     """Overwrite the ranges of beams in the sector, which is drawn in the first scan.
 
-    Reads: disturbed (count, random, values), scan (angles, range_max, sensors), blind.
+    Reads: disturbed (count, random, values), scan (angles, range_max, sensors).
     Writes: disturbed (count, random), scan (ranges), blind.
     """
     for w in worlds:

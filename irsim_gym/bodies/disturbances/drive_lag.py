@@ -11,7 +11,7 @@ from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, S
 
 @kind
 class DriveLag:
-    """Each velocity follows its command as a first-order lag: 63 % of a change after ``tau``, 95 % after three times it.
+    """Each velocity follows its command as a first-order lag: 63 % of a change after ``tau``, 95 % after 3 ``tau``.
 
     Limits of acceleration apply after it. Commands below ``dead_band`` do not move the wheels.
     """
@@ -40,7 +40,7 @@ class DriveLag:
 def lag_behind(worlds: Ints, disturbed: Disturbed, share: Floats, model: Model, state: State) -> None:
     """Move each command towards the velocity of the last step.
 
-    Reads: disturbed (count, members, values), model (step_time), share, state (command, velocity).
+    Reads: disturbed (count, members, values), model (step_time), state (command, velocity).
     Writes: disturbed (count), share, state (command).
     """
     for w in worlds:

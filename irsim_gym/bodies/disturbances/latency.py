@@ -41,7 +41,7 @@ class Latency:
 def delay_commands(worlds: Ints, disturbed: Disturbed, queue: Floats, model: Model, state: State) -> None:
     """Replace each command by the one that is due, zeros before the first one is.
 
-    Reads: disturbed (count, members, values), model (step_time), queue, state (command).
+    Reads: disturbed (count, members, values), model (step_time), state (command).
     Writes: disturbed (count), queue, state (command).
     """
     size = queue.shape[2]

@@ -53,7 +53,7 @@ class LostBeams:
 def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays, numbers: Pixels) -> None:
     """Overwrite the ranges of beams whose random number is too small.
 
-    Reads: disturbed (random, values), scan (ranges, sensors), numbers, reading.
+    Reads: disturbed (random, values), scan (ranges, sensors).
     Writes: disturbed (random), scan (ranges).
     """
     for w in worlds:
@@ -66,9 +66,7 @@ def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays,
 
 
 @kernel
-def overwrite_some(
-    ranges: Rays, reading: np.float32, numbers: Pixels, shift: np.uint32, most: np.uint32
-) -> None:
+def overwrite_some(ranges: Rays, reading: np.float32, numbers: Pixels, shift: np.uint32, most: np.uint32) -> None:
     """Overwrite each range whose number, shifted, is at most ``most``; without branches, so that it is vectorised."""
     for i in range(ranges.shape[0]):
         ranges[i] = reading if np.uint32(numbers[i] + shift) <= most else ranges[i]

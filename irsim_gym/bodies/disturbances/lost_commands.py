@@ -35,7 +35,7 @@ class LostCommands:
 def lose_commands(worlds: Ints, disturbed: Disturbed, held: Floats, state: State) -> None:
     """Hold the last command in steps in which the new one is lost.
 
-    Reads: disturbed (count, members, random, values), held, state (command).
+    Reads: disturbed (count, members, random, values), state (command).
     Writes: disturbed (count, random), held, state (command).
     """
     for w in worlds:

@@ -12,7 +12,7 @@ from irsim_gym.simulator.geometry.angles import wrap_from
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
-FIXES = record_type("std angle_std", every=np.int64)
+FIXES = record_type("spread turn", every=np.int64)
 """Deviations of a position fix [m, rad], and how many steps lie between two; 0: there is none."""
 
 
@@ -48,7 +48,7 @@ class Odometry:
         for row, options in zip(fixes, group.options, strict=True):
             if options.fix is not None:
                 every = whole_steps(options.fix.every, float(model.step_time[0]))
-                row["every"], row["std"], row["angle_std"] = every, options.fix.std, options.fix.angle_std
+                row["every"], row["spread"], row["turn"] = every, options.fix.std, options.fix.angle_std
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
@@ -60,7 +60,7 @@ class Odometry:
 def drift(worlds: Ints, disturbed: Disturbed, fixes: Records, true: Floats, model: Model, told: State) -> None:
     """Add the errors of this step to the believed poses; in the step of a fix replace them.
 
-    Reads: disturbed (count, members, random, values), fixes, true, model (heading_low, step_time), told (pose, twist).
+    Reads: disturbed (count, members, random, values), model (heading_low, step_time), told (pose, twist).
     Writes: disturbed (count, random), told (pose).
     """
     dt = model.step_time[0]
@@ -73,6 +73,6 @@ def drift(worlds: Ints, disturbed: Disturbed, fixes: Records, true: Floats, mode
             heading = pose[2] + yaw * np.sqrt(dx * dx + dy * dy)
             if fix.every > 0 and disturbed.count[w, k] % fix.every == 0:
                 for axis in range(2):
-                    pose[axis] = normal(disturbed.random[w], k, true[w, b, axis], fix.std)
-                heading = normal(disturbed.random[w], k, true[w, b, 2], fix.angle_std)
+                    pose[axis] = normal(disturbed.random[w], k, true[w, b, axis], fix.spread)
+                heading = normal(disturbed.random[w], k, true[w, b, 2], fix.turn)
             pose[2] = wrap_from(heading, model.heading_low[b])

@@ -38,7 +38,7 @@ class ScanRate:
 def hold_scans(worlds: Ints, disturbed: Disturbed, scan: OwnScan, held: Rays, model: Model) -> None:
     """Keep scans that are due, and put the last kept ones in place of the others.
 
-    Reads: disturbed (count, values), scan (ranges, sensors), held, model (step_time).
+    Reads: disturbed (count, values), scan (ranges, sensors), model (step_time).
     Writes: disturbed (count), scan (ranges), held.
     """
     for w in worlds:

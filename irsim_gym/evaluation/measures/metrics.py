@@ -185,7 +185,7 @@ class Summary:
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
         throughput: Mean rate of reached goals [1/min]; NaN if a robot has only one goal.
         misplaced: Share that believed to have arrived and had not, where odometry is disturbed.
-        end_distance: Mean true distance from the goal at the end [m], over episodes that ended as arrivals or misplaced.
+        end_distance: Mean true distance from the goal at the end [m], over successes and misplaced ones.
     """
 
     policy: str

@@ -5,7 +5,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from irsim_gym.base.families import BEHAVIORS, DISTURBANCES, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
+from irsim_gym.base.families import (
+    BEHAVIORS,
+    DISTURBANCES,
+    FOOTPRINTS,
+    GROUP_BEHAVIORS,
+    KINEMATICS,
+    PLACEMENTS,
+    SENSORS,
+)
 from irsim_gym.base.options import defaults, option_fields
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.validation import BAD, Report, build, build_named, check_keys, read_color, read_field

@@ -104,7 +104,7 @@ def _one_each(value: list[Any], count: int, place: Place) -> Shared:
 
 
 def _share_lists(value: object, count: int, place: Place) -> Shared:
-    """Distribute sensors or disturbances: a list of mappings applies to all bodies; a list of lists holds one list per body."""
+    """Distribute sensors or disturbances: a list of mappings is for all bodies, a list of lists has one per body."""
     if isinstance(value, list) and value and not all(isinstance(item, Mapping) for item in value):
         return _one_each(value, count, place)
     return Shared(((place, value),))

@@ -174,9 +174,7 @@ class BodyOptions:
         consequence="If smaller than half the distance of a step, the body may jump over the goal; 0 is never reached.",
     )
     sensors: Any = option(None, meaning="List of sensors.")
-    disturbances: Any = option(
-        None, meaning="List of disturbances: what makes a robot drive and measure otherwise than its entry says."
-    )
+    disturbances: Any = option(None, meaning="List of what makes the robot drive and measure differently.")
     arrive_mode: Literal["position", "state"] = option(
         "position",
         meaning="What must match the goal on arrival.",
@@ -186,9 +184,8 @@ class BodyOptions:
         None,
         min_length=1,
         meaning="Image instead of the outline, seen from above and heading right: a file beside the scenario, an "
-        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, "
-        "diff_robot1.png; default: car_green.png for a rectangular acker robot without a colour or line "
-        "style.",
+        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; "
+        "default: car_green.png for a rectangular acker robot without a colour or line style.",
     )
     group: int | None = option(
         None,
@@ -210,10 +207,8 @@ class BodyOptions:
     speed_range: tuple[float, float] | None = option(
         None, unit="m/s", meaning="Bounds of the maximum speed, which each level draws in place of those of vel_max."
     )
-    party: int = option(
+    party: Annotated[int, Field(ge=1, le=100)] = option(
         1,
-        ge=1,
-        le=100,
         meaning="Number of successive bodies of the entry that walk together. A circle places them side by side; if "
         "they wander, they share the goals of the first.",
     )

@@ -11,7 +11,6 @@ from irsim_gym.scenario.reading.level_checks import n_goals_drawn
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.simulator.contact.swept import lay_sweep
 from irsim_gym.simulator.engine import field_of_view
-from irsim_gym.simulator.engine.disturbing import disturb
 from irsim_gym.simulator.engine.own_scans import with_scans
 from irsim_gym.simulator.levels.body_measures import measure
 from irsim_gym.simulator.levels.level_table import given_bodies, lay_levels, varied_outlines
@@ -25,7 +24,6 @@ from irsim_gym.simulator.step.turns import take_turns
 from irsim_gym.simulator.world.group import Group, WorldContext
 from irsim_gym.simulator.world.model import LOOP, WANDER, Model
 from irsim_gym.simulator.world.outline import Outline
-from irsim_gym.simulator.world.state import State
 
 Member = tuple[int, Any]
 
@@ -33,12 +31,7 @@ _OTHER_BEAMS = "its group reads scans, so the first range sensor of each member 
 
 
 def collect_parts(
-    scenario: Scenario,
-    outlines: Sequence[Outline],
-    model: Model,
-    state: State,
-    agents: tuple[int, ...],
-    n_slots: int,
+    scenario: Scenario, outlines: Sequence[Outline], model: Model, agents: tuple[int, ...], n_slots: int
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
@@ -67,12 +60,11 @@ def collect_parts(
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
     patience = find_patient(scenario, model, agents)
-    turns = [] if external else take_turns(movers, behaviors, kinematics, in_order=in_order)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
-        turns=turns,
+        turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
         visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),
@@ -94,7 +86,6 @@ def collect_parts(
         fog=lay_fog(scenario, scanners, model),
         sweep=lay_sweep(scenario, model, movers, None if patience is None else patience.free),
         patience=patience,
-        disturbances=disturb(scenario, agents, model, state, turns, (kinematics, scanners)),
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )

@@ -14,6 +14,7 @@ from irsim_gym.simulator.cell_maps.cells import find_boxes
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells, most_boxes
 from irsim_gym.simulator.contact import body_buckets
 from irsim_gym.simulator.engine.collect import collect_parts
+from irsim_gym.simulator.engine.disturbing import disturb
 from irsim_gym.simulator.engine.given import check_agents, check_scenario, check_worlds
 from irsim_gym.simulator.engine.simulation import Simulation
 from irsim_gym.simulator.engine.start_checks import refuse_blocked_starts
@@ -101,7 +102,8 @@ def compile(
     model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
-    parts = collect_parts(scenario, outlines, model, state, agents, shards.n_slots)
+    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
+    parts.disturbances = disturb(scenario, agents, model, state, parts)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)

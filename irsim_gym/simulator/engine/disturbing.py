@@ -14,7 +14,7 @@ from irsim_gym.base.options import drawn_ends
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
 from irsim_gym.simulator.step.disturbances import Belief, Disturbances
-from irsim_gym.simulator.step.turns import Turn
+from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.group import Group
 from irsim_gym.simulator.world.model import Model
@@ -28,9 +28,7 @@ BELIEVED = ("motion", "belief")
 """What makes the pose that a robot believes in another one than the true one."""
 
 
-def disturb(
-    scenario: Scenario, agents: tuple[int, ...], model: Model, state: State, turns: Sequence[Turn], movers: Any
-) -> Disturbances:
+def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: State, parts: Parts) -> Disturbances:
     """Return the disturbances of a scenario, and write those of commands and motions into the turns.
 
     Args:
@@ -38,8 +36,7 @@ def disturb(
         agents: The learners.
         model: The constants.
         state: The state of the worlds, which views of it share.
-        turns: The turns of a step.
-        movers: The groups of drives, and those of sensors.
+        parts: The groups of the scenario, and the turns of a step.
 
     Raises:
         ScenarioError: A disturbance does not fit its robot.
@@ -47,13 +44,12 @@ def disturb(
     given = [(b, one) for b in scenario.robots for one in _of(scenario, agents, b)]
     if not given:
         return Disturbances()
-    drives, sensors = movers
     _check(scenario, given, model)
     names = [entry.kind for entry in DISTURBANCES]
     kinds = sorted({type(one) for _, one in given}, key=names.index)
     found = Disturbances()
     by_kind = [(kind, [member for member in given if type(member[1]) is kind]) for kind in kinds]
-    for turn in turns:
+    for turn in parts.turns:
         turn.commands, turn.motions = (
             [
                 _group(kind, chosen, model)
@@ -67,11 +63,13 @@ def disturb(
         found.groups += [*turn.commands, *turn.motions]
     for kind, members in by_kind:
         if kind.acts_on == "scan":
-            found.scans += [_scan_group(kind, members, sensor, model) for sensor in sensors if _seen(members, sensor)]
+            found.scans += [
+                _scan_group(kind, members, sensor, model) for sensor in parts.sensors if _seen(members, sensor)
+            ]
     believers = np.unique([b for b, one in given if one.acts_on in BELIEVED]).astype(np.int64)
-    if len(believers) and turns:
+    if len(believers) and parts.turns:
         errors = [_group(kind, members, model, state) for kind, members in by_kind if kind.acts_on == "belief"]
-        found.belief = _belief(believers, errors, drives, state)
+        found.belief = _belief(believers, errors, parts.kinematics, state)
         found.groups += errors
     found.groups += found.scans
     return found

@@ -1,4 +1,4 @@
-"""Disturbances of robots in a step: of their commands, their motion, their scans, and what they believe of their pose."""
+"""Disturbances of robots in a step: of commands, motion and scans, and of the poses that robots believe in."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from irsim_gym.simulator.world.disturbed import begin_disturbed
 from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Shard, State, kernel
 
 if TYPE_CHECKING:
-    from irsim_gym.simulator.step.parts import Parts
     from irsim_gym.simulator.step.turns import Turn
 
 
@@ -70,24 +69,25 @@ def moved(turn: Turn, model: Model, state: State, shard: Shard) -> State:
     return turn.moved
 
 
-def begin(parts: Parts, model: Model, state: State, shard: Shard) -> None:
+def begin(found: Disturbances, goal_bodies: Ints, model: Model, state: State, shard: Shard) -> None:
     """Draw the numbers of the level, and let all robots know their poses."""
-    for group in parts.disturbances.groups:
+    for group in found.groups:
         begin_disturbed(shard.worlds, group.tables, model)
-    if (belief := parts.disturbances.belief) is not None:
-        tell_truth(shard.worlds, parts.everyone, state, belief.state)
-        arrival.measure_distance(shard.worlds, parts.goal_bodies, belief.state)
+    if (belief := found.belief) is not None:
+        tell_truth(shard.worlds, belief.others, state, belief.state)
+        tell_truth(shard.worlds, belief.believers, state, belief.state)
+        arrival.measure_distance(shard.worlds, goal_bodies, belief.state)
 
 
-def begin_again(parts: Parts, state: State, shard: Shard, begun: Flags) -> None:
+def begin_again(found: Disturbances, goal_bodies: Ints, state: State, shard: Shard, begun: Flags) -> None:
     """Let some robots begin anew in running worlds, shape ``(n_shard_worlds, n_bodies)``; their numbers stay."""
-    for group in parts.disturbances.groups:
+    for group in found.groups:
         row, k = np.nonzero(begun[:, group.members])
         group.tables.count[shard.worlds[row], k] = 0
-    if (belief := parts.disturbances.belief) is not None:
+    if (belief := found.belief) is not None:
         for row, b in zip(*np.nonzero(begun), strict=True):
             tell_truth(shard.worlds[row : row + 1], np.array([b]), state, belief.state)
-        arrival.measure_distance(shard.worlds, parts.goal_bodies, belief.state)
+        arrival.measure_distance(shard.worlds, goal_bodies, belief.state)
 
 
 def believe(belief: Belief, model: Model, state: State, shard: Shard) -> None:

@@ -1,6 +1,6 @@
 """The groups and index lists that a compiled scenario consists of."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -46,9 +46,9 @@ class Parts:
         fog: What the robots have explored; None unless the file asks for it.
         sweep: Memory for contacts within a step; None where only its end is tested.
         patience: Wandering bodies that go on after a collision; None without any.
-        disturbances: What disturbs robots.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
+        disturbances: What disturbs robots.
     """
 
     kinematics: list[Group]
@@ -76,9 +76,9 @@ class Parts:
     fog: FogMap | None
     sweep: SweptMotion | None
     patience: Patience | None
-    disturbances: Disturbances
     names: tuple[str, ...]
     places: tuple[str, ...]
+    disturbances: Disturbances = field(default_factory=Disturbances)
 
     @property
     def remembering(self) -> list[Group]:

@@ -89,7 +89,7 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop_bodies(shard.worlds, model, state)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
-    disturbances.begin(parts, model, state, shard)
+    disturbances.begin(parts.disturbances, parts.goal_bodies, model, state, shard)
     sense(parts, model, state, shard)
 
 

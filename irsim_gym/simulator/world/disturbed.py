@@ -41,7 +41,7 @@ class Disturbed(Struct):
 def begin_disturbed(worlds: Ints, disturbed: Disturbed, model: Model) -> None:
     """Draw the numbers of a level. They depend on its seed, the member and the kind, and on nothing else.
 
-    Reads: disturbed (high, keys, low, members, random), model (level_random).
+    Reads: disturbed (high, keys, low, random), model (level_random).
     Writes: disturbed (count, random, values).
     """
     for w in worlds:

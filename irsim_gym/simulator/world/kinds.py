@@ -288,13 +288,11 @@ class Reports(Protocol):
 class DisturbanceKind(Protocol):
     """What makes a robot drive or measure otherwise than its entry says.
 
-    Options of type ``base.options.Drawn`` are drawn for each level: ``group.tables``, a ``Disturbed``, has their values,
+    Options of type ``base.options.Drawn`` are drawn for each level: ``group.tables``, a ``Disturbed``, has their values
     and a random stream for each member. It may have ``prepare``, as a drive has it, to make room in ``group.arrays``.
     """
 
-    acts_on: ClassVar[
-        Annotated[Literal["command", "motion", "belief", "scan"], "what it changes, see ``disturb``"]
-    ]
+    acts_on: ClassVar[Annotated[Literal["command", "motion", "belief", "scan"], "what it changes, see ``disturb``"]]
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -155,10 +155,8 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
 
 
 @kernel
-def find_misplaced(
-    worlds: Ints, agents: Ints, model: Model, state: State, told: State, episode: EpisodeState
-) -> None:
-    """Let the episodes of agents fail that believe that they have arrived, but are elsewhere by more than their tolerance.
+def find_misplaced(worlds: Ints, agents: Ints, model: Model, state: State, told: State, episode: EpisodeState) -> None:
+    """Let the episodes of agents fail that believe to have arrived, and are elsewhere by more than their tolerance.
 
     What counts is the distance between the true and the believed position: a robot that stops as soon as it believes
     to be within the tolerance is beyond it in truth half of the time, however small its error is.

@@ -131,7 +131,8 @@ def test_a_pair_is_drawn_for_each_level_and_a_number_for_none() -> None:
     sim = driven({"name": "slip", "ahead": [0.1, 0.3], "turn": 0.2}, n_worlds=n)
     drawn = sim.parts.disturbances.groups[0].tables.values[:, 0]
     assert np.all(drawn[:, 1] == 0.2)
-    assert drawn[:, 0].min() >= 0.1 and drawn[:, 0].max() < 0.3
+    assert drawn[:, 0].min() >= 0.1
+    assert drawn[:, 0].max() < 0.3
     assert drawn[:, 0].mean() == pytest.approx(0.2, abs=3 * 0.2 / np.sqrt(12 * n))
     again = drawn.copy()
     sim.reset_to_start()
@@ -150,7 +151,11 @@ def test_disturbances_do_not_touch_the_stream_of_the_level() -> None:
 def test_they_act_in_one_order_whatever_the_file_says() -> None:
     found = []
     for order in (1, -1):
-        given = [{"name": "lost_commands", "chance": 0.4}, {"name": "latency", "time": 0.2}, {"name": "drive_lag", "tau": 0.2}]
+        given = [
+            {"name": "lost_commands", "chance": 0.4},
+            {"name": "latency", "time": 0.2},
+            {"name": "drive_lag", "tau": 0.2},
+        ]
         found.append(speeds(driven(*given[::order]), [0.1 * k for k in range(10)]))
     assert found[0] == found[1]
 
