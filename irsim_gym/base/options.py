@@ -32,8 +32,8 @@ class Bounds:
     """Bounds of an option of type ``Drawn``: ``time: Annotated[Drawn, Bounds(0.0, 10.0)] = option(0.0, ...)``.
 
     Attributes:
-        ge: The least number.
-        le: The greatest.
+        ge: The least number, in the [unit] of the option.
+        le: The greatest, likewise.
     """
 
     ge: float

@@ -91,7 +91,7 @@ def read_parameters(settings: Sequence[str] | None, perturbed: Sequence[str] | N
     if given or perturbed:
         from irsim_gym.scenario.reading.parameters import PERTURBED, is_free
     for name in given:
-        if not is_free(name):
+        if not is_free(name) and name != PERTURBED:
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )

@@ -66,7 +66,7 @@ def compile(
         fused: Whether to record a step and replay it as one call where possible. Results are the same.
 
     Raises:
-        ScenarioError: A robot's given start lies in an obstacle.
+        ScenarioError: A robot's given start lies in an obstacle, or a disturbance does not fit it.
         TypeError: It is no loaded scenario.
         ValueError: An agent is no body of it, or there is no world.
     """
@@ -89,8 +89,7 @@ def compile(
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
     per_world = drawn_traits(scenario) | _rows_by_world(scenario, varied)
-    model = Model.allocate(sizes, per_world=per_world)
-    state = State.allocate(sizes)
+    model, state = Model.allocate(sizes, per_world=per_world), State.allocate(sizes)
     _write_world(scenario, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):

@@ -55,5 +55,10 @@ def begin_disturbed(worlds: Ints, disturbed: Disturbed, model: Model) -> None:
 
 @kernel(inlined=True)
 def whole_steps(time: float, step_time: float) -> int:
-    """Return a time [s] in steps, rounded up."""
+    """Return a time in steps, rounded up.
+
+    Args:
+        time: The time [s].
+        step_time: Duration of a step [s].
+    """
     return int(np.ceil(time / step_time - ROUNDING))
