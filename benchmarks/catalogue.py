@@ -71,12 +71,12 @@ def frames(name: str, effort: Effort) -> Figures:
     return {"first_frame_ms": 1e3 * first, "frame_ms": cost(drive, min(5, effort.rounds)).times(1e3 / 20)}
 
 
-def training_share(effort: Effort, *, learnability: bool = False) -> Figures:
+def training_share(effort: Effort) -> Figures:
     """Measure the shares of PPO's training time, with the shipped settings."""
     from training_share import measure
 
     steps = 1_000_000 if effort.largest is None else 1
-    return dict(measure("cluttered_room", steps, learnability=learnability))
+    return dict(measure("cluttered_room", steps))
 
 
 def training_noop(effort: Effort) -> Figures:
@@ -128,9 +128,8 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     "decision/dwa": partial(decision, "dense_room", "dwa"),
     "decision/mppi": partial(decision, "dense_room", "mppi"),
     "training_share/cluttered_room": training_share,
-    "training_share/learnability": partial(training_share, learnability=True),
     "training_noop/s1": training_noop,
 }
 
-LONG = {"training_share/cluttered_room", "training_share/learnability", "training_noop/s1"}
+LONG = {"training_share/cluttered_room", "training_noop/s1"}
 """Cases that take minutes even when there is little to do."""

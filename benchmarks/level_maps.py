@@ -15,7 +15,6 @@ MAPS: dict[str, dict[str, Any]] = {
     "maze": {"name": "maze", "resolution": 0.25},
     "cellular": {"name": "cellular", "resolution": 0.25},
     "shelves": {"name": "shelves", "resolution": 0.25},
-    "perlin": {"name": "perlin", "resolution": 0.25, "per_level": True, "fill": 0.3},
 }
 """The first has 11 x 11 cells, with starts and goals in their middles; the others have 64 x 64."""
 N_WORLDS = 256

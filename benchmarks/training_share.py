@@ -70,34 +70,12 @@ class TimedRollouts(BaseCallback):
         return True
 
 
-class TimedCurriculum(ig.sb3.LearnabilityCallback):
-    """Sums up the CPU seconds that sampling for learnability takes."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.seconds = 0.0
-
-    def on_rollout_start(self) -> None:
-        """Update what is known of the levels, and count the time."""
-        begin = time.process_time()
-        super().on_rollout_start()
-        self.seconds += time.process_time() - begin
-
-    def on_step(self) -> bool:
-        """Take in episodes that ended, choose levels, and count the time."""
-        begin = time.process_time()
-        goes_on = super().on_step()
-        self.seconds += time.process_time() - begin
-        return goes_on
-
-
-def measure(name: str, steps: int, *, learnability: bool = False) -> dict[str, float]:
+def measure(name: str, steps: int) -> dict[str, float]:
     """Train for some steps with the shipped settings and return the shares of CPU time.
 
     Args:
         name: The scenario.
         steps: Number of steps.
-        learnability: Whether levels are sampled for learnability.
     """
     wanted = load_hyperparameters("ppo", f"irsim_gym/{name}-v0")
     torch.set_num_threads(wanted.torch_threads)
@@ -107,20 +85,18 @@ def measure(name: str, steps: int, *, learnability: bool = False) -> dict[str, f
     worlds = ig.sb3.make_vec_env(name, wanted.n_envs, seed=0)
     simulator, env = TimedSimulator(worlds.worlds.episodes.simulation), TimedWorlds(worlds)
     model = PPO("MlpPolicy", env, seed=0, device="cpu", **wanted.algorithm_arguments())
-    rollouts, curriculum = TimedRollouts(), TimedCurriculum() if learnability else None
+    rollouts = TimedRollouts()
     begin = time.process_time()
-    # The curriculum's work at the start of a rollout is in that of the rollout, as it comes second.
-    model.learn(steps, callback=[rollouts, curriculum] if curriculum else rollouts)
-    total, chosen = time.process_time() - begin, curriculum.seconds if curriculum else 0.0
+    model.learn(steps, callback=rollouts)
+    total = time.process_time() - begin
     return {
         "worlds": env.num_envs,
         "steps": model.num_timesteps,
         "steps_per_cpu_s": model.num_timesteps / total,
         "simulator_share": simulator.seconds / total,
         "task_and_adapter_share": (env.seconds - simulator.seconds) / total,
-        "policy_share": (rollouts.seconds - env.seconds - chosen) / total,
+        "policy_share": (rollouts.seconds - env.seconds) / total,
         "update_share": 1.0 - rollouts.seconds / total,
         "simulator_us_per_step": 1e6 * simulator.seconds / model.num_timesteps,
         "environment_us_per_step": 1e6 * env.seconds / model.num_timesteps,
-        **({"curriculum_share": chosen / total} if curriculum else {}),
     }

@@ -40,7 +40,13 @@ def take_over(folder: Path) -> None:
     record = reference_record()
     if (run.split, run.levels) != (record.split, record.levels):
         raise SystemExit(f"{folder} holds {run.levels} {run.split} levels, not {record.levels} {record.split} levels")
-    if unplayed := run.unplayed():
+    unplayed = [
+        f"{method} in {member}"
+        for member in run.members
+        for method, policies in run.methods.items()
+        if len(run.done(member, method)) < len(policies)
+    ]
+    if unplayed:
         raise SystemExit(f"{folder} is not finished, `irsim-gym suite run` continues it: {', '.join(unplayed)}")
     for key in ("members", "figures", "runs", "methods"):
         getattr(record, key).update(getattr(run, key))

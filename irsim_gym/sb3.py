@@ -1,4 +1,4 @@
-"""Support for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots and their buffers, a curriculum and a log."""
+"""Support for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots and their buffers, and a log."""
 
 from irsim_gym.base.extras import require
 
@@ -13,7 +13,6 @@ from irsim_gym.envs.sb3.buffers import (
 from irsim_gym.envs.sb3.mixture import MixtureVecEnv
 from irsim_gym.envs.sb3.teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.sb3.vec_env import WorldVecEnv, make_vec_env
-from irsim_gym.envs.sb3_learning.curriculum import LearnabilityCallback
 from irsim_gym.envs.sb3_learning.gru import DictSequenceBuffer, GruPPO, SequenceBuffer
 from irsim_gym.envs.sb3_learning.log import LogCallback
 from irsim_gym.envs.sb3_learning.masked import MaskedA2C, MaskedPPO
@@ -21,7 +20,7 @@ from irsim_gym.envs.sb3_learning.memory import GruPolicy
 from irsim_gym.envs.sb3_learning.mirror import MirrorCallback
 from irsim_gym.envs.sb3_learning.normalize import MaskedVecNormalize
 
-__all__ = ["GruPPO", "GruPolicy", "LearnabilityCallback", "LogCallback"]
+__all__ = ["GruPPO", "GruPolicy", "LogCallback"]
 __all__ += ["MaskedA2C", "MaskedDictReplayBuffer", "MaskedDictRolloutBuffer", "MaskedPPO", "MaskedReplayBuffer"]
 __all__ += ["MaskedRolloutBuffer", "MaskedVecNormalize", "MirrorCallback", "MixtureVecEnv", "TeamVecEnv"]
 __all__ += ["WorldVecEnv", "buffers_for", "make_multi_agent_vec_env", "make_vec_env"]

@@ -1,80 +1,17 @@
 """How packages show their public names, and where public names of version 0.1 are now."""
 
+import json
 import sys
 import warnings
 from collections.abc import Callable
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-FORMER = {
-    "arenas.contest": "arena evaluation.Arena",
-    "arenas.standings": "evaluation.Standings",
-    "engine": "Simulation compile plugins.Shard",
-    "engine.compile": "compile",
-    "engine.simulation": "Simulation",
-    "envs.batch": "Batch make_batch",
-    "envs.batch_step": "BatchStep",
-    "envs.description": "envs.Action envs.Block envs.Component "
-    "envs.Description envs.Ending envs.Info envs.Part envs.Reward",
-    "envs.mirror": "envs.Mirror",
-    "envs.moment": "envs.Bodies envs.BodyMoment envs.WorldMoment",
-    "envs.parallel": "WorldParallelEnv parallel_env",
-    "envs.replays": "RecordReplay",
-    "envs.sb3_buffers": "sb3.MaskedDictReplayBuffer sb3.MaskedDictRolloutBuffer sb3.MaskedReplayBuffer "
-    "sb3.MaskedRolloutBuffer",
-    "envs.sb3_gru": "sb3.DictSequenceBuffer sb3.GruPPO sb3.SequenceBuffer",
-    "envs.sb3_memory": "sb3.GruPolicy",
-    "envs.sb3_normalize": "sb3.MaskedVecNormalize",
-    "envs.single": "WorldEnv",
-    "envs.torch_rows": "TorchRows torch_rows",
-    "envs.vector": "WorldVectorEnv",
-    "envs.worlds": "envs.Worlds",
-    "evaluation.behavior_policies": "evaluation.BehaviorPolicy",
-    "evaluation.drive_actions": "evaluation.to_actions",
-    "evaluation.metrics": "evaluation.EpisodeRow evaluation.Rate evaluation.Summary",
-    "evaluation.perception": "evaluation.Perceived",
-    "evaluation.policy": "evaluation.Policy evaluation.by_agent",
-    "evaluation.reference_policies": "evaluation.ALWAYS_SHOWN evaluation.reference_policy",
-    "evaluation.tables": "evaluation.plain evaluation.write_json evaluation.write_text",
-    "evaluation.team_metrics": "evaluation.AgentRow evaluation.TeamRow evaluation.TeamSummary",
-    "evaluation.teams": "evaluation.top_speed",
-    "evaluation.worst_levels": "evaluation.worst_shares",
-    "levels.barn": "levels.import_barn",
-    "levels.certificate": "levels.Certificate levels.read_certificate",
-    "levels.jaxnav": "levels.import_jaxnav",
-    "live.body": "Body",
-    "live.body_info": "live.HalfPlanes live.ObstacleInfo live.RobotInfo",
-    "live.grid_map": "live.GridMap",
-    "render": "Renderer=rendering.films.renderer.Renderer",
-    "scenario.library": "scenario.configs_folder scenario.find",
-    "scenario.load": "load_scenario",
-    "scenario.spec": "scenario.BodySpec scenario.Scenario",
-    "suite.listing": "suite.reference_figures",
-    "suite.members": "suite.Member suite.Suite suite.read_suite suite.shipped_suite",
-    "suite.suite_record": "suite.SuiteRecord suite.read_record",
-    "tasks.outcome": "tasks.HitKind tasks.Outcome",
-    "tasks.task": "tasks.Task tasks.load_task",
-    "training.cards": "evaluation.PolicyCard",
-    "training.comparison": "evaluate",
-    "training.demonstrations": "evaluation.Demonstrations load_demonstrations",
-    "training.episode_setup": "evaluation.conditions evaluation.make_episodes",
-    "training.evaluate": "evaluation.Evaluation",
-    "training.evaluate_teams": "evaluation.TeamEvaluation",
-    "training.hyperparameters": "training.Hyperparameters training.Linear training.load_hyperparameters",
-    "training.policies": "evaluation.SavedPolicy load_policy=evaluation.as_policy",
-    "training.run": "evaluation.machine",
-    "training.seed_summary": "training.markdown_table training.seed_cells "
-    "training.summarize_seeds training.write_seeds",
-    "training.shelf": "evaluation.ShelfPolicy",
-    "world.body_readings": "envs.BodyReadings",
-    "world.group": "plugins.Group plugins.Shard",
-    "world.irsim_readings": "live.IrSimReadings",
-    "world.rows": "plugins.row_of",
-    "world.sensor_view": "live.SensorView",
-}
+FORMER: dict[str, str] = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
 """Modules of version 0.1 and the faces that have their public names now. They go with the next release."""
 
 

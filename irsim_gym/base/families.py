@@ -24,6 +24,24 @@ ENDINGS = Registry("ending", _OWN.format("ending"), (_TASK, "ENDING"))
 SECTIONS = Registry("section")
 """Sections of a scenario file whose keys a package beyond ``scenario`` declares: for the reference and the schema."""
 
+BY_KEY = {
+    "kinematics": KINEMATICS,
+    "behavior": BEHAVIORS,
+    "group_behavior": GROUP_BEHAVIORS,
+    "shape": FOOTPRINTS,
+    "distribution": PLACEMENTS,
+    "sensors": SENSORS,
+    "disturbances": DISTURBANCES,
+    "obstacle_map": MAPS,
+    "action": ACTIONS,
+    "observations": OBSERVATIONS,
+    "rewards": REWARDS,
+    "endings": ENDINGS,
+}
+"""The registry of the kinds that stand at a key of a scenario file."""
+KINDS_OF_BODIES = ("kinematics", "behavior", "group_behavior", "shape")
+"""Keys of entries whose value is one kind, for all bodies or for each of them."""
+
 _PACKAGES = (
     *("bodies.drives", "bodies.behaviors", "bodies.shapes", "bodies.placements", "bodies.sensors", "bodies.maps"),
     *("bodies.disturbances", "tasks"),
@@ -38,20 +56,7 @@ def load() -> None:
 
 def every() -> tuple[Registry, ...]:
     """Return the registries of all families of kinds."""
-    return (
-        KINEMATICS,
-        BEHAVIORS,
-        GROUP_BEHAVIORS,
-        FOOTPRINTS,
-        PLACEMENTS,
-        SENSORS,
-        MAPS,
-        DISTURBANCES,
-        ACTIONS,
-        OBSERVATIONS,
-        REWARDS,
-        ENDINGS,
-    )
+    return tuple(BY_KEY.values())
 
 
 def kind_named(family: str, name: str) -> Any:

@@ -17,11 +17,11 @@ from irsim_gym.cli import options as opt
 from irsim_gym.cli.arena import arena
 from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
-from irsim_gym.cli.robot import export
+from irsim_gym.cli.robot import bag, export, fit
 from irsim_gym.cli.run import run_by_itself
 from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
-from irsim_gym.cli.tools import one_policy, print_shipped, read_parameters, scenario_request
+from irsim_gym.cli.tools import print_shipped, read_parameters, scenario_request
 from irsim_gym.cli.train import train, tune
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
@@ -30,6 +30,7 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 app.add_typer(suite, name="suite")
 app.add_typer(levels, name="levels")
 app.add_typer(shelf, name="policies")
+app.add_typer(bag, name="bag")
 
 
 @app.command("list")
@@ -100,6 +101,7 @@ app.command()(schema)
 app.command()(train)
 app.command()(tune)
 app.command()(export)
+app.command()(fit)
 
 
 @app.command()
@@ -215,7 +217,6 @@ def rollout(
         ),
     ] = None,
     overwrite: opt.ReplaceFile = False,
-    named: opt.PolicyOption = None,
     team: opt.Team = False,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
@@ -226,8 +227,7 @@ def rollout(
     from irsim_gym.cli.work.commands import run_rollout
 
     asked = scenario_request(scenario, task, team, given, lenient, perturb)
-    chosen = one_policy(policy, named) or "dash"
-    run_rollout(asked, chosen, levels=levels, split=split, out=out or [], overwrite=overwrite)
+    run_rollout(asked, policy or "dash", levels=levels, split=split, out=out or [], overwrite=overwrite)
 
 
 app.command("run")(run_by_itself)
@@ -247,7 +247,6 @@ def play(
     split: opt.Split = "train",
     robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
-    named: opt.PolicyOption = None,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
@@ -258,8 +257,7 @@ def play(
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 
     parameters = read_parameters(given, perturb)
-    watched = one_policy(policy, named)
-    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, watched, not lenient)
+    settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, policy, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:
@@ -273,13 +271,14 @@ def draw(
     split: opt.Split = "dev",
     task: opt.Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="Picture to write or replace: .png, .pdf, .svg (default: SCENARIO.png).")
+        Path | None,
+        typer.Option(help="File to write or replace: .png, .pdf, .svg, or .yaml for ROS (default: SCENARIO.png)."),
     ] = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
-    """Draw the start of a level."""
+    """Draw the start of a level, or write what stands in it as a map of ROS."""
     from irsim_gym.cli.work.inspection import draw_level
 
     print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))

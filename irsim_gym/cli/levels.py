@@ -83,28 +83,12 @@ def barn(
 
 
 @imports.command()
-def jaxnav(
-    path: Annotated[Path, typer.Argument(help="Pickle of states (.pkl), or an .npz with cells, starts and goals.")],
-    out: Out,
-) -> None:
-    """Convert levels of JaxNav. A pickle is read without loading any of its classes."""
+def jaxnav(path: Annotated[Path, typer.Argument(help="An .npz with cells, starts and goals.")], out: Out) -> None:
+    """Convert levels of JaxNav. `agents/jaxnav_pickle.py` takes the arrays out of its pickles."""
     from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
     from irsim_gym.evaluation.levels.level_commands import write_levels
 
     write_levels(import_jaxnav(path), out)
-
-
-@levels.command("certify-suite")
-def certify_suite(
-    folder: Annotated[
-        Path, typer.Argument(help="A run of the suite; its methods, of one policy each, are the reference policies.")
-    ],
-    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks; default: all of the run.")] = None,
-) -> None:
-    """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""
-    from irsim_gym.evaluation.suite.certificates import certify_members
-
-    certify_members(folder, names or [])
 
 
 @levels.command()

@@ -92,7 +92,6 @@ Watched = Annotated[
         autocompletion=cli_completion.policies,
     ),
 ]
-PolicyOption = Annotated[str | None, typer.Option("--policy", hidden=True, help="Older form of the argument POLICY.")]
 Given = Annotated[
     list[str] | None,
     typer.Option(
@@ -169,10 +168,6 @@ TeamMode = Annotated[
     typer.Option(
         help="Train one policy for all robots. When its episode ends, a robot waits (episode) or restarts (respawn)."
     ),
-]
-Curriculum = Annotated[
-    str | None,
-    typer.Option(help="Repeat levels that the policy solves only sometimes (learnability); see docs/levels.md."),
 ]
 
 EngineName = Annotated[

@@ -61,17 +61,14 @@ def run_suite(
 
 
 @suite.command("table")
-def print_table(
-    folder: Annotated[Path, typer.Argument(help="Folder of a run of the suite.")],
-    latex: Annotated[bool, typer.Option("--latex", help="LaTeX (package booktabs) instead of Markdown.")] = False,
-) -> None:
+def print_table(folder: Annotated[Path, typer.Argument(help="Folder of a run of the suite.")]) -> None:
     """Print the tables of a run, with the conditions of its results."""
-    from irsim_gym.evaluation.suite import suite_tables
     from irsim_gym.evaluation.suite.scores import score_suite
     from irsim_gym.evaluation.suite.suite_record import RECORD, SUMMARY, read_record
+    from irsim_gym.evaluation.suite.suite_tables import markdown
 
     record = read_record(folder)
     with reading(folder / SUMMARY, RECORD):
         score_suite(record, folder)
-        tables = suite_tables.latex(record) if latex else suite_tables.markdown(record)
+        tables = markdown(record)
     print(tables)

@@ -69,6 +69,15 @@ def read_changes(settings: Sequence[str] | None) -> dict[str, str]:
     return _pairs(settings, "--hp", "KEY=VALUE, e.g. --hp learning_rate=1e-3")
 
 
+def read_topics(settings: Sequence[str] | None) -> dict[str, str]:
+    """Return the values of ``--topic ROLE=TOPIC`` as text.
+
+    Raises:
+        IrsimGymError: If one is not of this form, or a role appears twice.
+    """
+    return _pairs(settings, "--topic", "ROLE=TOPIC, e.g. --topic scan=/front/scan")
+
+
 def _pairs(settings: Sequence[str] | None, option: str, form: str) -> dict[str, str]:
     given: dict[str, str] = {}
     for text in settings or ():
@@ -110,17 +119,6 @@ def scenario_request(
     from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 
     return ScenarioRequest(scenario, task, team, read_parameters(settings, perturbed), not lenient)
-
-
-def one_policy(policy: str | None, named: str | None) -> str | None:
-    """Return the policy that an argument or the older option ``--policy`` names; None for none.
-
-    Raises:
-        IrsimGymError: If both name one.
-    """
-    if policy is not None and named is not None:
-        raise IrsimGymError(f"one policy drives: {policy}, or {named} (--policy)")
-    return named if policy is None else policy
 
 
 def print_options(name: str) -> None:

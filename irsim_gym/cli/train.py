@@ -38,7 +38,6 @@ def train(
     device: opt.Device = None,
     dev_levels: opt.DevLevels = 1000,
     team: opt.TeamMode = None,
-    curriculum: opt.Curriculum = None,
     seeds: opt.Seeds = None,
     test_levels: opt.TestLevels = 1000,
     mixture: opt.Mixture = False,
@@ -64,7 +63,7 @@ def train(
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
         *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
-        *(device, origin, curriculum),
+        *(device, origin),
         engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
         changes=read_changes(changes),
         until=until,
@@ -101,14 +100,10 @@ def tune(
     device: opt.Device = None,
     dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
     team: opt.TeamMode = None,
-    curriculum: opt.Curriculum = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, max=10_000, help="Trials at a time (default: 1; on a cluster, its processors).")
-    ] = None,
-    address: Annotated[str | None, typer.Option(help="Address of a Ray cluster that runs the trials.")] = None,
+    workers: Annotated[int, typer.Option(min=1, max=10_000, help="Trials at a time.")] = 1,
 ) -> None:
     """Search with Optuna, or through a grid, for hyper-parameters, weights of rewards, parameters, seeds, scenarios.
 
@@ -116,20 +111,14 @@ def tune(
     dev levels stays below the median are pruned.
     """
     require("tune", "irsim-gym tune")
-    if address is not None:
-        require("rllib", "irsim-gym tune --address")
-        from irsim_gym.training.rllib.ray_session import prepare
-
-        prepare(address)
     from irsim_gym.training.requests.training_request import TrainingRequest
     from irsim_gym.training.searches.tuning import run_tuning
 
     parameters = read_parameters(given)
     request = TrainingRequest(
         *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
-        curriculum=curriculum,
         changes=read_changes(changes),
     )
     how: dict[str, Any] = {"dev_levels": dev_levels, "modules": tuple(modules or ())}
-    how |= {"workers": workers, "address": address, "overwrite": overwrite, "grid": grid}
+    how |= {"workers": workers, "overwrite": overwrite, "grid": grid}
     run_tuning(request, trials, scenarios=scenario, space=space, out=out, **how)

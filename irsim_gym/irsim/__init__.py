@@ -49,6 +49,7 @@ from irsim_gym.irsim.rotations import (
 from irsim_gym.live.planning.grid_map import GridMap
 from irsim_gym.live.planning.planners import AStarPlanner, JPSPlanner
 from irsim_gym.live.session.level_source import ScenarioSource
+from irsim_gym.simulator.readings import messages
 from irsim_gym.simulator.readings.irsim_names import advice
 
 __all__ = ["AStarPlanner", "AckerDash", "ClipTo2Pi", "DiffDash", "DiffRVO", "EnvBase", "EnvBase3D", "EnvGridMap"]
@@ -65,6 +66,10 @@ EnvBase3D = EnvBase
 
 EnvGridMap = Map = GridMap
 
+MESSAGES = frozenset({"ContactState", "Header", "LaserScan", "Message", "ObjectState", "Odometry", "Point", "Pose"})
+MESSAGES |= {"PoseWithCovariance", "Quaternion", "Twist", "TwistWithCovariance", "Vector3", "WorldState"}
+"""Classes of ``irsim.msg``, which can be imported from here, too."""
+
 MODULES = tuple(advice("modules"))
 """IR-SIM's modules. Each of them can be imported, with all names in it."""
 
@@ -76,6 +81,8 @@ for _name in MODULES:
 def __getattr__(name: str) -> Any:
     if name in {part for path in MODULES for part in path.split(".")}:  # as in irsim.util.util.WrapToPi
         return sys.modules[__name__]
+    if name in MESSAGES:
+        return getattr(messages, name)
     instead = advice("import")
     if name in instead:  # an AttributeError would lose its message in `from irsim_gym.irsim import ...`
         raise ImportError(f"irsim_gym.irsim has no '{name}': {instead[name]}", name=__name__)

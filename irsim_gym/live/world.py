@@ -16,6 +16,7 @@ from irsim_gym.live.planning.path_planner import PathPlanner
 from irsim_gym.live.planning.wayless import WaylessBodies
 from irsim_gym.live.population.forwarding import Attribute, Method
 from irsim_gym.live.population.late_behaviors import LateBehaviors
+from irsim_gym.live.population.messages import WorldMessages
 from irsim_gym.live.population.population import Population
 from irsim_gym.live.session import moves
 from irsim_gym.live.session.arguments import read_arguments
@@ -88,6 +89,7 @@ class World:
         self._status = RunStatus(self._session, has_window=asked.render_mode == "human")
         self._info = WorldInfo(self._session, self._status)
         self._population = Population(self._session, self._status)
+        self._messages = WorldMessages(self._session, self._status, self._population)
         self._late_behaviors = LateBehaviors(self._session)
         self._wayless = WaylessBodies()
         self._planner = PathPlanner(self._session, self._population)
@@ -169,6 +171,8 @@ class World:
     delete_objects = Method("_population", Population.delete_objects)
     random_obstacle_position = Method("_population", Population.random_obstacle_position)
     random_polygon_shape = Method("_population", Population.random_polygon_shape)
+    get_msg = Method("_messages", WorldMessages.get_msg)
+    receive_msg = Method("_messages", WorldMessages.receive_msg)
     load_behavior = Method("_late_behaviors", LateBehaviors.load_behavior)
 
     path = Method("_planner", PathPlanner.path)
@@ -203,7 +207,6 @@ class World:
     save_figure = Method("_media", MediaWriter.save_figure)
     save_animation = Method("_media", MediaWriter.save_animation)
     save_html = Method("_media", MediaWriter.save_html)
-    save_sheet = Method("_media", MediaWriter.save_sheet)
     close = Method("_media", MediaWriter.close)
     end = Method("_media", MediaWriter.end)
     quit = Method("_media", MediaWriter.quit)

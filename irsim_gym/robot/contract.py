@@ -1,9 +1,12 @@
 """The contract of an exported policy: what it needs, what it was tested with, and how its graph is run."""
 
+import hashlib
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from irsim_gym.base.outside_files import json_object, reading
 from irsim_gym.tasks.terms.term import Needs
 
 FORMAT = 1
@@ -20,6 +23,15 @@ class Hashes(_Fixed):
     scenario: str = Field(description="Scenario and task, without image files.")
     policy: str = Field(description="The file that was exported.")
     onnx: str = Field(description="policy.onnx.")
+
+
+class ScenarioForm(_Fixed):
+    """What the policy was played in."""
+
+    name: str = Field(description="Shipped name, or path of a file.")
+    task: str | None = Field(description="Shipped name or path; None for the scenario's own.")
+    team: bool
+    parameters: dict[str, Any]
 
 
 class Tested(_Fixed):
@@ -39,6 +51,7 @@ class Scanner(_Fixed):
     range_min: float = Field(description="[m]")
     range_max: float = Field(description="[m]")
     mount: tuple[float, float, float] = Field(description="Pose of the scanner on the robot [m, m, rad].")
+    mounts: tuple[Span, Span, Span] = Field(description="Mounts that it was played with; the driver was told them.")
     no_return: Literal["inf", "zero"] = Field(description="What the scanner reports where nothing is in range.")
     tested: Tested
 
@@ -50,6 +63,7 @@ class RobotLimits(_Fixed):
     steers: bool = Field(description="The last component of a command is a steering angle.")
     wheelbase: float | None = Field(description="Distance of the axles of a car [m].")
     radius: float = Field(description="Of the disc around the robot's origin that encloses it [m].")
+    radii: Span = Field(description="Least and greatest radius that the policy was played with [m].")
     low: tuple[float, ...] = Field(description="Least command, in the units of the output.")
     high: tuple[float, ...] = Field(description="Greatest command.")
     acceleration: tuple[float | None, ...] = Field(description="Greatest change of each per second; None without one.")
@@ -103,10 +117,12 @@ class RobotContract(_Fixed):
     policy: str
     irsim_gym: str = Field(description="Version that wrote the file.")
     hashes: Hashes
+    scenario: ScenarioForm
     needs: Needs
     scan: Scanner | None
     robot: RobotLimits
     period: float = Field(description="Time from one command to the next [s].")
+    periods: Span = Field(description="Least and greatest period that the policy was played with [s].")
     predict: float = Field(description="Time from measuring until a new command acts, which the graph bridges [s].")
     goal: GoalForm
     inputs: dict[str, TensorForm]
@@ -119,3 +135,19 @@ class RobotContract(_Fixed):
 def contract_schema() -> dict[str, Any]:
     """Return the JSON Schema of contract.json."""
     return RobotContract.model_json_schema()
+
+
+def read_export(folder: Path) -> tuple[RobotContract, bytes]:
+    """Return the contract of an export, and the content of its policy.onnx.
+
+    Raises:
+        UnreadableFileError: A file is missing or broken, or the two do not belong together.
+    """
+    file, model = folder / "contract.json", folder / "policy.onnx"
+    with reading(file, "contract of an exported policy"):
+        contract = RobotContract.model_validate(json_object(file))
+    with reading(model, f"graph of {file}"):
+        content = model.read_bytes()
+        if hashlib.sha256(content).hexdigest() != contract.hashes.onnx:
+            raise ValueError("its hash is not that in the contract")
+    return contract, content

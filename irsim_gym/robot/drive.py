@@ -5,28 +5,37 @@ Any object with the fields of the ROS messages will do. While the robot stands, 
 
 import hashlib
 import json
+import runpy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import onnxruntime
 
+SCANS = runpy.run_path(str(Path(__file__).with_name("scans.py")))
+KEYS = {"format", "hashes", "scan", "robot", "goal", "inputs", "states", "stop"}
+
 
 class Driver:
-    """One robot, by contract.json beside policy.onnx. With no_return="zero", 0 means that nothing is in range."""
+    """One robot, by contract.json. With no_return="zero", 0 is no return; mount: where the scanner is on the robot."""
 
-    def __init__(self, contract: str | Path, no_return: str = "", ahead: float = 2.0) -> None:
-        self.contract = json.loads(Path(contract).read_text(encoding="utf-8"))
+    def __init__(self, contract: str | Path, no_return: str = "", ahead: float = 2.0, mount: Any = None) -> None:
+        try:
+            self.contract = json.loads(Path(contract).read_text(encoding="utf-8"))
+        except ValueError as problem:
+            raise ValueError(f"{contract} is not JSON: {problem}") from None
+        if (lacking := KEYS.difference(self.contract)) or self.contract["format"] != 1:
+            raise ValueError(f"{contract} is no contract of format 1; it lacks: {', '.join(sorted(lacking))}")
         model, options = Path(contract).with_name("policy.onnx").read_bytes(), onnxruntime.SessionOptions()
         if hashlib.sha256(model).hexdigest() != self.contract["hashes"]["onnx"]:
             raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
         options.intra_op_num_threads = 1
         self.session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
         self.outputs = [one.name for one in self.session.get_outputs()]
-        self.own: dict[str, Any] = self.contract["scan"] or {"no_return": ""}
-        self.no_return, self.ahead = no_return or self.own["no_return"], ahead
+        self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
+        self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
         self.now = self.scan_time = self.pose_time = -np.inf
-        self.good_scans, self.has_fault, self.scan_fault, self.frame, self.goal_frame = 0, False, "", "", ""
+        self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
         self.ranges = self.pose = self.way = nothing
         self.velocity = np.zeros((1, len(self.contract["robot"]["low"])))
@@ -47,23 +56,11 @@ class Driver:
             ranges[ranges == 0.0] = np.inf
         lost = np.isnan(ranges) | (ranges < msg.range_min) & np.isfinite(ranges)
         ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
-        n_beams, share = self.own["beams"], self.own["step"] or 2.0 * np.pi
-        angles = msg.angle_min + step * np.arange(size) - self.own["first"]
-        outside = (angles < -0.5 * share) | (angles >= (n_beams - 0.5) * share)
-        places = np.where(outside, np.remainder(angles + 0.5 * share, 2.0 * np.pi) / share - 0.5, angles / share)
-        beams, self.ranges = np.rint(places).astype(int), np.full((1, n_beams), np.inf, np.float32)
-        inside = (beams >= 0) & (beams < n_beams)
-        np.minimum.at(self.ranges[0], beams[inside], ranges[inside].astype(np.float32))
-        for k in np.setdiff1d(np.arange(n_beams), beams[inside]) if size else ():  # beams of a coarser scanner
-            away = np.abs(np.remainder((places - k) * share + np.pi, 2.0 * np.pi) - np.pi)
-            if away.min() <= 0.51 * max(abs(step), share):
-                self.ranges[0, k] = ranges[away.argmin()]
+        self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
-        self.scan_time, self.scan_fault = _seconds(msg.header.stamp), ""
-        for name, (low, high) in self.own["tested"].items():
-            slack = abs(step) + 0.01 if name == "field_of_view" else 0.01 * high
-            if not low - slack <= found[name] <= high + slack:
-                self.scan_fault = f"the scanner's {name} is {found[name]:.4g}, tested from {low:.4g} to {high:.4g}"
+        found["x"], found["y"], found["turn"] = self.mount
+        self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
+        self.scan_time = _seconds(msg.header.stamp)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
         self.good_scans = 0 if self.scan_fault else self.good_scans + 1

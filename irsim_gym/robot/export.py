@@ -35,6 +35,7 @@ from irsim_gym.robot.contract import (
     RobotContract,
     RobotLimits,
     Scanner,
+    ScenarioForm,
     StateForm,
     Stops,
     TensorForm,
@@ -54,7 +55,7 @@ LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py")
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py", "scans.py")
 
 
 @dataclass(frozen=True)
@@ -110,27 +111,26 @@ def export_for_robot(
     network = _network(loaded)
     graph = policy_graph(network, played, name)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
-    results = _results(compared, played, levels)
+    results = results_of(compared, played, levels)
     _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
     period, samples = period or own, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results = _results(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
     elif is_own:
         results = _known_results(loaded) or results
-    hashes = Hashes(scenario=_scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
+    hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
     contract = RobotContract(
         policy=name,
         irsim_gym=__version__,
         hashes=hashes,
-        period=period,
+        scenario=_scenario_form(asked),
         predict=predict,
         results=results,
-        stop=Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
-        **_form(played, graph, samples),
+        **_form(played, graph, samples, period),
     )
     _write(folder, contract, graph, samples, played)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
@@ -179,7 +179,7 @@ def _network(policy: SavedPolicy) -> ShelfPolicy:
     return ShelfPolicy(network.form, network.arrays)
 
 
-def _results(policy: Policy, played: Episodes, levels: int) -> Results:
+def results_of(policy: Policy, played: Episodes, levels: int) -> Results:
     """Return in how many levels all robots arrive."""
     solved = 0
     for _, worlds, _ in drive(policy, played, levels, SPLIT):
@@ -197,8 +197,8 @@ def _check_difference(compared: ComparedPolicy, name: str) -> None:
         )
 
 
-def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Return what a contract says of the robot, its scan, its goal, and the tensors of the graph."""
+def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], period: float) -> dict[str, Any]:
+    """Return what a contract says of the robot, its scan, its goal, its times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
     steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
@@ -209,6 +209,9 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         if name != "command"
     }
     return {
+        "period": period,
+        "periods": (float(model.step_time[0]),) * 2,
+        "stop": Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
         "needs": needs,
         "scan": _scanner(played) if "scan" in needs else None,
         "robot": RobotLimits(
@@ -216,6 +219,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
             steers=bool(steers),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
+            radii=(float(model.reach[0, b]),) * 2,
             low=tuple(model.velocity_min[0, b, :size].tolist()),
             high=tuple(model.velocity_max[0, b, :size].tolist()),
             acceleration=tuple(limits),
@@ -255,15 +259,23 @@ def _scanner(played: Episodes) -> Scanner | None:
         range_min=options.range_min,
         range_max=options.range_max,
         mount=options.offset,
+        mounts=tuple((place, place) for place in options.offset),
         no_return="inf",
         tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
     )
 
 
-def _scenario_hash(asked: ScenarioRequest) -> str:
+def scenario_hash(asked: ScenarioRequest) -> str:
+    """Return the hash of a scenario and its task."""
+    form = _scenario_form(asked)
+    return take_snapshot(form.name, form.task, form.parameters).digest
+
+
+def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
+    """Return how a contract names a scenario."""
     assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
     assert asked.task is None or isinstance(asked.task, str)
-    return take_snapshot(asked.scenario, asked.task, asked.parameters).digest
+    return ScenarioForm(name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {}))
 
 
 def _sha256(content: bytes) -> str:
@@ -278,7 +290,8 @@ def _write(
     np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
-    write_bytes(folder / "drive.py", Path(__file__).with_name("drive.py").read_bytes())
+    for name in ("drive.py", "scans.py"):
+        write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))

@@ -1,6 +1,6 @@
 """An exported graph as a policy in the simulator, and beside the policy that it was made of."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -64,10 +64,20 @@ class GraphPolicy:
     Args:
         graph: The policy.
         perception: Its observations and its action.
+        measure: Returns what an agent's robot measures, by the names of the graph's inputs.
+        limits: Least and greatest command of the robots that it was made for, each ``(n_components,)``; None for those
+            of the environment.
     """
 
-    def __init__(self, graph: PolicyGraph, perception: Perception | None = None) -> None:
-        self.perception = perception
+    def __init__(
+        self,
+        graph: PolicyGraph,
+        perception: Perception | None = None,
+        *,
+        measure: Callable[[Episodes, int], Measured] = measured,
+        limits: tuple[Floats, Floats] | None = None,
+    ) -> None:
+        self.perception, self._measure, self._limits = perception, measure, limits
         self._graph = graph
         self._runner: GraphRunner | None = None
 
@@ -84,10 +94,12 @@ class GraphPolicy:
         assert self._runner is not None, "begin comes first"
         actions = []
         for agent in range(episodes.n_agents):
-            robots, values = worlds * episodes.n_agents + agent, measured(episodes, agent)
+            robots, values = worlds * episodes.n_agents + agent, self._measure(episodes, agent)
             self._runner.run({name: rows[worlds] for name, rows in values.items()}, robots)
             actions.append(self._runner.states["action"][robots])
         found = np.stack(actions, axis=1).astype(np.float64)
+        if self._limits is not None:
+            found = rescaled(found, self._limits, limits_of(episodes))
         if not episodes.n_discrete:
             return found
         grid: Floats = episodes.terms["action"][0].arrays["grid"][0]
@@ -172,10 +184,23 @@ class ComparedPolicy:
 
 def commands_of(episodes: Episodes, actions: NDArray[Any], values: Measured) -> Floats:
     """Return the commands in the robot's frame that follow from the first agent's actions, ``(n, n_components)``."""
-    model, b, size = episodes.simulation.model, episodes.task.agents[0], int(episodes.action_sizes[0])
+    low, high = limits_of(episodes)
     if episodes.n_discrete:
         asked = episodes.terms["action"][0].arrays["grid"][0][actions.reshape(len(actions), episodes.n_agents)[:, 0]]
     else:
         asked = np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
-    low, high = model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
     return np.asarray(0.5 * (low + high) + asked.astype(np.float64) * (0.5 * (high - low)))
+
+
+def limits_of(episodes: Episodes) -> tuple[Floats, Floats]:
+    """Return the least and the greatest command of the first agent, each ``(n_components,)``."""
+    model, b, size = episodes.simulation.model, episodes.task.agents[0], int(episodes.action_sizes[0])
+    return model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
+
+
+def rescaled(actions: Floats, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats:
+    """Return the actions in [-1, 1] of the same commands between other limits; commands beyond these are clipped."""
+    (low, high), (least, most) = before, now
+    commands = 0.5 * (low + high) + actions * (0.5 * (high - low))
+    span = np.where(most > least, most - least, 1.0)
+    return np.asarray(np.clip((2.0 * commands - least - most) / span, -1.0, 1.0))

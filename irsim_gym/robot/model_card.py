@@ -30,6 +30,7 @@ model-index:
 | `contract.json` | what it needs and was tested with, and its tensors; `contract.schema.json` describes the file |
 | `check.npz` | inputs and commands, to repeat the check on the target |
 | `drive.py` | `Driver`: ROS messages in, velocities out, and why it stands still; NumPy and onnxruntime alone |
+| `scans.py` | for the driver: scans of any scanner by the beams of the contract |
 
 Check it on the target:
 

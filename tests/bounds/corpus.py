@@ -52,7 +52,6 @@ MAPS_BY_LEVEL: tuple[dict[str, Any], ...] = (
     {"name": "maze", "loops": 0.5, "border": False},
     {"name": "cellular", "resolution": 0.5, "disc_radius": 0.25, "border": False},
     {"name": "shelves", "resolution": 0.5, "shelf": [1, 0.5], "aisle": 0.5},
-    {"name": "perlin", "resolution": 0.5, "per_level": True, "fill": 0.2},
 )
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 TESTS = Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS / folder) for folder in ("bounds", "parity", "scenario", "engine")]
+sys.path[:0] = [str(TESTS / folder) for folder in ("bounds", "parity", "scenario", "simulator/engine")]
 
 
 def chosen(what: dict[str, Any]) -> dict[str, Any]:

@@ -47,7 +47,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (("record", "cluttered_rom", "dash", "--html", "--out", "film.mp4"), (SCENARIO, "ends in .html")),
         (("record", "cluttered_rom", "file.txt", "broken.npz"), (SCENARIO, "file.txt is not a", "broken.npz is no")),
         (
-            ("play", "cluttered_rom", *WORLD, "--policy", "dsah", "--record", "file.txt"),
+            ("play", "cluttered_rom", "dsah", *WORLD, "--record", "file.txt"),
             (SCENARIO, TASK, SPLIT, POLICY, "must be .npz files"),
         ),
         (
@@ -55,7 +55,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             (SCENARIO, TASK, POLICY, SPLIT, "file.txt is a file"),
         ),
         (
-            ("rollout", "cluttered_rom", "--policy", "dsah", *WORLD, "--frames", "a.avi", "--record", "file.txt"),
+            ("rollout", "cluttered_rom", "dsah", *WORLD, "--frames", "a.avi", "--record", "file.txt"),
             (SCENARIO, TASK, POLICY, SPLIT, "ends in .mp4 or .gif or .npz, got 'a.avi'", ".npz, got 'file.txt'"),
         ),
         (
@@ -106,7 +106,6 @@ def test_all_problems_of_a_training_are_told_at_once(
         "--hyperparameters": ("none.yaml", "no such file"),
         "--device": ("cudda", "got 'cudda' (did you mean 'cuda'?)"),
         "--team": ("epsode", "(did you mean 'episode'?)"),
-        "--curriculum": ("learn", "curriculum must be learnability, got 'learn'"),
         "--from": ("runs/nowhere", NOWHERE),
         "--out": ("file.txt", "file.txt is a file"),
     }

@@ -63,7 +63,7 @@ def test_rollout_and_record(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     film = tmp_path / "film.gif"
-    assert run(monkeypatch, "rollout", pair(tmp_path), "--policy", "dash", "--team", "--levels", 1) == 0
+    assert run(monkeypatch, "rollout", pair(tmp_path), "dash", "--team", "--levels", 1) == 0
     # 3.05 m and 4.05 m at 1 m/s to within 0.1 m.
     assert capsys.readouterr().out.splitlines() == [
         "level 0, ann: success after 3.0 s, 3.00 m driven",

@@ -12,9 +12,9 @@ from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.evaluation.measures.metrics import EpisodeRow, summarize
 from irsim_gym.evaluation.measures.team_metrics import TeamRow, summarize_team
 from irsim_gym.evaluation.policies.reference_policies import reference_policy
+from irsim_gym.evaluation.protocol.figure_columns import summary_table
 from irsim_gym.evaluation.protocol.protocol import evaluate
-from irsim_gym.evaluation.protocol.tables import summary_table, table_text
-from irsim_gym.evaluation.protocol.team_tables import team_table
+from irsim_gym.evaluation.protocol.tables import table_text
 from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.evaluation.suite.row_files import read_rows, write_rows
 from irsim_gym.evaluation.suite.scores import score_member
@@ -67,17 +67,17 @@ def test_robots_with_one_goal_have_no_throughput() -> None:
     assert row.throughput == row.agents[0].episode.goals_per_minute
     lone = TeamRow(row.level, row.limit, row.agents[1:])
     assert math.isnan(lone.throughput)
-    assert "goals" not in table_text(team_table([summarize_team("dash", [lone])], "one goal"))
+    assert "goals" not in table_text(summary_table([summarize_team("dash", [lone])], "one goal"))
 
 
 def test_tables_and_files_have_the_throughput(tmp_path: Path) -> None:
     row = driven(scenario())
-    text = table_text(team_table([summarize_team("dash", [row])], "jobs"))
+    text = table_text(summary_table([summarize_team("dash", [row])], "jobs"))
     assert text.split()[-1] == f"{row.throughput:.2f}"
     write_rows(tmp_path / "rows.csv", [row])
     (found,) = read_rows(tmp_path / "rows.csv")
     assert found.throughput == pytest.approx(row.throughput, abs=1e-5)
-    assert score_member({"dash": [[found]]})["dash"].throughput == pytest.approx(row.throughput, abs=1e-5)
+    assert score_member({"dash": [[found]]})["dash"]["throughput"] == pytest.approx(row.throughput, abs=1e-5)
 
 
 def test_a_robot_alone() -> None:

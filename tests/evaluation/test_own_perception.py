@@ -11,12 +11,12 @@ import imageio.v3 as iio
 import numpy as np
 import pytest
 import yaml
+from arena_pages import read_page
 from command_line import run as command
 
 import irsim_gym
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.errors import UnknownPerceptionWarning
-from irsim_gym.evaluation.arena.page_file import read_page
 from irsim_gym.evaluation.comparison.demonstrations import DemonstrationError
 from irsim_gym.evaluation.comparison.evaluate import Evaluation
 from irsim_gym.evaluation.comparison.record import record_film

@@ -11,8 +11,9 @@ import pytest
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.evaluation.measures.metrics import EpisodeRow, summarize
 from irsim_gym.evaluation.measures.people import time_to_contact
+from irsim_gym.evaluation.protocol.figure_columns import summary_table
 from irsim_gym.evaluation.protocol.protocol import evaluate
-from irsim_gym.evaluation.protocol.tables import summary_table, table_text
+from irsim_gym.evaluation.protocol.tables import table_text
 
 TASK = {"name": "blank", "max_steps": 20, "observations": ["goal"], "rewards": ["progress"], "endings": ["collided"]}
 PERSON = {"kinematics": {"name": "omni"}, "behavior": {"name": "dash"}}

@@ -12,12 +12,12 @@ from rich.console import Console
 from irsim_gym.errors import UnreadableFileError
 from irsim_gym.evaluation.measures.metrics import EpisodeRow, summarize
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
+from irsim_gym.evaluation.protocol.figure_columns import summary_table
 from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol.tables import (
     figure_table,
     legend,
     plain,
-    summary_table,
     table_text,
     write_bytes,
     write_episodes,

@@ -4,8 +4,9 @@ from pathlib import Path
 
 from irsim_gym.evaluation.measures.metrics import EpisodeRow
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow, summarize_team, summarize_teams
+from irsim_gym.evaluation.protocol.figure_columns import summary_table
 from irsim_gym.evaluation.protocol.tables import legend, table_text, write_json
-from irsim_gym.evaluation.protocol.team_tables import compared_table, team_table, write_agents, write_levels
+from irsim_gym.evaluation.protocol.team_tables import compared_table, write_agents, write_levels
 
 
 def agent(name: str, level: int, outcome: str, time: float, hit: str = "") -> AgentRow:
@@ -50,7 +51,7 @@ def test_a_row_for_each_level(tmp_path: Path) -> None:
 
 
 def test_the_legend_of_a_team() -> None:
-    lines = legend([team_table(summarize_teams({"rvo": ROWS}), "swap")]).splitlines()
+    lines = legend([summary_table(summarize_teams({"rvo": ROWS}), "swap")]).splitlines()
     names = ["CSR", "ISR", "left", "deadlocked", "SPL", "makespan", "flowtime", "extra time", "clear."]
     assert [line.split(":")[0] for line in lines] == names
 
@@ -64,7 +65,7 @@ def test_summary_as_json(tmp_path: Path) -> None:
 
 
 def test_table() -> None:
-    text = table_text(team_table([summarize_team("rvo", ROWS)], "swap"))
+    text = table_text(summary_table([summarize_team("rvo", ROWS)], "swap"))
     assert text.splitlines()[0] == "swap"
     row = next(line.split() for line in text.splitlines() if "rvo" in line)
     # CSR 1 of 2; ISR 3 of 4; one collision of four; SPL (3 * 4/5) / 4; makespan (4 + 20) / 2; flowtime (7 + 25) / 2.

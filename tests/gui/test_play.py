@@ -127,7 +127,7 @@ def test_an_interrupt_keeps_what_was_recorded(start: Start, screen: Screen, tmp_
 
 def test_a_policy_drives_until_the_person_takes_over(start: Start, screen: Screen, tmp_path: Path) -> None:
     """The policy was trained with other observations than those of the scenario's task."""
-    options = ("--policy", "cluttered_room_memory", "--record", "demo.npz", "--speed", "3")
+    options = ("cluttered_room_memory", "--record", "demo.npz", "--speed", "3")
     played = start(*options, file="cluttered_room", title="cluttered_room - irsim-gym play")
     time.sleep(1.0)
     screen.type("x")

@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
@@ -58,23 +57,7 @@ def test_a_page_has_a_body_that_was_added_before_something_was_drawn(tmp_path: P
     assert unpacked(pillar["poses"][0], 3)[1:, :2].tolist() == [[8, 2], [8, 2]]
 
 
-def test_a_sheet_shows_what_was_filmed(tmp_path: Path) -> None:
-    here = world(world=SMALL, record=True)
-    frames = [here.render()]
-    for _ in range(6):
-        here.step()
-        frames.append(here.render())
-    film = here.save_animation(tmp_path / "run.gif")
-    assert len(iio.imread(film)) == 7
-    sheet = iio.imread(here.save_sheet(tmp_path / "sheet", moments=4))[..., :3]
-    assert sheet.shape == (200, 4 * 240, 3)
-    for k, moment in enumerate((0, 2, 4, 6)):
-        assert np.array_equal(sheet[:, 240 * k : 240 * (k + 1)], frames[moment])
-    with pytest.raises(ValueError, match="at least 2 moments, got 1"):
-        here.save_sheet(tmp_path / "sheet", moments=1)
-
-
-@pytest.mark.parametrize("what", ["save_html", "save_sheet", "save_animation"])
+@pytest.mark.parametrize("what", ["save_html", "save_animation"])
 def test_without_record_there_is_nothing(what: str, tmp_path: Path) -> None:
     here = world(world=SMALL)
     here.step()
@@ -87,8 +70,6 @@ def test_names_that_are_wrong(tmp_path: Path) -> None:
     here = world(world=SMALL, record=True)
     with pytest.raises(ValueError, match=r"must end in \.html, got 'run\.mp4'"):
         here.save_html(tmp_path / "run.mp4")
-    with pytest.raises(ValueError, match=r"must end in \.png"):
-        here.save_sheet(tmp_path / "run.pdf")
 
 
 def test_recording_changes_nothing() -> None:

@@ -21,10 +21,7 @@ PARTS: dict[str, tuple[str, ...]] = {
     ),
     "recent": (
         *(f"bodies/behaviors/{name}/*.py" for name in ("local_planners", "hybrid_astar", "pursuit")),
-        *(
-            f"bodies/maps/{name}.py"
-            for name in ("cells", "cellular", "level", "maze", "noise_levels", "rooms", "shelves")
-        ),
+        *(f"bodies/maps/{name}.py" for name in ("cells", "cellular", "level", "maze", "rooms", "shelves")),
         *(
             f"simulator/cell_paths/{name}.py"
             for name in ("cell_lines", "occupancy", "outline_room", "scan_marks", "wavefront")
@@ -32,7 +29,7 @@ PARTS: dict[str, tuple[str, ...]] = {
         *(f"simulator/levels/{name}.py" for name in ("level_table", "traits", "path_checks")),
         *("simulator/step/respawn.py", "tasks/observations/bodies/time_to_collision.py"),
         "tasks/observations/seen_map/*.py",
-        *(f"envs/sb3_learning/{name}.py" for name in ("gru", "memory", "learnability")),
+        *(f"envs/sb3_learning/{name}.py" for name in ("gru", "memory")),
         "envs/parts/mirror.py",
         "bodies/placements/cells.py",
         "evaluation/measures/certificate_measures.py",

@@ -13,8 +13,6 @@ import numpy as np
 from damage import Random, broken_archive, broken_bytes, broken_json, broken_text
 
 import irsim_gym
-from irsim_gym.evaluation.arena import page_data
-from irsim_gym.evaluation.arena.page_file import read_page
 from irsim_gym.evaluation.comparison.demonstrations import Demonstrations, save_demonstrations
 from irsim_gym.evaluation.levels.barn import import_barn
 from irsim_gym.evaluation.levels.certificate import read_certificate
@@ -99,20 +97,10 @@ def demonstrations(file: Path) -> None:
     )
 
 
-class State:
-    """In the place of a class of JaxNav in pickles."""
-
-
 def jaxnav(file: Path) -> None:
     arrays: dict[str, Any] = {"cells": np.zeros((2, 11, 11), int), "start_xy": np.ones((2, 1, 2))}
     arrays |= {"start_heading": np.zeros((2, 1)), "goal_xy": np.full((2, 1, 2), 5.0)}
-    if file.suffix == ".npz":
-        np.savez(file, **arrays)
-    else:
-        words = {"map_data": "cells", "pos": "start_xy", "theta": "start_heading", "goal": "goal_xy"}
-        state = State()
-        vars(state).update({word: arrays[name] for word, name in words.items()})
-        file.write_bytes(pickle.dumps([state], 2).replace(f"c{State.__module__}\n".encode(), b"cjaxmarl\n"))
+    np.savez(file, **arrays)
 
 
 def barn(file: Path) -> None:
@@ -172,12 +160,6 @@ def replay(file: Path) -> None:
     file.write_text(f"<html>{held('data', deflated(data))}</html>", encoding="utf-8")
 
 
-def arena_page(file: Path) -> None:
-    data = {"schema": page_data.SCHEMA, "version": page_data.VERSION, "replays": [{}, {}]}
-    parts = [held("data", deflated(data)), *(held(f"replay-{k}", deflated({"name": "x"})) for k in range(2))]
-    file.write_text("\n".join(parts), encoding="utf-8")
-
-
 def load_zip(file: Path) -> object:
     from irsim_gym.evaluation.saved_policies.saved_models import load_model
 
@@ -226,13 +208,11 @@ KINDS = {
     "BARN arrays": Kind("barn.npz", barn, import_barn, PACKED),
     "BARN world": Kind("world_1.world", text_of(WORLD), lambda file: import_barn(file.parent), TEXT),
     "JaxNav arrays": Kind("nav.npz", jaxnav, import_jaxnav, PACKED),
-    "JaxNav pickle": Kind("nav.pkl", jaxnav, import_jaxnav),
     "policy.zip": Kind("policy.zip", copy_of(AGENTS / "policies/circle_swap_seed_0.zip"), load_zip, PACKED),
     "state.pkl": Kind(
         "state.pkl", lambda file: file.write_bytes(pickle.dumps({"a": np.arange(9)})), load_pickled_state
     ),
     "replay page": Kind("x.html", replay, read_html, TEXT),
-    "arena page": Kind("a.html", arena_page, read_page, TEXT),
     "rows of the suite": Kind("s.csv", lambda file: write_rows(file, TEAMS), lambda file: read_rows(file, 4), TEXT),
     "suite record": Kind("summary.json", suite_record, lambda file: read_record(file.parent), DATA),
     "settings of a run": Kind("config.json", run_config, read_run, DATA),

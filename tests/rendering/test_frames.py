@@ -19,7 +19,6 @@ from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.rendering import Renderer
 from irsim_gym.rendering.frames.frame_painter import Share
 from irsim_gym.rendering.looks.colours import colour
-from irsim_gym.scenario.specs.colors import NAMES
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.simulator.running.shards import Shards
 
@@ -184,10 +183,10 @@ print(renderer.frame().shape, sorted(name for name in sys.modules if name.starts
 
 
 def test_colours_are_matplotlibs() -> None:
-    from matplotlib.colors import to_rgba
+    from matplotlib.colors import CSS4_COLORS, to_rgba
 
     others = ["b", "g", "r", "c", "m", "y", "k", "w", "C0", "C7", "tab:olive", "tab:grey", "0.25", "1", "0"]
     hexadecimal = ["#abc", "#abcd", "#A1B2C3", "#a1b2c3d4", "none", "None"]
-    for name in (*sorted(NAMES), *others, *hexadecimal):
+    for name in (*CSS4_COLORS, *others, *hexadecimal):
         expected = np.array(to_rgba(name, 0.5)) * [255.0, 255.0, 255.0, 1.0]
         np.testing.assert_allclose(colour(name, 0.5), expected, atol=0.51, err_msg=name)

@@ -48,7 +48,7 @@ def test_options_of_the_other_engine(given: tuple[Any, ...], said: str) -> None:
     [
         ({"algorithm": "sac", "engine": Engine()}, "--engine rllib trains ppo and appo, not sac"),
         ({"algorithm": "appo"}, "appo is an algorithm of RLlib: add --engine rllib"),
-        ({"curriculum": "learnability", "engine": Engine()}, "--engine rllib cannot pass on curriculum to ppo"),
+        ({"until": 90.0, "engine": Engine()}, "--engine rllib cannot pass on until to ppo"),
         ({"device": "cuda", "engine": Engine()}, "--learner-gpus says where it learns"),
     ],
 )

@@ -25,13 +25,11 @@ from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError
 from irsim_gym.evaluation.saved_policies.cards import read_card
-from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy
 from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy, read_policy
 from irsim_gym.training.export.exported_network import export_network
 from irsim_gym.training.export.exporting import export
 from irsim_gym.training.requests.train import train
-from irsim_gym.training.runs.checkpoint import load_state
 from irsim_gym.training.runs.models import new_model
 from irsim_gym.training.settings.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.settings.run import Run, Settings
@@ -254,21 +252,6 @@ def test_a_resumed_run_equals_an_uninterrupted_one(
     asked = settings(scenario, **own)
     whole = train(asked, tmp_path / "whole", console=QUIET)
     assert torch.equal(weights(whole), weights(in_parts(asked, tmp_path / "parts", interrupt)))
-
-
-def test_a_resumed_curriculum_equals_an_uninterrupted_one(
-    tmp_path: Path, interrupt: Callable[[int, int], None]
-) -> None:
-    short = tmp_path / "short.yaml"
-    short.write_text("{name: navigation, max_steps: 7}")
-    asked = settings(task=str(short), curriculum="learnability")
-    whole = train(asked, tmp_path / "whole", console=QUIET)
-    parts = in_parts(asked, tmp_path / "parts", interrupt)
-    assert torch.equal(weights(whole), weights(parts))
-    one, other = (load_state(list_checkpoints(run.checkpoints)[-1])["levels"] for run in (whole, parts))
-    for name in ("levels", "plays", "following"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    assert one.plays.max() > 1.9  # levels were played again
 
 
 def in_parts(asked: Settings, folder: Path, interrupt: Callable[[int, int], None]) -> Run:

@@ -96,7 +96,6 @@ COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
         ("sac", COMPLETE + "train_freq: [1, episode]}", 1, "train_freq: counts episodes with one world only"),
         ("ppo", COMPLETE + "batch_size: 1}", 1, "batch_size: makes minibatches of one row"),
         ("ppo", COMPLETE + "seed: 1}", 1, "seed: is given by --seed"),
-        ("ppo", COMPLETE + "curriculum: learnabilty}", 1, "curriculum: .*learnability"),
         ("ppo", COMPLETE + "gamma: 0.9, gamma: 0.8}", 1, "gamma: given twice"),
         ("ppo", COMPLETE + "device: gpu}", 1, r"device: must be auto, cpu, cuda, .* got 'gpu' \(did you mean 'cuda'"),
         ("ppo", COMPLETE + "normalize: {norm_rewards: true}}", 1, "of VecNormalize .did you mean 'norm_reward'"),
@@ -145,8 +144,8 @@ def test_what_there_is_not() -> None:
         load_hyperparameters("ppoo", "x")
     with pytest.raises(ScenarioError, match="no such file"):
         load_hyperparameters("ppo", "x", file=Path("none.yaml"))
-    with pytest.raises(IrsimGymError, match=r"must be learnability, got 'learnabilty' \(did you mean 'learnability'\?"):
-        load_hyperparameters("ppo", "x", overrides={"curriculum": "learnabilty"})
+    with pytest.raises(IrsimGymError, match=r"must be episode or respawn, got 'epsode' \(did you mean 'episode'\?"):
+        load_hyperparameters("ppo", "x", overrides={"team": "epsode"})
     with pytest.raises(IrsimGymError, match="activation"):
         Hyperparameters(1, 1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}).algorithm_arguments()
     if not cuda():

@@ -107,7 +107,7 @@ def test_policies_are_driven_with_what_their_runs_were_trained_with(
     ("command", "function"),
     [
         (["evaluate", "swap.yaml", "three", "--team"], "irsim_gym.cli.work.commands.evaluate_policies"),
-        (["rollout", "swap.yaml", "--policy", "three"], "irsim_gym.cli.work.commands.evaluate_policies"),
+        (["rollout", "swap.yaml", "three"], "irsim_gym.cli.work.commands.evaluate_policies"),
         (["record", "swap.yaml", "three"], "irsim_gym.evaluation.comparison.record.record_film"),
     ],
 )

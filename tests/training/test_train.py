@@ -20,7 +20,6 @@ from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoint
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.training.requests.train import train
-from irsim_gym.training.runs.checkpoint import load_state
 from irsim_gym.training.runs.models import algorithm_class
 from irsim_gym.training.settings.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.settings.run import Run, Settings, environment_id
@@ -89,23 +88,6 @@ def test_resumed_run_equals_an_uninterrupted_one(
     policy = load_policy(parts.folder)
     assert isinstance(policy, SavedPolicy)
     assert type(policy.model) is algorithm_class(asked)
-
-
-@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
-def test_a_resumed_curriculum_equals_an_uninterrupted_one(
-    algorithm: str, tmp_path: Path, interrupt: Callable[[int, int], None]
-) -> None:
-    short = tmp_path / "short.yaml"
-    short.write_text("{name: navigation, max_steps: 7}")
-    asked = replace(settings(algorithm, curriculum="learnability"), task=str(short))
-    whole = train(asked, tmp_path / "whole")
-    parts = in_parts(asked, tmp_path / "parts", interrupt)
-    assert_equal_weights(whole, parts)
-    one, other = (load_state(list_checkpoints(run.checkpoints)[-1])["levels"] for run in (whole, parts))
-    assert one.levels.tolist() == other.levels.tolist()
-    assert one.plays.tolist() == other.plays.tolist()
-    assert one.following.tolist() == other.following.tolist()
-    assert one.plays.max() > 1.9  # levels were played again
 
 
 def test_mirrored_experience_teaches_something_else(tmp_path: Path) -> None:

@@ -44,7 +44,6 @@ SAC: dict[str, Any] = {"learning_starts": 24, "batch_size": 8, "buffer_size": 50
 GRU: dict[str, Any] = {**PPO, "policy_kwargs": {"net_arch": [8], "memory_size": 8}}
 ARGUMENTS = {"ppo": PPO, "sac": SAC, "gru_ppo": GRU}
 NORMALIZED = {"normalize": {"norm_reward": True}, "reward_scale": 2.0}
-CURRICULUM = {"curriculum": "learnability"}
 
 
 @pytest.fixture
@@ -72,8 +71,7 @@ def weights(run: Run) -> torch.Tensor:
         ("ppo", "episode", {}),
         ("ppo", "episode", NORMALIZED),
         ("ppo", "respawn", NORMALIZED),
-        ("ppo", "episode", CURRICULUM),
-        ("ppo", "respawn", CURRICULUM),
+        ("ppo", "respawn", {}),
         ("sac", "episode", {}),
         ("gru_ppo", "episode", NORMALIZED),
         ("gru_ppo", None, {}),

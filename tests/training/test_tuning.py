@@ -170,7 +170,7 @@ hyperparameters:
   gae_lambda: []
   n_steps:
     low: 2
-    high: 6.5
+    high: 1
   vf_coef: {lo: 0.1, high: 1.0}
 rewards:
   time: {low: -1.0, high: 1.0}
@@ -185,7 +185,6 @@ reward: {}
     assert told[3, "hyperparameters.n_epochs.high"] == "is required"
     assert told[4, "hyperparameters.ent_coef.low"] == "must be > 0 with log: true"
     assert told[5, "hyperparameters.gae_lambda"] == "needs at least one value"
-    assert told[8, "hyperparameters.n_steps.high"] == "must be a whole number, got 6.5"
     assert "did you mean 'low'" in told[9, "hyperparameters.vf_coef.lo"]
     assert told[11, "rewards.time"] == "is a factor >= 0 of the weight, without a schedule, got -1"
     assert "without a schedule, got true" in told[12, "rewards.arrival"]
@@ -207,6 +206,7 @@ def test_what_the_algorithm_or_the_task_or_the_scenario_does_not_have_is_told_be
 hyperparameters:
   gama: [0.9, 0.99]
   gamma: {low: 0.9, high: 1.1}
+  n_epochs: {low: 2, high: 6.5}
   clone: [null, dash, nobody]
   device: [cpu, "cuda:77"]
 rewards: {arival: {low: 0.5, high: 2.0}}
@@ -215,10 +215,11 @@ parameters: {n_robots: [4, 8]}
     told = {line: message for (line, _), message in messages(text, TrainingRequest("empty_goal")).items()}
     assert "did you mean 'gamma'" in told[2]
     assert "1.1" in told[3]
-    assert "nobody" in told[4]
-    assert "device cuda:77" in told[5]
-    assert "the task gives no weight for arival; its rewards are progress, arrival, collision" in told[6]
-    assert "n_robots" in told[7]
+    assert told[4].startswith("must be a whole number, got 6.5")
+    assert "nobody" in told[5]
+    assert "device cuda:77" in told[6]
+    assert "the task gives no weight for arival; its rewards are progress, arrival, collision" in told[7]
+    assert "n_robots" in told[8]
 
 
 def test_the_type_of_a_hyperparameter_says_which_numbers_are_drawn() -> None:
@@ -229,9 +230,7 @@ hyperparameters:
   clip_range_vf: {low: 1, high: 2}
   normalize.clip_obs: {low: 5, high: 10}
   policy_kwargs.log_std_init: {low: -2, high: 0}
-  n_epochs: {low: 2.0, high: 6.0}
-  n_timesteps: {low: 1.0e+3, high: 1e4, log: true}
-  policy_kwargs.n_critics: {low: 1.0, high: 3}
+  n_epochs: {low: 2, high: 6}
   policy_kwargs.optimizer_kwargs.one: {low: 0, high: 1}
   policy_kwargs.optimizer_kwargs.other: {low: 0, high: 1.0}
 parameters: {n: {low: 1, high: 2}}
@@ -242,7 +241,7 @@ parameters: {n: {low: 1, high: 2}}
     assert [key for key, kind in kinds.items() if kind is float] == [
         *("gamma", "clip_range_vf", "clip_obs", "log_std_init", "other")
     ]
-    assert [key for key, kind in kinds.items() if kind is int] == ["n_epochs", "n_timesteps", "n_critics", "one", "n"]
+    assert [key for key, kind in kinds.items() if kind is int] == ["n_epochs", "one", "n"]
     present = {"gamma": 0.5, "policy_kwargs": {"optimizer_kwargs": {"one": 0.5, "other": 0.5}}, "n_epochs": 3}
     parameters, outside = space.to_parameters({"hyperparameters": present})
     assert parameters == {"gamma": 0.5, "policy_kwargs.optimizer_kwargs.other": 0.5, "n_epochs": 3}
@@ -251,19 +250,13 @@ parameters: {n: {low: 1, high: 2}}
 
 @pytest.mark.parametrize(
     ("values", "got"),
-    [
-        ("[1, 2, 1.0]", "1 beside 1"),
-        ("[true, 1]", "1 beside true"),
-        ("[[64, 64], [32], [64, 64.0]]", "[64, 64] beside [64, 64]"),
-        ("['[64]', [64]]", "[64] beside '[64]'"),
-        ("[null, null]", "nothing beside nothing"),
-    ],
+    [("[1, 2, 1.0]", "1"), ("[true, 1]", "1"), ("['[64]', [64]]", "[64]"), ("[null, null]", "nothing")],
 )
 def test_equal_values_are_refused(values: str, got: str) -> None:
     """Optuna knows a choice by its value, so that the later of two would replace the earlier."""
     (((line, path), message),) = messages(f"hyperparameters:\n  gamma: [0.9, 0.99]\n  clone: {values}").items()
     assert (line, path[:21]) == (3, "hyperparameters.clone")
-    assert message == f"must differ from the other values, got {got}"
+    assert message == f"must differ from the other values, got {got} again"
 
 
 @pytest.mark.parametrize(("key", "value"), [("clone", "nobody"), ("device", "cuda:77"), ("until", "90")])
@@ -289,7 +282,7 @@ def test_the_shipped_space_fits_the_shipped_settings_and_each_of_its_corners_can
 
 
 def test_a_trial_changes_what_is_drawn_and_nothing_else(tmp_path: Path) -> None:
-    request = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3}, curriculum="learnability")
+    request = TrainingRequest("circle_swap", steps=5000, parameters={"n_robots": 3})
     settings = request.settings()
     hyperparameters = {"gamma": 0.9, "policy_kwargs.log_std_init": -1.0, "learning_rate": "lin_0.01"}
     drawn: dict[Axis, Any] = {("hyperparameters", key): value for key, value in hyperparameters.items()}
@@ -345,7 +338,7 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     said = capsys.readouterr()
     assert "yard.yaml: 2 trials, 0 of them pruned" in said.out
     best = "--hyperparameters study/best_hyperparameters.yaml --task study/best_task.yaml"
-    assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seed 1 --seeds 5 {best} --import my_kinds.py"
+    assert said.out.splitlines()[-1] == f"irsim-gym train yard.yaml --seed 1 --seeds 5 --algorithm ppo {best}"
     assert "space.yaml does not contain the current values of ent_coef: the first trial draws them" in said.err
     first, second = rows("study")
     assert (first["trial"], first["gamma"], first["reward.arrival"], first["ending"]) == (
@@ -363,7 +356,7 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 
     assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 2) == 0
     again = capsys.readouterr()
-    assert again.out == said.out.replace(" --import my_kinds.py", "")
+    assert again.out == said.out
     assert "2 trials, 0 of them to do" in again.err
     assert command(monkeypatch, *WORDS, "--out", "study", "--trials", 3) == 0
     assert rows("study")[:2] == [first, second]
@@ -495,25 +488,20 @@ def test_seeds_share_a_row_and_the_luckiest_is_not_the_best(capsys: pytest.Captu
 
 
 def test_the_command_that_confirms_the_best_can_be_pasted_and_leaves_the_tuned_seeds_out() -> None:
-    Path("my yard.yaml").write_text(FILE)
-    parameters = {"name": "a $HOME; b"}
-    request = TrainingRequest("my yard.yaml", "ppo", 3, task="my task", parameters=parameters, strict=False)
-    space = space_of("hyperparameters: {gamma: [0.9, 0.99]}")
-    made = Tuning(request, space, False, Path("my study"), 3, ("kinds.py", "my rewards.py"))
+    Path("my yard.yaml").write_text(
+        FILE.replace("9, 9", "$x, 9") + "parameters: {x: {default: 9.0, meaning: Place.}}\n"
+    )
+    request = TrainingRequest("my yard.yaml", "ppo", 3, parameters={"x": 8.0})
+    made = Tuning(request, space_of("hyperparameters: {gamma: [0.9, 0.99]}"), False, Path("my study"))
+    Run(Path("my study/trials/0000")).begin(request.settings())
     said = tuning._confirm_command(made, [trial(0, 1.0, gamma=0.9)])
     words = [
-        *("irsim-gym", "train", "my yard.yaml", "--seed", "4", "--seeds", "5"),
-        *("--hyperparameters", str(Path("my study", "best_hyperparameters.yaml")), "--task", "my task"),
-        *("--algorithm", "ppo", "--set", "name=a $HOME; b", "--import", "kinds.py", "--import", "my rewards.py"),
-        "--lenient",
+        *("irsim-gym", "train", "my yard.yaml", "--seed", "4", "--seeds", "5", "--algorithm", "ppo"),
+        *("--hyperparameters", str(Path("my study", "best_hyperparameters.yaml")), "--set", "x=8.0"),
     ]
     assert shlex.split(said) == words
-    assert "'a $HOME" not in said
-    assert "'name=a $HOME; b'" in said
-    drawn: dict[str, Any] = {"scenario": "other.yaml", "seed": 8, "parameter.n": 2}
-    said = tuning._confirm_command(made, [trial(0, 1.0, **drawn)])
-    assert said.startswith("irsim-gym train other.yaml --seed 9 --seeds 5")
-    assert "--set n=2" in said
+    assert "'my yard.yaml'" in said
+    assert "--seed 9 --seeds 5" in tuning._confirm_command(made, [trial(0, 1.0, seed=8)])
 
 
 @pytest.mark.slow

@@ -85,9 +85,13 @@ class Kernel:
         """Numba's dispatcher for calls from Python, which are never recorded; its attributes are the kernel's too."""
         if not hooks.are_usable():
             return self.plain
-        from irsim_gym.base.kernels.passes import EntryCompiler
 
-        return self._dispatcher("compiled", pipeline_class=EntryCompiler)
+        def entry() -> tuple[Any, dict[str, Any]]:
+            from irsim_gym.base.kernels.passes import EntryCompiler
+
+            return None, {"pipeline_class": EntryCompiler}
+
+        return self._dispatcher("compiled", entry)
 
     @functools.cached_property
     def packed(self) -> PackedEntries:
@@ -100,9 +104,13 @@ class Kernel:
     @functools.cached_property
     def inner(self) -> Any:
         """Numba's dispatcher for calls from other kernels; only where ``hooks.are_usable``."""
-        from irsim_gym.base.kernels.inner import InnerCompiler, InnerLibrary
 
-        return self._dispatcher("inner", InnerLibrary.restore, **NO_WRAPPERS, pipeline_class=InnerCompiler)
+        def inner() -> tuple[Any, dict[str, Any]]:
+            from irsim_gym.base.kernels.inner import InnerCompiler, InnerLibrary
+
+            return InnerLibrary.restore, {**NO_WRAPPERS, "pipeline_class": InnerCompiler}
+
+        return self._dispatcher("inner", inner)
 
     @functools.cached_property
     def plain(self) -> Any:
@@ -110,12 +118,19 @@ class Kernel:
         compilation()
         return plain_dispatcher(self._function, {name: self._options[name] for name in RESULTS})
 
-    def _dispatcher(self, form: str, restore: Any = None, **options: Any) -> Any:
+    def _dispatcher(self, form: str, hooked: Callable[[], tuple[Any, dict[str, Any]]]) -> Any:
+        """Return a dispatcher with hooks.
+
+        Args:
+            form: Name of the form.
+            hooked: Returns what restores the form from disk, and options; it imports Numba's internals.
+        """
         compilation()
-        given: Any = {**self._options, "no_cfunc_wrapper": True, **options}
         try:
             from irsim_gym.base.compiled.cache import keep_on_disk
 
+            restore, options = hooked()
+            given: Any = {**self._options, "no_cfunc_wrapper": True, **options}
             dispatcher: Any = numba.njit(**given)(self._function)
             keep_on_disk(dispatcher, form, restore)
         except Exception as error:

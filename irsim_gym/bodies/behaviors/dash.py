@@ -6,8 +6,8 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import braked_rate, clear_command, goal_offset
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.geometry.angles import wrap_below
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
 from irsim_gym.simulator.world.names import Group, Ints, Shard, State, kernel, kind, option, row_of
@@ -30,8 +30,6 @@ class Dash(RenewsGoals):
         meaning="No turn while the bearing of the goal is smaller than this.",
         consequence="Large: it passes its goal by.",
     )
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

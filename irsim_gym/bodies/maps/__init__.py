@@ -11,9 +11,11 @@ from irsim_gym.bodies.maps.image import ImageMap
 from irsim_gym.bodies.maps.maze import MazeMap
 from irsim_gym.bodies.maps.perlin import PerlinMap
 from irsim_gym.bodies.maps.rooms import RoomsMap
+from irsim_gym.bodies.maps.ros import RosMap
 from irsim_gym.bodies.maps.shelves import ShelvesMap
 
 MAPS.register("image", ImageMap)
+MAPS.register("ros", RosMap)
 MAPS.register("perlin", PerlinMap)
 MAPS.register("array", ArrayMap)
 MAPS.register("cells", RandomCells)

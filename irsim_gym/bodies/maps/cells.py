@@ -1,39 +1,15 @@
 """cells: randomly occupied cells, with a new number in each level, as in JaxNav (Rutherford et al. 2024)."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
+from irsim_gym.base.arraytypes import CellMaps, Ints
 from irsim_gym.base.rng import integer
-from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
+from irsim_gym.bodies.maps.level import LevelMap, MapTables, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
-
-
-@kind
-class RandomCells(LevelMap):
-    """Randomly occupied cells in each level: first their number is drawn uniformly, then their places."""
-
-    fill: tuple[float, float] = option(
-        (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."
-    )
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from share_problems(self, "fill")
-
-    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the border, shape ``(columns, rows)``."""
-        return bordered(self, width, height)
-
-    @staticmethod
-    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Draw the cells of each world."""
-        cells: Any = model.cells
-        draw_cells(shard.worlds, shard.slot, group.params, group.tables, cells, state)
+from irsim_gym.simulator.world.names import State, kernel, kind, option
 
 
 @kernel
@@ -62,3 +38,18 @@ def draw_cells(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
             order[chosen] = order[k]
             occupied[edge + cell // up, edge + cell % up] = True
         lay_cells(cells, w, occupied, tables.line[slot])
+
+
+@kind
+class RandomCells(LevelMap):
+    """Randomly occupied cells in each level: first their number is drawn uniformly, then their places."""
+
+    draw_maps = staticmethod(draw_cells)
+
+    fill: tuple[float, float] = option(
+        (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from share_problems(self, "fill")

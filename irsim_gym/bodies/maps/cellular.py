@@ -1,51 +1,17 @@
 """cellular: random cells smoothed by a cellular automaton, drawn for each level: caves, or BARN's clutter."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.options import kind, option, unordered_ranges
 from irsim_gym.base.rng import integer, uniform
-from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
+from irsim_gym.bodies.maps.level import LevelMap, MapTables, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.simulator.world.names import State, kernel
 
 MOST_ROUNDS = 100
 """Maximum number of rounds of smoothing."""
-
-
-@kind
-class CellularMap(LevelMap):
-    """Randomly occupied cells, smoothed by a cellular automaton over the eight neighbours of each cell."""
-
-    fill: tuple[float, float] = option(
-        (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."
-    )
-    rounds: tuple[int, int] = option((4, 4), meaning="Bounds of how often all cells are smoothed, at most 100.")
-    fill_from: int = option(5, ge=1, le=9, meaning="A cell with at least this many occupied neighbours is occupied.")
-    clear_to: int = option(
-        3, ge=-1, le=8, meaning="A cell with at most this many occupied neighbours is free; other cells do not change."
-    )
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from share_problems(self, "fill")
-        yield from unordered_ranges(self, "rounds", least=0.0)
-        if self.rounds[1] > MOST_ROUNDS:
-            yield "rounds", f"must be at most {MOST_ROUNDS}, got {self.rounds[1]}"
-        if self.clear_to >= self.fill_from:
-            yield "clear_to", f"must be less than fill_from, got {self.clear_to} and {self.fill_from}"
-
-    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the border, shape ``(columns, rows)``."""
-        return bordered(self, width, height)
-
-    @staticmethod
-    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Draw and smooth the cells of each world."""
-        cells: Any = model.cells
-        draw_cellular(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
@@ -102,3 +68,28 @@ def smooth(occupied: Flags, before: Flags, sums: Ints, edge: int, fill_from: int
             # Between both bounds, a cell stays as it was.
             occupied[i, j] = count >= fill_from or (before[i, j] and count > clear_to)
             low, here = here, high
+
+
+@kind
+class CellularMap(LevelMap):
+    """Randomly occupied cells, smoothed by a cellular automaton over the eight neighbours of each cell."""
+
+    draw_maps = staticmethod(draw_cellular)
+
+    fill: tuple[float, float] = option(
+        (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."
+    )
+    rounds: tuple[int, int] = option((4, 4), meaning="Bounds of how often all cells are smoothed, at most 100.")
+    fill_from: int = option(5, ge=1, le=9, meaning="A cell with at least this many occupied neighbours is occupied.")
+    clear_to: int = option(
+        3, ge=-1, le=8, meaning="A cell with at most this many occupied neighbours is free; other cells do not change."
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from share_problems(self, "fill")
+        yield from unordered_ranges(self, "rounds", least=0.0)
+        if self.rounds[1] > MOST_ROUNDS:
+            yield "rounds", f"must be at most {MOST_ROUNDS}, got {self.rounds[1]}"
+        if self.clear_to >= self.fill_from:
+            yield "clear_to", f"must be less than fill_from, got {self.clear_to} and {self.fill_from}"

@@ -1,14 +1,15 @@
 """Common parts of maps that are drawn for each level: their size, and memory for drawing."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 
 from irsim_gym.base.errors import OptionError
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Struct, kernel
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Shard, State, Struct, kernel
 from irsim_gym.simulator.world.outline import Outline
 
 MOST_CELLS = 4_000_000
@@ -69,16 +70,28 @@ class LevelMap(CellsKind):
     """The base class of maps that are drawn for each level."""
 
     is_random: ClassVar[bool] = True
+    draw_maps: ClassVar[Callable[..., None]]
+    """The kernel that draws the maps of some worlds."""
 
     resolution: float = option(
         1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
     )
     border: bool = option(True, meaning="Occupy the outermost cells in every level.")
 
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return the border, shape ``(columns, rows)``."""
+        return bordered(self, width, height)
+
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate memory for drawing."""
         group.tables = map_tables(model, n_slots)
+
+    @staticmethod
+    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Draw the map of each world."""
+        cells: Any = model.cells
+        group.options[0].draw_maps(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 def map_size(resolution: float, width: float, height: float, most: int = MOST_LEVEL_CELLS) -> tuple[int, int]:

@@ -11,37 +11,7 @@ from irsim_gym.base.errors import OptionError
 from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
-
-
-@kind
-class MazeMap(LevelMap):
-    """Corridors between walls that are one cell thick; every corridor can be reached from every other."""
-
-    corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
-    loops: float = option(
-        0.1, ge=0.0, le=1.0, meaning="Probability that a wall is opened that the ways do not need: 0 leaves one way."
-    )
-
-    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the border, shape ``(columns, rows)``.
-
-        Raises:
-            OptionError: If there is room for only one crossing.
-        """
-        occupied = bordered(self, width, height)
-        wide, walls = span(self.corridor, self.resolution), 1 if self.border else -1
-        # n corridors and the n - 1 walls between them take n (wide + 1) - 1 cells, and a border two more.
-        crossings = [(cells - walls) // (wide + 1) for cells in occupied.shape]
-        if min(crossings) < 1 or max(crossings) < 2:
-            raise OptionError("corridor", f"leaves room for {crossings[0]} x {crossings[1]} crossings, at least 2 x 1")
-        return occupied
-
-    @staticmethod
-    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Draw the maze of each world."""
-        cells: Any = model.cells
-        draw_maze(shard.worlds, shard.slot, group.params, group.tables, cells, state)
+from irsim_gym.simulator.world.names import State, kernel, kind, option
 
 
 @kernel
@@ -120,3 +90,29 @@ def open_cells(occupied: Flags, edge: int, wide: int, i: int, j: int, step_i: in
     first_i, first_j = edge + min(i, i + step_i) * pitch, edge + min(j, j + step_j) * pitch
     end_i, end_j = edge + max(i, i + step_i) * pitch + wide, edge + max(j, j + step_j) * pitch + wide
     occupied[first_i:end_i, first_j:end_j] = False
+
+
+@kind
+class MazeMap(LevelMap):
+    """Corridors between walls that are one cell thick; every corridor can be reached from every other."""
+
+    draw_maps = staticmethod(draw_maze)
+
+    corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
+    loops: float = option(
+        0.1, ge=0.0, le=1.0, meaning="Probability that a wall is opened that the ways do not need: 0 leaves one way."
+    )
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return the border, shape ``(columns, rows)``.
+
+        Raises:
+            OptionError: If there is room for only one crossing.
+        """
+        occupied = bordered(self, width, height)
+        wide, walls = span(self.corridor, self.resolution), 1 if self.border else -1
+        # n corridors and the n - 1 walls between them take n (wide + 1) - 1 cells, and a border two more.
+        crossings = [(cells - walls) // (wide + 1) for cells in occupied.shape]
+        if min(crossings) < 1 or max(crossings) < 2:
+            raise OptionError("corridor", f"leaves room for {crossings[0]} x {crossings[1]} crossings, at least 2 x 1")
+        return occupied

@@ -1,20 +1,25 @@
 """perlin: a map from gradient noise (Perlin, "Improving noise", 2002), with the grids of IR-SIM for the same seed."""
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.bodies.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, CellsKind, map_size
-from irsim_gym.bodies.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
-from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Shard, State, kind, option
+from irsim_gym.bodies.maps.level import MOST_CELLS, CellsKind, map_size
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, kind, option
+
+_Q = np.sqrt(0.5)
+GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
+"""Eight unit vectors, every eighth of a turn."""
 
 
 @kind
 class PerlinMap(CellsKind):
     """Caves and islands from smooth noise, with a given share of occupied cells."""
+
+    is_random: ClassVar[bool] = False
 
     resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
     complexity: float = option(0.142857, gt=0.0, meaning="Bumps per cell: larger is finer.")
@@ -22,47 +27,23 @@ class PerlinMap(CellsKind):
     fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the previous one.")
     attenuation: float = option(0.5, gt=0.0, meaning="Octave k has this weight divided by k + 1.")
     seed: int | None = option(None, ge=0, meaning="Seed of the map; default: derived from the world's name.")
-    per_level: bool = option(False, meaning="Draw another map in each level; at most 65536 cells.")
-
-    @property
-    def is_random(self) -> bool:
-        """Whether each level draws its own map."""
-        return self.per_level
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        if self.per_level and self.seed is not None:
-            yield "seed", "has no effect with per_level: each level draws its map from its own random numbers"
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the occupied cells, shape ``(columns, rows)``; empty cells if each level draws its own map.
+        """Return the occupied cells, shape ``(columns, rows)``.
 
         Raises:
             OptionError: If there would be too many cells.
         """
-        columns, rows = map_size(self.resolution, width, height, MOST_LEVEL_CELLS if self.per_level else MOST_CELLS)
-        if self.per_level:
-            return np.zeros((columns, rows), np.bool_)
+        columns, rows = map_size(self.resolution, width, height, MOST_CELLS)
         noise = self.noise(columns, rows, seed_of(name) if self.seed is None else self.seed)
         place = min(int((1.0 - self.fill) * noise.size), noise.size - 1)
         return np.asarray(noise > np.sort(noise, axis=None)[place])
-
-    @staticmethod
-    def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Allocate memory for drawing."""
-        group.tables = noise_tables(model, n_slots)
-
-    @staticmethod
-    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Draw the map of each world."""
-        cells: Any = model.cells
-        draw_noise_maps(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
     def noise(self, columns: int, rows: int, seed: int) -> Floats:
         """Return noise from 0 to 1, shape ``(columns, rows)``."""
         order = np.arange(256, dtype=np.int32)
         np.random.default_rng(seed).shuffle(order)
-        # Twice, so that sums of two indices need no modulo, see noise_levels.
+        # Twice, so that sums of two indices need no modulo.
         table = np.concatenate([order, order])
         total, weights = np.zeros((columns, rows)), 0.0
         for octave in range(self.fractal):

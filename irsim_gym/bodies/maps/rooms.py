@@ -12,7 +12,7 @@ from irsim_gym.base.options import kind, option, unordered_ranges
 from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LEAST_ORDER, LevelMap, MapTables, bordered, clear_inside, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel
+from irsim_gym.simulator.world.names import State, kernel
 
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
 """Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
@@ -20,47 +20,6 @@ MOST_ROOMS = LEAST_ORDER // 5
 """Maximum number of rooms: as many rows of five numbers as the scratch memory holds at least."""
 TRIES = 20
 """Maximum number of attempts to divide a level into the drawn number of rooms."""
-
-
-@kind
-class RoomsMap(LevelMap):
-    """Rooms between walls that are one cell thick; each wall has a door, so that every room can be reached."""
-
-    number: tuple[int, int] = option((4, 9), meaning="Bounds of the number of rooms, as far as they fit.")
-    door: tuple[float, float] = option((1.0, 1.0), unit="m", meaning="Bounds of a door's width, in whole cells.")
-    least_side: float = option(2.0, gt=0.0, unit="m", meaning="Minimum width of a room, in whole cells.")
-    loops: float = option(0.0, ge=0.0, le=1.0, meaning="Probability that a wall has a second door.")
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from unordered_ranges(self, "number", least=1.0)
-        yield from unordered_ranges(self, "door", least=1e-3)
-        if self.number[1] > MOST_ROOMS:
-            yield "number", f"must be at most {MOST_ROOMS}, got {self.number[1]}"
-        if self.door[1] > self.least_side:
-            yield (
-                "door",
-                f"must fit into the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
-            )
-
-    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the border, shape ``(columns, rows)``.
-
-        Raises:
-            OptionError: If there is no room for the fewest rooms.
-        """
-        occupied, least = bordered(self, width, height), span(self.least_side, self.resolution)
-        # n rooms and n - 1 walls take n (least + 1) - 1 cells; the border takes two of all cells.
-        fits = [(cells + 1 - 2 * self.border) // (least + 1) for cells in occupied.shape]
-        if fits[0] * fits[1] < self.number[0]:
-            raise OptionError("number", f"leaves no room: {fits[0]} x {fits[1]} rooms of least_side fit into the world")
-        return occupied
-
-    @staticmethod
-    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Draw the rooms of each world."""
-        cells: Any = model.cells
-        draw_rooms(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
 
 @kernel
@@ -200,3 +159,40 @@ def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int,
     wide = min(wide, high - low)
     cells[place, door : door + wide] = False
     return wide, door
+
+
+@kind
+class RoomsMap(LevelMap):
+    """Rooms between walls that are one cell thick; each wall has a door, so that every room can be reached."""
+
+    draw_maps = staticmethod(draw_rooms)
+
+    number: tuple[int, int] = option((4, 9), meaning="Bounds of the number of rooms, as far as they fit.")
+    door: tuple[float, float] = option((1.0, 1.0), unit="m", meaning="Bounds of a door's width, in whole cells.")
+    least_side: float = option(2.0, gt=0.0, unit="m", meaning="Minimum width of a room, in whole cells.")
+    loops: float = option(0.0, ge=0.0, le=1.0, meaning="Probability that a wall has a second door.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from unordered_ranges(self, "number", least=1.0)
+        yield from unordered_ranges(self, "door", least=1e-3)
+        if self.number[1] > MOST_ROOMS:
+            yield "number", f"must be at most {MOST_ROOMS}, got {self.number[1]}"
+        if self.door[1] > self.least_side:
+            yield (
+                "door",
+                f"must fit into the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
+            )
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return the border, shape ``(columns, rows)``.
+
+        Raises:
+            OptionError: If there is no room for the fewest rooms.
+        """
+        occupied, least = bordered(self, width, height), span(self.least_side, self.resolution)
+        # n rooms and n - 1 walls take n (least + 1) - 1 cells; the border takes two of all cells.
+        fits = [(cells + 1 - 2 * self.border) // (least + 1) for cells in occupied.shape]
+        if fits[0] * fits[1] < self.number[0]:
+            raise OptionError("number", f"leaves no room: {fits[0]} x {fits[1]} rooms of least_side fit into the world")
+        return occupied

@@ -11,45 +11,7 @@ from irsim_gym.base.errors import OptionError
 from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
-
-
-@kind
-class ShelvesMap(LevelMap):
-    """Shelves in rows and columns with aisles between them, along x or along y; some shelves are missing."""
-
-    shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
-    aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")
-    missing: tuple[float, float] = option(
-        (0.0, 0.3), meaning="Bounds of the probability that a shelf is missing, 0 to 1."
-    )
-    turn: bool = option(True, meaning="Shelves stand along x or along y, as each level draws; else along x.")
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting options."""
-        yield from share_problems(self, "missing")
-        if min(self.shelf) <= 0.0:
-            yield "shelf", f"must be two lengths > 0, got [{self.shelf[0]:g}, {self.shelf[1]:g}]"
-
-    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the border, shape ``(columns, rows)``.
-
-        Raises:
-            OptionError: If a shelf and the aisles around it do not fit.
-        """
-        occupied = bordered(self, width, height)
-        needed = [span(side, self.resolution) + 2 * span(self.aisle, self.resolution) for side in self.shelf]
-        room = [cells - 2 * self.border for cells in occupied.shape]
-        ways = [needed, needed[::-1]] if self.turn else [needed]
-        if any(one > other for way in ways for one, other in zip(way, room, strict=True)):
-            raise OptionError("shelf", "does not fit into the world with an aisle on all sides")
-        return occupied
-
-    @staticmethod
-    def draw(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Draw the shelves of each world."""
-        cells: Any = model.cells
-        draw_shelves(shard.worlds, shard.slot, group.params, group.tables, cells, state)
+from irsim_gym.simulator.world.names import State, kernel, kind, option
 
 
 @kernel
@@ -81,3 +43,37 @@ def draw_shelves(worlds: Ints, slot: int, options: Any, tables: MapTables, cells
                     i, j = first_i + a * (wide + aisle), first_j + b * (high + aisle)
                     occupied[i : i + wide, j : j + high] = True
         lay_cells(cells, w, occupied, tables.line[slot])
+
+
+@kind
+class ShelvesMap(LevelMap):
+    """Shelves in rows and columns with aisles between them, along x or along y; some shelves are missing."""
+
+    draw_maps = staticmethod(draw_shelves)
+
+    shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
+    aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")
+    missing: tuple[float, float] = option(
+        (0.0, 0.3), meaning="Bounds of the probability that a shelf is missing, 0 to 1."
+    )
+    turn: bool = option(True, meaning="Shelves stand along x or along y, as each level draws; else along x.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of invalid or conflicting options."""
+        yield from share_problems(self, "missing")
+        if min(self.shelf) <= 0.0:
+            yield "shelf", f"must be two lengths > 0, got [{self.shelf[0]:g}, {self.shelf[1]:g}]"
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return the border, shape ``(columns, rows)``.
+
+        Raises:
+            OptionError: If a shelf and the aisles around it do not fit.
+        """
+        occupied = bordered(self, width, height)
+        needed = [span(side, self.resolution) + 2 * span(self.aisle, self.resolution) for side in self.shelf]
+        room = [cells - 2 * self.border for cells in occupied.shape]
+        ways = [needed, needed[::-1]] if self.turn else [needed]
+        if any(one > other for way in ways for one, other in zip(way, room, strict=True)):
+            raise OptionError("shelf", "does not fit into the world with an aisle on all sides")
+        return occupied

@@ -23,7 +23,6 @@ def train(
     task: str | Path | None = None,
     team: str | None = None,
     hyperparameters: str | Path | Mapping[str, object] | None = None,
-    curriculum: str | None = None,
     until: float | None = None,
     origin: str | Path | None = None,
     dev_levels: int = 1000,
@@ -47,7 +46,6 @@ def train(
         task: Shipped name or path of a task; None for the scenario's own.
         team: ``"episode"`` or ``"respawn"``: all robots learn one policy.
         hyperparameters: A YAML file that is laid over the shipped one, or single values by key.
-        curriculum: ``"learnability"`` plays levels again that teach.
         until: Success on ``dev`` levels [%] at which the training ends.
         origin: Folder or ``policy.zip`` of a run whose weights are the first ones (``--from``).
         dev_levels: Number of levels of ``dev`` on which checkpoints are scored; 0 for none.
@@ -66,7 +64,7 @@ def train(
     from irsim_gym.cli.work.commands import run_training
 
     known: dict[str, Any] = {"algorithm": algorithm, "seed": seed, "steps": steps, "team": team, "until": until}
-    known |= {"parameters": parameters, "strict": strict, "device": device, "curriculum": curriculum}
+    known |= {"parameters": parameters, "strict": strict, "device": device}
     request = _request(scenario, task, origin, hyperparameters, known)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how).folder

@@ -1,7 +1,8 @@
 """What the environments for Stable-Baselines3 share: how its methods reach a world or an agent."""
 
+import time
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import repeat
 from typing import Any
 
@@ -16,7 +17,6 @@ from irsim_gym.envs.described.description import Description
 from irsim_gym.envs.gymnasium.world_view import WorldView, common_limit
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.envs.parts.infos import Record
-from irsim_gym.envs.sb3.keywords import MonitorFiles
 
 Indices = None | int | Iterable[int]
 
@@ -28,7 +28,6 @@ class NativeVecEnv(VecEnv):
         views: What each slot shows to ``get_attr``, ``set_attr`` and ``env_method``.
         observation_space: Of one slot.
         action_space: Of one slot.
-        files: What statistics of episodes hold, and where they are written.
 
     Attributes:
         statistics_asked: The latest question was for a ``Monitor``, see ``env_is_wrapped``.
@@ -37,15 +36,10 @@ class NativeVecEnv(VecEnv):
     statistics_asked = False
 
     def __init__(
-        self,
-        worlds: Worlds,
-        views: Sequence[WorldView],
-        observation_space: Space[Any],
-        action_space: Space[Any],
-        files: MonitorFiles | None = None,
+        self, worlds: Worlds, views: Sequence[WorldView], observation_space: Space[Any], action_space: Space[Any]
     ) -> None:
         self.worlds = worlds
-        self.files = MonitorFiles() if files is None else files
+        self._started = time.time()
         self.views = views
         self._record = Record(worlds.infos)
         super().__init__(len(views), observation_space, action_space)
@@ -77,6 +71,10 @@ class NativeVecEnv(VecEnv):
         """Return a separate dict for each slot, because wrappers may write into them."""
         return list(map(dict.copy, repeat({}, self.num_envs)))
 
+    def episode(self, total: float, info: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the statistics of an episode that has just ended, as ``Monitor`` does: return, length and time [s]."""
+        return {"r": round(total, 6), "l": info["steps"], "t": round(time.time() - self._started, 6)}
+
     @property
     def reward_names(self) -> tuple[str, ...]:
         """Names of the reward terms, the columns of ``reward_terms``."""
@@ -95,9 +93,8 @@ class NativeVecEnv(VecEnv):
         return self.worlds.describe()
 
     def close(self) -> None:
-        """Close the window and the files, and free the renderer. May be called twice."""
+        """Close the window, and free the renderer. May be called twice."""
         self.worlds.close()
-        self.files.close()
 
     def render(self, mode: str | None = None) -> Bytes | None:
         """Return or show the worlds side by side.

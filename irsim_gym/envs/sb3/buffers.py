@@ -2,16 +2,18 @@
 
 from collections.abc import Generator, Sequence
 from copy import copy
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from gymnasium import Space
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import DictReplayBuffer, DictRolloutBuffer, ReplayBuffer, RolloutBuffer
-from stable_baselines3.common.type_aliases import DictRolloutBufferSamples, RolloutBufferSamples
+from stable_baselines3.common.type_aliases import RolloutBufferSamples
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.base.arraytypes import Flags, Ints
+from irsim_gym.envs.parts.observations import on_each
 
 BufferT = TypeVar("BufferT", bound=RolloutBuffer)
 COLUMNS = ("actions", "values", "log_probs", "advantages", "returns")
@@ -53,39 +55,13 @@ class MaskedRolloutBuffer(RolloutBuffer):
     def get(self, batch_size: int | None = None) -> Generator[RolloutBufferSamples, None, None]:
         """Return shuffled minibatches of the rows that are experience."""
         if not self.generator_ready:
-            keep_experience(self, ("observations", *COLUMNS))
+            keep_experience(self)
             self.generator_ready = True
         return super(MaskedRolloutBuffer, rows_of(self)).get(even_parts(len(self.values), batch_size))
 
 
-class MaskedDictRolloutBuffer(DictRolloutBuffer):
-    """``MaskedRolloutBuffer`` for dict observations.
-
-    Attributes:
-        acted: Rows that are experience, ``(buffer_size, n_envs)``.
-        team: The source of the mask, see ``read_mask_of``.
-    """
-
-    acted: Flags
-    team: Team | None = None
-
-    def reset(self) -> None:
-        """Forget everything."""
-        self.acted = np.zeros((self.buffer_size, self.n_envs), np.bool_)
-        super().reset()
-
-    def add(self, obs: Any, action: Any, reward: Any, *args: Any, **kwargs: Any) -> None:
-        """Add a row for each slot; see ``DictRolloutBuffer.add``."""
-        self.acted[self.pos] = acted_of(self.team)
-        super().add(obs, action, reward, *args, **kwargs)
-
-    def get(self, batch_size: int | None = None) -> Generator[DictRolloutBufferSamples, None, None]:  # type: ignore[override]
-        """Return shuffled minibatches of the rows that are experience."""
-        if not self.generator_ready:
-            keep_experience(self, COLUMNS)
-            self.observations = {key: keep_experience_in(self, values) for key, values in self.observations.items()}
-            self.generator_ready = True
-        return super(MaskedDictRolloutBuffer, rows_of(self)).get(even_parts(len(self.values), batch_size))
+class MaskedDictRolloutBuffer(MaskedRolloutBuffer, DictRolloutBuffer):  # type: ignore[misc]
+    """``MaskedRolloutBuffer`` for dict observations."""
 
 
 class MaskedReplayBuffer(ReplayBuffer):
@@ -125,40 +101,20 @@ class MaskedReplayBuffer(ReplayBuffer):
     def add(self, obs: Any, next_obs: Any, action: Any, reward: Any, done: Any, infos: list[dict[str, Any]]) -> None:
         """Store a transition of each slot that acted; see ``ReplayBuffer.add``."""
         slots, rows = _places(self, infos)
-        self.observations[rows, 0] = obs[slots]
-        self.next_observations[rows, 0] = next_obs[slots]
-        store(self, slots, rows, action, reward, done, infos)
+        for stored, seen in ((self.observations, obs), (self.next_observations, next_obs)):
+            for part, given in zip(_parts(stored), _parts(seen), strict=True):
+                part[rows, 0] = given[slots]
+        self.actions[rows, 0] = np.asarray(action).reshape(len(infos), self.action_dim)[slots]
+        self.rewards[rows, 0] = np.asarray(reward)[slots]
+        self.dones[rows, 0] = np.asarray(done)[slots]
+        if self.handle_timeout_termination:
+            self.timeouts[rows, 0] = [infos[slot].get("TimeLimit.truncated", False) for slot in slots.tolist()]
+        self.full = self.full or self.pos + len(slots) >= self.buffer_size
+        self.pos = (self.pos + len(slots)) % self.buffer_size
 
 
-class MaskedDictReplayBuffer(DictReplayBuffer):
-    """``MaskedReplayBuffer`` for dict observations, with the same arguments: ``buffer_size``, ``observation_space``,
-    ``action_space``, ``device``, ``n_envs``, ``optimize_memory_usage`` and ``handle_timeout_termination``.
-
-    Raises:
-        ValueError: ``optimize_memory_usage`` is True.
-    """
-
-    def __init__(
-        self,
-        buffer_size: int,
-        observation_space: Any,
-        action_space: Space[Any],
-        device: Any = "auto",
-        n_envs: int = 1,
-        optimize_memory_usage: bool = False,
-        handle_timeout_termination: bool = True,
-    ) -> None:
-        super().__init__(
-            buffer_size, observation_space, action_space, device, 1, optimize_memory_usage, handle_timeout_termination
-        )
-
-    def add(self, obs: Any, next_obs: Any, action: Any, reward: Any, done: Any, infos: list[dict[str, Any]]) -> None:
-        """Store a transition of each slot that acted; see ``DictReplayBuffer.add``."""
-        slots, rows = _places(self, infos)
-        for key in self.observations:
-            self.observations[key][rows, 0] = obs[key][slots]
-            self.next_observations[key][rows, 0] = next_obs[key][slots]
-        store(self, slots, rows, action, reward, done, infos)
+class MaskedDictReplayBuffer(MaskedReplayBuffer, DictReplayBuffer):
+    """``MaskedReplayBuffer`` for dict observations."""
 
 
 def team_below(env: VecEnv) -> Team:
@@ -219,9 +175,10 @@ def rows_of(buffer: BufferT) -> BufferT:
     return rows
 
 
-def keep_experience(buffer: Any, names: Sequence[str]) -> None:
-    """Flatten these arrays of a rollout buffer, slot after slot, to the rows that are experience."""
-    for name in names:
+def keep_experience(buffer: Any) -> None:
+    """Flatten the arrays of a rollout buffer, slot after slot, to the rows that are experience."""
+    buffer.observations = on_each(buffer.observations, partial(keep_experience_in, buffer))
+    for name in COLUMNS:
         setattr(buffer, name, keep_experience_in(buffer, getattr(buffer, name)))
 
 
@@ -238,24 +195,6 @@ def _places(buffer: ReplayBuffer, infos: Sequence[dict[str, Any]]) -> tuple[Ints
     return slots, (buffer.pos + np.arange(len(slots))) % buffer.buffer_size
 
 
-def store(
-    buffer: ReplayBuffer, slots: Ints, rows: Ints, action: Any, reward: Any, done: Any, infos: Sequence[dict[str, Any]]
-) -> None:
-    """Store all but the observations, and move on.
-
-    Args:
-        buffer: Where to.
-        slots: The slots to store, ``(n,)``.
-        rows: Their rows in the buffer, ``(n,)``.
-        action: ``(n_slots, ...)``.
-        reward: ``(n_slots,)``.
-        done: ``(n_slots,)``.
-        infos: One for each slot.
-    """
-    buffer.actions[rows, 0] = np.asarray(action).reshape(len(infos), buffer.action_dim)[slots]
-    buffer.rewards[rows, 0] = np.asarray(reward)[slots]
-    buffer.dones[rows, 0] = np.asarray(done)[slots]
-    if buffer.handle_timeout_termination:
-        buffer.timeouts[rows, 0] = [infos[slot].get("TimeLimit.truncated", False) for slot in slots.tolist()]
-    buffer.full = buffer.full or buffer.pos + len(slots) >= buffer.buffer_size
-    buffer.pos = (buffer.pos + len(slots)) % buffer.buffer_size
+def _parts(seen: Any) -> list[NDArray[Any]]:
+    """Return the arrays of observations, sorted by their names."""
+    return [seen[name] for name in sorted(seen)] if isinstance(seen, dict) else [seen]

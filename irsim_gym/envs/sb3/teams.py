@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -142,7 +141,6 @@ class TeamVecEnv(NativeVecEnv):
         self._counts = [0, 0]
         self._actions: NDArray[Any] | None = None
         self._action_shape = (n_slots, *(batch.action_space.shape or ()))
-        self._started = time.time()
         views = [WorldView(batch.worlds, *divmod(slot, batch.n_agents)) for slot in range(n_slots)]
         super().__init__(batch.worlds, views, batch.observation_space, batch.action_space)
 
@@ -227,7 +225,6 @@ class TeamVecEnv(NativeVecEnv):
         cut = step.truncated[worlds, agents].tolist()
         terms = step.reward_terms[worlds, agents].tolist()
         keys = reward_keys(self.worlds.episodes.reward_names)
-        elapsed = round(time.time() - self._started, 6)
         for i, (slot, row) in enumerate(zip(ended.tolist(), zip(*columns, strict=True), strict=True)):
             info: dict[str, Any] = dict(zip(step.infos, row, strict=True))
             total = info.pop("episode_return")
@@ -237,7 +234,7 @@ class TeamVecEnv(NativeVecEnv):
             if info["outcome"] == Outcome.RUNNING:
                 del info["is_success"]
             else:
-                info["episode"] = {"r": round(total, 6), "l": info["steps"], "t": elapsed}
+                info["episode"] = self.episode(total, info)
             infos[slot] = info
 
     def _tell_idle(self, step: BatchStep, restarted: Ints, infos: list[dict[str, Any]]) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from irsim_gym.envs.parts.level_options import fresh_level
 from irsim_gym.envs.parts.limits import ScenarioSpec
 from irsim_gym.envs.parts.spaces import Observation
 from irsim_gym.envs.sb3.base import NativeVecEnv, checked_mode
-from irsim_gym.envs.sb3.keywords import MonitorFiles, refuse_for_singles, with_env_kwargs
+from irsim_gym.envs.sb3.keywords import refuse_for_singles
 
 
 def make_vec_env(
@@ -32,10 +30,6 @@ def make_vec_env(
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
     strict: bool = True,
-    env_kwargs: Mapping[str, Any] | None = None,
-    start_index: int = 0,
-    monitor_dir: str | Path | None = None,
-    monitor_kwargs: Mapping[str, Any] | None = None,
     **parameters: Any,
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
@@ -54,10 +48,6 @@ def make_vec_env(
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
-        env_kwargs: More of these keywords, and values for parameters.
-        start_index: Number of the first world in the files of ``monitor_dir``.
-        monitor_dir: Folder for a file ``<number>.monitor.csv`` of each world's episodes, as ``Monitor`` writes them.
-        monitor_kwargs: ``info_keywords`` and ``override_existing`` of ``Monitor``.
         **parameters: Values for the scenario's parameters.
 
     Raises:
@@ -67,15 +57,9 @@ def make_vec_env(
     asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
     shown: dict[str, Any] = {"render_mode": checked_mode(render_mode), "strict": strict}
     named: dict[str, Any] = {"parameters": parameters, "worlds_are": "n_envs"}
-    if env_kwargs:
-        files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
-        given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
-        return make_vec_env(scenario, n_envs, seed, **given)
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
     worlds = Worlds(scenario, n_envs, task=task, **named, **kwargs, **shown)
-    spec = spec_of(scenario, {**asked, **shown})
-    numbers = range(start_index, start_index + n_envs)
-    env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))
+    env = WorldVecEnv(worlds, spec_of(scenario, {**asked, **shown}))
     if seed is not None:
         env.seed(seed)
     return env
@@ -92,16 +76,15 @@ class WorldVecEnv(NativeVecEnv):
     Args:
         worlds: The worlds.
         spec: What a single environment like one of them is made from.
-        files: What statistics of episodes hold, and where they are written.
     """
 
-    def __init__(self, worlds: Worlds, spec: ScenarioSpec | None = None, files: MonitorFiles | None = None) -> None:
+    def __init__(self, worlds: Worlds, spec: ScenarioSpec | None = None) -> None:
         self._returns: Floats = np.zeros(worlds.n_worlds)
         self._actions: NDArray[Any] | None = None
         self._action_shape = (worlds.n_worlds, *(worlds.action_space.shape or ()))
         self._all_begun = False
         views = [WorldView(worlds, w, spec=spec) for w in range(worlds.n_worlds)]
-        super().__init__(worlds, views, worlds.observation_space, worlds.action_space, files)
+        super().__init__(worlds, views, worlds.observation_space, worlds.action_space)
 
     def reset(self) -> Observation:
         """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
@@ -152,7 +135,7 @@ class WorldVecEnv(NativeVecEnv):
             info = infos[w] = worlds.infos.of_row(row)
             info["terminal_observation"] = observation
             info["TimeLimit.truncated"] = truncated
-            info["episode"] = self.files.episode(w, self._returns.item(w), info)
+            info["episode"] = self.episode(self._returns.item(w), info)
         self._returns[ended] = 0.0
         worlds.begin_next(ended)
         self.note_beginnings(ended)

@@ -2,7 +2,6 @@
 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,7 +19,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.envs.parts.observations import concatenated, on_each
-from irsim_gym.envs.sb3.buffers import COLUMNS, keep_experience, keep_experience_in, team_below
+from irsim_gym.envs.sb3.buffers import keep_experience, keep_experience_in, team_below
 from irsim_gym.envs.sb3_learning.memory import GruPolicy, Sequences
 
 SEQUENCE_LENGTH = 16
@@ -209,8 +208,7 @@ class SequenceBuffer(RolloutBuffer):
         """
         if self.sequences is None:
             self.sequences = self._cut_into_sequences()
-            self.observations = on_each(self.observations, partial(keep_experience_in, self))
-            keep_experience(self, COLUMNS)
+            keep_experience(self)
             self.generator_ready = True
         for rows, running, memory in self.sequences.shuffled(batch_size):
             yield self._samples(rows, torch.as_tensor(running), self.to_torch(memory)[None])

@@ -7,9 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from irsim_gym.base.outside_files import reading
 from irsim_gym.evaluation.arena.board import Board
-from irsim_gym.evaluation.arena.page_data import SCHEMA, VERSION
 from irsim_gym.evaluation.arena.shown_episodes import ShownEpisode, count_failures
 
 if TYPE_CHECKING:
@@ -69,17 +67,3 @@ def write_page(
     parts["data"] = "\n".join((held("data", everything), *replays))
     with whole_file(path) as part:
         part.write_text(whole_page(parts), encoding="utf-8")
-
-
-def read_page(path: str | Path) -> dict[str, Any]:
-    """Return the data of an arena's page, with its replays as ``episodes``.
-
-    Raises:
-        UnreadableFileError: If the file is not such a page; it is a ValueError.
-    """
-    from irsim_gym.rendering.replay.page_parts import held_data, inflated, main_data
-
-    with reading(path, f"arena of version {VERSION}"):
-        found = held_data(Path(path))
-        data = main_data(found, SCHEMA, VERSION)
-        return {**data, "episodes": [inflated(found[f"replay-{i}"]) for i in range(len(data["replays"]))]}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.base.errors import IrsimGymError
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
 PICTURES = (".png", ".jpg", ".webp", ".tif")
+T = TypeVar("T")
 
 
 def record_film(
@@ -37,7 +38,7 @@ def record_film(
     """
     from irsim_gym.rendering.films.film import EpisodeFilm
 
-    check_suffix(path, FILMS, "a film")
+    check_output(path, "film")
     cast = load_players(asked, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
     with progress_bar() as bar:
@@ -67,13 +68,8 @@ def record_html(
     """
     from irsim_gym.rendering.replay.replay_page import save_html
 
-    check_suffix(path, REPLAYS, "a replay")
-    cast = load_players(asked, sources, **chosen)
-    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
-    with progress_bar() as bar:
-        recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
-    cast.renderer.close()
-    return save_html(path, recordings)
+    check_output(path, "replay")
+    return save_html(path, _of_episodes(_recorded, "recording", load_players(asked, sources, **chosen), levels))
 
 
 def record_sheet(
@@ -91,12 +87,18 @@ def record_sheet(
     """
     from irsim_gym.rendering.films.sheet import contact_sheet, save_sheet
 
-    cast = load_players(asked, sources, **chosen)
-    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     check_output(path, "sheet")
-    with progress_bar() as bar:
-        shown = [_moments(cast, w, level) for w, level in bar.track(pairs, description="drawing")]
+    shown = _of_episodes(_moments, "drawing", load_players(asked, sources, **chosen), levels)
     return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
+
+
+def _of_episodes(make: Callable[[Players, int, int], T], what: str, cast: Players, levels: Sequence[int]) -> list[T]:
+    """Return what a function makes of each level and policy, and show the progress."""
+    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
+    with progress_bar() as bar:
+        made = [make(cast, w, level) for w, level in bar.track(pairs, description=what)]
+    cast.renderer.close()
+    return made
 
 
 def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:

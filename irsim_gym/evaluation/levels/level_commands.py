@@ -79,7 +79,8 @@ def run_certify(
     path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _summary(made):
         print(line)
-    write_certificate(made, path)
+    write_bytes(path, made.content())
+    print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}")
     return made
 
 
@@ -93,12 +94,6 @@ def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[st
             for name, policy in chosen.items()
         }
         return certify(episodes, split, count, rows, advance)
-
-
-def write_certificate(made: Certificate, path: Path) -> None:
-    """Write a certificate, and print its path."""
-    write_bytes(path, made.content())
-    print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}", flush=True)
 
 
 def _fitting(episodes: Episodes) -> dict[str, Policy]:

@@ -22,7 +22,7 @@ from rich.text import Text
 
 from irsim_gym.base.errors import UnreadableFileError
 from irsim_gym.base.outside_files import json_object, reading, writing
-from irsim_gym.evaluation.measures.metrics import HITS, OUTCOMES, EpisodeRow, Rate, Summary
+from irsim_gym.evaluation.measures.metrics import HITS, OUTCOMES, EpisodeRow, Rate
 
 WIDTH = 160
 COMPACT: Mapping[str, Any] = MappingProxyType({"box": SIMPLE_HEAD, "pad_edge": False})
@@ -35,8 +35,6 @@ LEGEND = Path(__file__).with_name("legend.json")
 COPIES = "95 % interval: none (-), because all levels are the same, and every episode is a copy of the first"
 ROWS, ROW = "table of episodes", "row of an episode"
 Row = TypeVar("Row")
-Column = tuple[str, Callable[[Any], str]]
-"""Head of a column of figures, and what makes its cell from a summary."""
 PlacedRow = tuple[str, dict[str, str]]
 """File and line of a row, and its cells by column."""
 EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "sct", "path_ratio")
@@ -174,59 +172,6 @@ def plain(data: object) -> Any:
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     return str(data) if isinstance(data, Path) else data
-
-
-def summary_table(summaries: Sequence[Summary], title: str) -> Table:
-    """Lay out the figures of several policies, one row each; narrow enough for a terminal of 80 columns."""
-    columns: list[Column] = [
-        ("success\n[%]", lambda row: percent(row.success)),
-        ("95 %\ninterval\n[%]", lambda row: interval(row.success)),
-        ("collision\n[%]", lambda row: percent(row.collision)),
-        *hit_columns(summaries, HITS),
-        ("timeout\n[%]", lambda row: percent(row.timeout)),
-        ("left\n[%]", lambda row: percent(row.left_world)),
-    ]
-    if any(summary.deadlock.count for summary in summaries):
-        columns.append(("deadlock\n[%]", lambda row: percent(row.deadlock)))
-    if any(summary.misplaced.count for summary in summaries):
-        columns.append(("misplaced\n[%]", lambda row: percent(row.misplaced)))
-        columns.append(("end\n[m]", lambda row: number(row.end_distance, 3)))
-    columns += [
-        ("SPL", lambda row: number(row.spl, 3)),
-        ("time\n[s]", lambda row: number(row.time, 2)),
-        ("path\nratio", lambda row: number(row.path_ratio, 3)),
-        ("clear.\n[m]", lambda row: number(row.min_clearance, 3)),
-    ]
-    if any(math.isfinite(summary.intrusion_025) for summary in summaries):
-        columns += [
-            ("<.25 m\n[%]", lambda row: number(100.0 * row.intrusion_025, 1)),
-            ("<.45 m\n[%]", lambda row: number(100.0 * row.intrusion_045, 1)),
-            ("TTC\n[s]", lambda row: number(row.time_to_collision, 2)),
-        ]
-    return columns_table(title, [*columns, *goal_columns(summaries)], summaries)
-
-
-def hit_columns(summaries: Sequence[Any], hits: Sequence[str]) -> list[Column]:
-    """Return the columns that split collisions by what was hit, if there are several such things."""
-    seen = [hit for hit in hits if any(summary.collision_with[hit].count for summary in summaries)]
-    split = seen if len(seen) > 1 else []
-
-    def share_of(hit: str) -> Callable[[Any], str]:
-        return lambda row: percent(row.collision_with[hit])
-
-    return [(f"with {hit}\n[%]", share_of(hit)) for hit in split]
-
-
-def goal_columns(summaries: Sequence[Any]) -> list[Column]:
-    """Return the column of the rate of goals, if robots have several."""
-    several = any(math.isfinite(summary.throughput) for summary in summaries)
-    return [("goals\n/min", lambda row: number(row.throughput, 2))] if several else []
-
-
-def columns_table(title: str, columns: Sequence[Column], summaries: Sequence[Any]) -> Table:
-    """Return a table of summaries, one row each: the policy, and its cell in each column."""
-    rows = [(summary.policy, *(cell(summary) for _, cell in columns)) for summary in summaries]
-    return figure_table(title, ["policy", *(head for head, _ in columns)], rows, **NARROW)
 
 
 def titled_table(title: str, **layout: Any) -> Table:

@@ -7,9 +7,10 @@ from typing import Any
 from rich.table import Table
 
 from irsim_gym.evaluation.measures.metrics import Summary
-from irsim_gym.evaluation.measures.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
+from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow, TeamSummary
 from irsim_gym.evaluation.protocol import tables
-from irsim_gym.evaluation.protocol.tables import EPISODE_COLUMNS, number, percent
+from irsim_gym.evaluation.protocol.figure_columns import percentiles, summary_table
+from irsim_gym.evaluation.protocol.tables import EPISODE_COLUMNS
 
 AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
 LEVEL_COLUMNS = (
@@ -47,37 +48,8 @@ def write_rows(path: Path, results: Mapping[str, Sequence[Any]]) -> None:
 
 def figure_tables(summaries: Sequence[Any], title: str) -> list[Table]:
     """Lay out the figures of several policies; of teams, also the extra times that can be compared."""
-    if isinstance(summaries[0], Summary):
-        return [tables.summary_table(summaries, title)]
-    compared = compared_table(summaries)
-    return [team_table(summaries, title), *([] if compared is None else [compared])]
-
-
-def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
-    """Lay out the figures of several policies, one row each."""
-    columns: list[tables.Column] = [
-        ("CSR\n[%]", lambda row: percent(row.cooperative_success)),
-        ("95 %\ninterval\n[%]", lambda row: tables.interval(row.cooperative_success)),
-        ("ISR\n[%]", lambda row: percent(row.individual_success)),
-        ("95 %\ninterval\n[%]", lambda row: tables.interval(row.individual_success)),
-        ("collided\n[%]", lambda row: percent(row.collision)),
-        *tables.hit_columns(summaries, TEAM_HITS),
-        ("timeout\n[%]", lambda row: percent(row.timeout)),
-        ("left\n[%]", lambda row: percent(row.left_world)),
-    ]
-    if any(summary.deadlock.count for summary in summaries):
-        columns.append(("given\nup\n[%]", lambda row: percent(row.deadlock)))
-    if any(summary.misplaced.count for summary in summaries):
-        columns.append(("mis-\nplaced\n[%]", lambda row: percent(row.misplaced)))
-    columns += [
-        ("dead-\nlocked\n[%]", lambda row: percent(row.deadlocked)),
-        ("SPL", lambda row: number(row.spl, 3)),
-        ("make-\nspan\n[s]", lambda row: number(row.makespan, 1)),
-        ("flow-\ntime\n[s]", lambda row: number(row.flowtime, 1)),
-        ("extra time\n50/75/90 %\n[s]", lambda row: _percentiles(row.extra_time)),
-        ("clear.\n[m]", lambda row: number(row.min_clearance, 3)),
-    ]
-    return tables.columns_table(title, [*columns, *tables.goal_columns(summaries)], summaries)
+    compared = None if isinstance(summaries[0], Summary) else compared_table(summaries)
+    return [summary_table(summaries, title), *([] if compared is None else [compared])]
 
 
 def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
@@ -87,7 +59,7 @@ def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
     if not times:
         return None
     heads = ("policy", "levels", "extra time, 50/75/90 % [s]")
-    rows = [(policy, f"{time.levels:,}", _percentiles(time)) for policy, time in times]
+    rows = [(policy, f"{time.levels:,}", percentiles(time)) for policy, time in times]
     return tables.figure_table("levels that all of these solved", heads, rows, **tables.COMPACT)
 
 
@@ -108,7 +80,3 @@ def _level_cells(level: TeamRow) -> dict[str, object]:
         "deadlocked": level.deadlocked,
         "throughput": level.throughput,
     }
-
-
-def _percentiles(time: ExtraTime) -> str:
-    return "/".join(number(value, 1) for value in (time.p50, time.p75, time.p90)) if time.arrivals else "-"

@@ -18,6 +18,7 @@ from irsim_gym.evaluation.protocol.tables import write_bytes, write_text
 from irsim_gym.scenario.entries.recorded_bodies import find_recording
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.reading.map_cells import find_map
+from irsim_gym.scenario.reading.ros_map import SUFFIXES, read_ros_map
 from irsim_gym.scenario.specs.image_files import image_file
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
@@ -182,9 +183,19 @@ def _copy_map(loaded: Scenario, sections: dict[str, Any], pictures: dict[str, Pa
     if not isinstance(path, str) or not isinstance(world, Mapping):
         return
     file = find_map(path, (Path(loaded.file).parent,))
-    name = _add_file(file, pictures)
+    name = _add_ros_map(file, pictures) if file.suffix in SUFFIXES else _add_file(file, pictures)
     given = world.get("obstacle_map")
     sections["world"] = {**world, "obstacle_map": {**given, "path": name} if isinstance(given, Mapping) else name}
+
+
+def _add_ros_map(file: Path, pictures: dict[str, Path]) -> str:
+    """Add a map of ROS with its image, in a folder of their own, and return the name of its file in the copy."""
+    found = read_ros_map(file)
+    folder = f"{file.stem}-{hashlib.sha256(file.read_bytes() + found.image.read_bytes()).hexdigest()[:12]}"
+    pictures[f"{folder}/{file.name}"] = file
+    if not Path(found.content.image).is_absolute():
+        pictures[f"{folder}/{found.content.image}"] = found.image
+    return f"{folder}/{file.name}"
 
 
 def _with_pictures(entry: object, file: str, pictures: dict[str, Path]) -> Any:

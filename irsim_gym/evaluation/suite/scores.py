@@ -1,8 +1,6 @@
 """Computes the figures of tables from rows."""
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
 from statistics import fmean
@@ -11,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
-from irsim_gym.evaluation.levels.played import QUARTER_NAMES
+from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.evaluation.levels.certificate import find_certificate
+from irsim_gym.evaluation.levels.played import QUARTER_NAMES, PlayedLevels
 from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
 from irsim_gym.evaluation.measures.statistics import (
     Estimate,
@@ -22,9 +22,9 @@ from irsim_gym.evaluation.measures.statistics import (
 from irsim_gym.evaluation.measures.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.measures.worst_levels import worst_shares
 from irsim_gym.evaluation.protocol.tables import plain
-from irsim_gym.evaluation.suite.certificates import certified_levels
 from irsim_gym.evaluation.suite.row_files import read_rows
 from irsim_gym.evaluation.suite.suite_record import SuiteRecord
+from irsim_gym.scenario import load_scenario
 
 OF_SUMMARIES = (
     *("spl", "sct", "makespan", "acceleration", "jerk", "intrusion_025", "intrusion_045"),
@@ -33,64 +33,8 @@ OF_SUMMARIES = (
 """Figures of a score that are means of those of summaries with the same name."""
 Repetitions = Sequence[Sequence[TeamRow]]
 """The levels that the policies of one method played, one list per policy."""
-
-
-@dataclass(frozen=True)
-class Score:
-    """The figures of one method on one benchmark: means over its policies; NaN if there are no values.
-
-    Attributes:
-        repetitions: Number of its policies.
-        success: Share of levels in which all robots arrive. Its interval is Wilson's for one policy, and a bootstrap
-            interval over policies for several.
-        individual: Share of robots that arrive.
-        outcomes: Share of episodes by outcome.
-        hits: Share of episodes that ended in a collision, by what was hit.
-        deadlocked: Share of robots whose episode ended while they stood still.
-        spl: Success weighted by path length.
-        sct: Success weighted by completion time.
-        worst: Success of each policy on its own worst 5 % and 1 % of levels.
-        worst_shared: The same on levels that are chosen by half of the policies and scored by the other half.
-        quarters: Success by quarter of difficulty; empty if the levels have no certificate.
-        time: Mean time of successful episodes [s].
-        path: Mean path length of successful episodes [m].
-        common_levels: Number of levels that all compared methods solved.
-        common_time: Mean time on these levels [s].
-        common_path: Mean path length on these levels [m].
-        makespan: Mean time until the last robot arrives [s]; the time limit if one never arrives.
-        clearance: Mean of the smallest clearances [m].
-        acceleration: Mean size of acceleration [m/s2].
-        jerk: Mean size of jerk [m/s3].
-        intrusion_025: Share of steps nearer than 0.25 m to a person; NaN if there are no people.
-        intrusion_045: The same for 0.45 m.
-        time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
-        throughput: Mean over levels of the goals that all robots reach per minute; NaN if each has one goal.
-    """
-
-    repetitions: int
-    success: Estimate
-    individual: float
-    outcomes: Mapping[str, float]
-    hits: Mapping[str, float]
-    deadlocked: float
-    spl: float
-    sct: float
-    worst: Mapping[str, float]
-    worst_shared: Mapping[str, float]
-    quarters: Mapping[str, float]
-    time: float
-    path: float
-    common_levels: int
-    common_time: float
-    common_path: float
-    makespan: float
-    clearance: float
-    acceleration: float
-    jerk: float
-    intrusion_025: float
-    intrusion_045: float
-    time_to_collision: float
-    throughput: float
+Figures = dict[str, Any]
+"""The figures of one method on one benchmark, see ``score_method``."""
 
 
 def score_suite(record: SuiteRecord, folder: Path) -> None:
@@ -103,9 +47,9 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
             for method, found in files.items()
             if found
         }
-    scores: dict[str, dict[str, Score]] = {}
+    scores: dict[str, dict[str, Figures]] = {}
     for member, repetitions in played.items():
-        levels = certified_levels(record.members[member])
+        levels = _certified_levels(record.members[member])
         record.members[member]["conditions"] |= levels.conditions()
         scores[member] = score_member(repetitions, levels.quarters)
     record.figures = plain(scores)
@@ -116,7 +60,23 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
     record.overall = plain(overall(success, list(record.methods)))
 
 
-def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = None) -> dict[str, Score]:
+def _certified_levels(member: Mapping[str, Any]) -> PlayedLevels:
+    """Return the levels of a benchmark with their certificate, which may be newer than the rows.
+
+    Args:
+        member: The benchmark's entry in the record of a run.
+    """
+    of = member["conditions"]
+    count, digest = of["levels"], of["level_hash"]
+    try:
+        scenario = load_scenario(member["scenario"], member["parameters"], warn=False)
+    except IrsimGymError:  # rows of an earlier version whose scenario had other parameters
+        return PlayedLevels(count, digest, of["level_file"] or "", None)
+    found = find_certificate(scenario, of["agents"], of["split"], digest, count)
+    return PlayedLevels(count, digest, of["level_file"] or "", found)
+
+
+def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = None) -> dict[str, Figures]:
     """Return the figures of several methods on the same levels.
 
     Args:
@@ -133,13 +93,38 @@ def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = Non
     }
 
 
-def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Score:
+def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Figures:
     """Return the figures of one method.
 
     Args:
         repetitions: Levels that its policies played.
         common: Levels that all compared methods solved.
         quarters: Quarter of difficulty of each level, from 0; None if it is not known.
+
+    Returns:
+        Means over its policies; NaN if there are no values.
+
+        - ``repetitions``: Number of its policies.
+        - ``success``: Share of levels in which all robots arrive. Its interval is Wilson's for one policy, and a
+          bootstrap interval over policies for several.
+        - ``individual``: Share of robots that arrive.
+        - ``outcomes``: Share of episodes by outcome.
+        - ``hits``: Share of episodes that ended in a collision, by what was hit.
+        - ``deadlocked``: Share of robots whose episode ended while they stood still.
+        - ``spl``, ``sct``: Success weighted by path length, and by completion time.
+        - ``worst``: Success of each policy on its own worst 5 % and 1 % of levels.
+        - ``worst_shared``: The same on levels that are chosen by half of the policies and scored by the other half.
+        - ``quarters``: Success by quarter of difficulty; empty if the levels have no certificate.
+        - ``time``, ``path``: Mean time [s] and path length [m] of successful episodes.
+        - ``common_levels``: Number of levels that all compared methods solved.
+        - ``common_time``, ``common_path``: Mean time [s] and path length [m] on these levels.
+        - ``makespan``: Mean time until the last robot arrives [s]; the time limit if one never arrives.
+        - ``clearance``: Mean of the smallest clearances [m].
+        - ``acceleration``, ``jerk``: Mean sizes [m/s2], [m/s3].
+        - ``intrusion_025``, ``intrusion_045``: Share of steps nearer than 0.25 m and 0.45 m to a person; NaN if there
+          are no people.
+        - ``time_to_collision``: Mean of the minimum times to collision with a person [s], over episodes that met one.
+        - ``throughput``: Mean over levels of the goals that all robots reach per minute; NaN if each has one goal.
     """
     summaries = [summarize_team("", rows) for rows in repetitions]
     success = _successes(repetitions)
@@ -147,28 +132,27 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
     episodes = [agent.episode for rows in repetitions for row in rows for agent in row.agents]
     there = [episode for episode in episodes if episode.level in common]
 
-    def over(read: Callable[[TeamSummary], float]) -> float:
-        return mean([read(summary) for summary in summaries])
+    def over(name: str) -> float:
+        return mean([attrgetter(name)(summary) for summary in summaries])
 
-    same: dict[str, Any] = {name: over(attrgetter(name)) for name in OF_SUMMARIES}
-    return Score(
-        repetitions=len(summaries),
-        success=_success(summaries),
-        individual=over(lambda summary: summary.individual_success.value),
-        outcomes={name: fmean(episode.outcome == name for episode in episodes) for name in OUTCOMES},
-        hits={hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
-        deadlocked=over(lambda summary: summary.deadlocked.value),
-        worst={share: mean([one[share] for one in own]) for share in own[0]},
-        worst_shared=worst_shares(success) if len(success) > 1 else {},
-        quarters=_by_quarter(success, quarters),
-        time=_of_successes(episodes, lambda episode: episode.time),
-        path=over(lambda summary: summary.path_length),
-        common_levels=len(common),
-        common_time=_of_successes(there, lambda episode: episode.time),
-        common_path=_of_successes(there, lambda episode: episode.path_length),
-        clearance=over(lambda summary: summary.min_clearance),
-        **same,
-    )
+    return {
+        "repetitions": len(summaries),
+        "success": _success(summaries),
+        "individual": over("individual_success.value"),
+        "outcomes": {name: fmean(episode.outcome == name for episode in episodes) for name in OUTCOMES},
+        "hits": {hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
+        "deadlocked": over("deadlocked.value"),
+        "worst": {share: mean([one[share] for one in own]) for share in own[0]},
+        "worst_shared": worst_shares(success) if len(success) > 1 else {},
+        "quarters": _by_quarter(success, quarters),
+        "time": _of_successes(episodes, "time"),
+        "path": over("path_length"),
+        "common_levels": len(common),
+        "common_time": _of_successes(there, "time"),
+        "common_path": _of_successes(there, "path_length"),
+        "clearance": over("min_clearance"),
+        **{name: over(name) for name in OF_SUMMARIES},
+    }
 
 
 def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Sequence[str]) -> dict[str, object]:
@@ -223,6 +207,5 @@ def _solved(repetitions: Repetitions) -> set[int]:
     return set.intersection(*({row.level for row in rows if row.is_success} for rows in repetitions))
 
 
-def _of_successes(episodes: Sequence[EpisodeRow], read: Callable[[EpisodeRow], float]) -> float:
-    found = [read(episode) for episode in episodes if episode.outcome == "success"]
-    return fmean(found) if found else math.nan
+def _of_successes(episodes: Sequence[EpisodeRow], name: str) -> float:
+    return mean([getattr(episode, name) for episode in episodes if episode.outcome == "success"])

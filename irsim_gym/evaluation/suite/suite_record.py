@@ -54,15 +54,6 @@ class SuiteRecord:
         """Return the number of levels of a benchmark that were played."""
         return int(self.members[member]["conditions"]["levels"])
 
-    def unplayed(self) -> list[str]:
-        """Return what is still to be played, each as ``METHOD in BENCHMARK``."""
-        return [
-            f"{method} in {member}"
-            for member in self.members
-            for method, policies in self.methods.items()
-            if len(self.runs.get(member, {}).get(method, [])) < len(policies)
-        ]
-
     def add(self, members: Sequence[Member], methods: Sequence[ComparedMethod]) -> None:
         """Add benchmarks and methods that are about to be played.
 

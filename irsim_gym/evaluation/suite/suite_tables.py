@@ -1,63 +1,28 @@
-"""The tables of a run of the suite, in Markdown and LaTeX."""
+"""The tables of a run of the suite, in Markdown."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from irsim_gym.base import families
+from irsim_gym.base.families import OBSERVATIONS
 from irsim_gym.evaluation.levels.played import QUARTER_NAMES
 from irsim_gym.evaluation.measures.worst_levels import WORST
 from irsim_gym.evaluation.suite.suite_record import SuiteRecord
+from irsim_gym.tasks.terms.term import needs_of
 
 DASH = "-"
 ENDS = ("timeout", "left_world", "deadlock")
 """Outcomes other than success and collision; a table shows those that occur."""
-SPECIAL = {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}"}
 
 Figures = Mapping[str, Any]
-"""A ``Score`` as plain data, with None in place of NaN."""
+"""Figures of a method as ``scores`` computes them, as plain data with None in place of NaN."""
 Reader = Callable[[Figures], str]
 
 
-@dataclass(frozen=True)
-class TextTable:
-    """The content of a table, independent of its format.
-
-    Attributes:
-        title: Heading of the table.
-        notes: Lines below the heading.
-        heads: Names of the columns; the first column holds text.
-        rows: The cells.
-    """
-
-    title: str
-    notes: Sequence[str]
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-
-
-def text_tables(record: SuiteRecord) -> list[TextTable]:
-    """Return the tables over all benchmarks, and one for each benchmark."""
-    return [*_overview(record), *_overall(record), *(_member(record, member) for member in record.figures)]
-
-
 def markdown(record: SuiteRecord) -> str:
-    """Return all tables as Markdown."""
-    return "\n".join(_markdown(table) for table in text_tables(record))
-
-
-def latex(record: SuiteRecord) -> str:
-    """Return all tables that have rows, as LaTeX that uses the package booktabs."""
-    return "\n".join(_latex(table) for table in text_tables(record) if table.rows)
-
-
-def overview(record: SuiteRecord) -> str:
-    """Return the success of all methods on all benchmarks as Markdown."""
-    return "\n".join(_markdown(table) for table in _overview(record))
-
-
-def member_markdown(record: SuiteRecord, name: str) -> str:
-    """Return the table of one benchmark as Markdown."""
-    return _markdown(_member(record, name))
+    """Return the tables over all benchmarks, and one for each benchmark, as Markdown."""
+    members = [member_markdown(record, name) for name in record.figures]
+    return "\n".join(filter(None, [overview(record), _overall(record), *members]))
 
 
 def conditions_line(member: Mapping[str, Any]) -> str:
@@ -83,22 +48,23 @@ def conditions_line(member: Mapping[str, Any]) -> str:
     return "; ".join([*([given] if given else []), *words]) + "."
 
 
-def _overview(record: SuiteRecord) -> list[TextTable]:
+def overview(record: SuiteRecord) -> str:
+    """Return the success of all methods on all benchmarks as Markdown; "" for a single benchmark."""
     methods = [name for name in record.methods if any(name in scores for scores in record.figures.values())]
     if len(record.figures) < 2 or not methods:
-        return []
+        return ""
     rows = [
         [name, *(_with_interval(scores[method]["success"]) if method in scores else DASH for method in methods)]
         for name, scores in record.figures.items()
     ]
     note = "Success [%], of whole teams where several robots learn, with its 95 % interval."
-    return [TextTable("Benchmarks", [note], ["benchmark", *methods], rows)]
+    return _markdown("Benchmarks", [note], ["benchmark", *methods], rows)
 
 
-def _overall(record: SuiteRecord) -> list[TextTable]:
+def _overall(record: SuiteRecord) -> str:
     names = record.overall.get("benchmarks") or []
     if len(names) < 2:
-        return []
+        return ""
     success, better = record.overall["success"], record.overall["improvement"]
     methods = list(success)
     heads = ["method", "success [%]", "95 % interval", *(f"beats {method} [%]" for method in methods)]
@@ -110,17 +76,27 @@ def _overall(record: SuiteRecord) -> list[TextTable]:
         "Interquartile mean over benchmarks and policies with a stratified bootstrap interval, and the probability "
         f"that a policy does better than one of another method, over: {', '.join(names)}."
     )
-    return [TextTable("Overall", [note], heads, rows)]
+    return _markdown("Overall", [note], heads, rows)
 
 
-def _member(record: SuiteRecord, name: str) -> TextTable:
+def member_markdown(record: SuiteRecord, name: str) -> str:
+    """Return the table of one benchmark as Markdown."""
     scores = record.figures[name]
     is_team = len(record.members[name]["conditions"]["agents"]) > 1
     read = _columns(list(scores.values()), is_team)
     shown = {head: [cell(score) for score in scores.values()] for head, cell in read.items()}
+    shown["needs"] = [_needs(record, name, method) for method in scores]
     shown = {head: cells for head, cells in shown.items() if any(cell != DASH for cell in cells)}
     rows = [[method, *(cells[row] for cells in shown.values())] for row, method in enumerate(scores)]
-    return TextTable(name, _notes(record, name), ["method", *shown], rows)
+    return _markdown(name, _notes(record, name), ["method", *shown], rows)
+
+
+def _needs(record: SuiteRecord, member: str, method: str) -> str:
+    """Return what a robot must have for the observations of a method."""
+    entries = record.runs.get(member, {}).get(method, [])
+    names = dict.fromkeys(name for entry in entries for name in entry.get("observes") or ())
+    families.load()
+    return ", ".join(needs_of(OBSERVATIONS.entry(name).kind() for name in names if name in OBSERVATIONS)) or DASH
 
 
 def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
@@ -200,37 +176,16 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     return [note for note in notes if note]
 
 
-def _markdown(table: TextTable) -> str:
-    lines = [f"### {table.title}", "", *(line for note in table.notes for line in (note, ""))]
-    if table.rows:
-        lines += [
-            "| " + " | ".join(head.replace("|", r"\|") for head in table.heads) + " |",
-            "|---" + "|---:" * (len(table.heads) - 1) + "|",
-        ]
-    return "\n".join(
-        [*lines, *("| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in table.rows), ""]
-    )
+def _markdown(title: str, notes: Sequence[str], heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table with its heading and notes; the first column holds text."""
+    lines = [f"### {title}", "", *(line for note in notes for line in (note, ""))]
+    if rows:
+        lines += [_line(heads), "|---" + "|---:" * (len(heads) - 1) + "|"]
+    return "\n".join([*lines, *map(_line, rows), ""])
 
 
-def _latex(table: TextTable) -> str:
-    lines = [
-        r"\begin{table}",
-        rf"\caption{{{_escaped(' '.join([table.title + '.', *table.notes]))}}}",
-        rf"\begin{{tabular}}{{l{'r' * (len(table.heads) - 1)}}}",
-        r"\toprule",
-        " & ".join(map(_escaped, table.heads)) + r" \\",
-        r"\midrule",
-        *(" & ".join(map(_escaped, row)) + r" \\" for row in table.rows),
-        r"\bottomrule",
-        r"\end{tabular}",
-        r"\end{table}",
-        "",
-    ]
-    return "\n".join(lines)
-
-
-def _escaped(text: str) -> str:
-    return "".join(SPECIAL.get(letter, letter) for letter in text)
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 
 def _sensor(of: Mapping[str, object]) -> str:

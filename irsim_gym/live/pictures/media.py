@@ -1,4 +1,4 @@
-"""Files with pictures of a world: figures, films, pages, sheets."""
+"""Files with pictures of a world: figures, films, pages."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from irsim_gym.base.errors import NoEffectWarning, warn_caller
 from irsim_gym.live.pictures.camera import Camera
-from irsim_gym.live.pictures.output_files import FIGURES, FILMS, IMAGES, PAGES, film_file, target, with_suffix
+from irsim_gym.live.pictures.output_files import FIGURES, FILMS, PAGES, film_file, target, with_suffix
 from irsim_gym.live.pictures.viewer import Viewer
 from irsim_gym.live.session.arguments import figure_options, film_options
 from irsim_gym.live.session.run_status import RunStatus
@@ -57,8 +57,8 @@ class MediaWriter:
         self._camera.keep(self._status.shown)
         self._unsaved = True
 
-    def _file(self, path: str | Path | None, ending: str = "") -> Path:
-        return target(path, self._session.simulation.scenario.name + ending)
+    def _file(self, path: str | Path | None) -> Path:
+        return target(path, self._session.simulation.scenario.name)
 
     def close(self, /, ending_time: float = 0.0, **film: object) -> None:
         """Close the window and free the renderer. With ``save_ani``, write the film first, as ``end`` does.
@@ -178,19 +178,3 @@ class MediaWriter:
         page = with_suffix(self._file(path), PAGES, "html")
         self._camera.reel.save_html(page)
         return page
-
-    def save_sheet(self, path: str | Path | None = None, moments: int = 12) -> Path:
-        """Write one picture with evenly spaced moments, and return its path.
-
-        They are those of the film that ``save_animation`` would write, or wrote last.
-
-        Args:
-            path: ``.png`` or another picture of pixels (default: name of the world with ``-sheet``).
-            moments: Number of moments, including the first and the last.
-
-        Raises:
-            ValueError: Another suffix, nothing was kept, or fewer than two moments.
-        """
-        sheet = with_suffix(self._file(path, "-sheet"), IMAGES, "png")
-        self._camera.reel.save_sheet(sheet, moments)
-        return sheet

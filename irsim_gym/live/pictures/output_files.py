@@ -5,7 +5,6 @@ from pathlib import Path
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
-IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 
 

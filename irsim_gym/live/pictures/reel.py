@@ -1,4 +1,4 @@
-"""Records a world: frames for films and sheets, figures for replays."""
+"""Records a world: frames for films, figures for replays."""
 
 from __future__ import annotations
 
@@ -21,13 +21,11 @@ NOTHING_KEPT = "nothing was kept: load the world with record=True"
 class Reel:
     """Frames since the last film, and the numbers of all episodes.
 
-    Frames are compressed, as flat colours shrink to a few percent. Those of the last film remain until the next frame
-    is kept, so that a sheet can be made of them, too.
+    Frames are compressed, as flat colours shrink to a few percent.
     """
 
     def __init__(self) -> None:
         self._frames: list[PackedFrame] = []
-        self._filmed = False
         self._recordings: list[Recording] = []
         self._is_begun = False
 
@@ -40,8 +38,8 @@ class Reel:
         from irsim_gym.rendering.looks.packing import PackedFrame
         from irsim_gym.rendering.replay.replay_data import Recording
 
-        if self._filmed or (self._frames and frame.shape != self._frames[0].shape):
-            self._frames, self._filmed = [], False  # frames of another shape are those of another file
+        if self._frames and frame.shape != self._frames[0].shape:
+            self._frames = []  # frames of another shape are those of another file
         self._frames.append(PackedFrame.of(frame))
         robots = moves.robots(simulation)
         names = [simulation.parts.names[body] for body in robots.tolist()]
@@ -60,7 +58,8 @@ class Reel:
         """Keep the latest moment with other marks over it."""
         from irsim_gym.rendering.looks.packing import PackedFrame
 
-        self._frames[-1] = PackedFrame.of(frame)
+        if self._frames:
+            self._frames[-1] = PackedFrame.of(frame)
         self._recordings[-1].redraw(scene)
 
     def save_film(self, path: Path, fps: float) -> None:
@@ -71,10 +70,10 @@ class Reel:
         """
         from irsim_gym.rendering.films.video import write_video
 
-        if self._filmed or not self._frames:
+        if not self._frames:
             raise ValueError(f"no frames: {NOTHING_KEPT}")
         write_video((packed.frame() for packed in self._frames), path, fps, total=len(self._frames))
-        self._filmed = True
+        self._frames = []
 
     def save_html(self, path: Path) -> None:
         """Write a page that plays all episodes.
@@ -87,21 +86,6 @@ class Reel:
         if not self._recordings:
             raise ValueError(NOTHING_KEPT)
         save_html(path, self._recordings)
-
-    def save_sheet(self, path: Path, count: int) -> None:
-        """Write one picture with some frames of the present film, or of the last one written.
-
-        Raises:
-            ValueError: There are no frames, or fewer than two are asked for.
-        """
-        from irsim_gym.rendering.films.sheet import contact_sheet, save_sheet, spaced
-
-        if not self._frames:
-            raise ValueError(NOTHING_KEPT)
-        if count < 2:
-            raise ValueError(f"a sheet shows at least 2 moments, got {count}")
-        frames = [self._frames[k].frame() for k in spaced(len(self._frames), count).tolist()]
-        save_sheet(contact_sheet([frames], [""]), path)
 
 
 def _outcome(simulation: Simulation, body: int) -> str:

@@ -320,10 +320,11 @@ class Body(IrSimReadings):
         low, high = range_limits or (getattr(behavior, "range_low", LOW), getattr(behavior, "range_high", HIGH))
         if max_attempts < 1:
             raise ValueError(f"max_attempts is 1 or more, got {max_attempts!r}")
-        others = [self._session.roster.index(body.name) for body in obstacle_list] if free else []
+        others = [self._body(self._session.roster.index(body.name)) for body in obstacle_list] if free else []
+        areas = [free_goals.area(body) for body in others]
         drawn = []
         for _ in range(max(len(self.goals), 1)):
-            goal, is_clear = free_goals.draw(self._simulation, low, high, others, goal_check_radius, max_attempts)
+            goal, is_clear = free_goals.draw(self._simulation, low, high, areas, goal_check_radius, max_attempts)
             drawn.append(goal)
             if not is_clear:
                 message = f"no place clear of the obstacles for a goal of '{self._name}' in {max_attempts} draws"

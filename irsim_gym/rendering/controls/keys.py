@@ -73,11 +73,6 @@ class HeldKeys:
                 self._down.remove(key)
                 del self._up_since[key]
 
-    def release_all(self) -> None:
-        """Release all keys, for example when the window loses the focus."""
-        self._down.clear()
-        self._up_since.clear()
-
     def latest(self, *keys: str) -> str | None:
         """Return the key among ``keys`` that was pressed last and is still down; None if none is down."""
         return next((key for key in reversed(self._down) if key in keys), None)

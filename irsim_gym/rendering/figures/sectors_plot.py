@@ -12,13 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Wedge
+from matplotlib.transforms import Affine2D
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Rays
 from irsim_gym.rendering.figures.figure import READABLE
+from irsim_gym.rendering.figures.ways_levels import draw_map
 from irsim_gym.rendering.looks import fonts, theme
 from irsim_gym.rendering.looks.files import whole_file
 from irsim_gym.rendering.looks.tiles import few_columns
-from irsim_gym.rendering.scene.scene import DrawnBody, MapView, Scene
+from irsim_gym.rendering.scene.scene import Scene
 
 PANEL = 4.6
 """Side of a panel [inch]."""
@@ -119,44 +121,23 @@ def _draw_image(axes: Axes, panel: ImagePanel) -> None:
 
 def _draw_level(axes: Axes, scene: Scene, pose: Floats, most: float) -> None:
     """Draw the surroundings of a robot, with its heading up."""
-    axes.set(xlim=(-most, most), ylim=(-most, most), aspect="equal", facecolor=theme.CARD)
-    corners = scene.bounds[[0, 2, 2, 0]], scene.bounds[[1, 1, 3, 3]]
-    inside = _seen(np.stack(corners, axis=1), pose)
-    axes.add_patch(Polygon(inside, fill=False, ec=theme.RULE, lw=1.2, zorder=1))
+    x, y, heading = pose.tolist()
+    turn = Affine2D().translate(-x, -y).rotate(0.5 * math.pi - heading) + axes.transData
+    (x_min, y_min), (x_max, y_max) = scene.bounds[:2], scene.bounds[2:]
+    around = [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)]
+    axes.add_patch(Polygon(around, fill=False, ec=theme.RULE, lw=1.2, zorder=1, transform=turn))
     if scene.map is not None:
-        _draw_map(axes, scene.map, pose, most)
+        draw_map(axes, scene.map, theme.MAP, zorder=1, transform=turn)
     for body in (*scene.fixed, *scene.moving):
-        _draw_body(axes, body, pose)
-
-
-def _draw_map(axes: Axes, view: MapView, pose: Floats, most: float) -> None:
-    x_min, y_min, x_max, y_max = view.extent
-    wide, high = (x_max - x_min) / view.occupied.shape[0], (y_max - y_min) / view.occupied.shape[1]
-    cells = np.argwhere(view.occupied)
-    middles = np.array([x_min, y_min]) + (cells + 0.5) * (wide, high)
-    near = np.abs(middles - pose[:2]).max(axis=1, initial=0.0) < 1.5 * most if len(cells) else np.zeros(0, np.bool_)
-    for x, y in middles[near].tolist():
-        square = np.array([x, y]) + np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * (wide, high)
-        axes.add_patch(Polygon(_seen(square, pose), fc=theme.MAP, ec="none", zorder=2))
-
-
-def _draw_body(axes: Axes, body: DrawnBody, pose: Floats) -> None:
-    for line in body.lines:
-        look: dict[str, Any] = {"fill": body.solid, "fc": theme.RULE, "ec": theme.WALL, "lw": 1.0, "zorder": 2}
-        axes.add_patch(Polygon(_seen(line, pose), closed=np.array_equal(line[0], line[-1]), **look))
-    for x, y, radius in body.discs.tolist():
-        ((across, up),) = _seen(np.array([[x, y]]), pose).tolist()
-        own = math.hypot(across, up) < ROBOT_HALF * radius
-        face, edge, order = (theme.ROBOT, theme.INK, 6) if own else (theme.RULE, theme.WALL, 2)
-        axes.add_patch(Circle((across, up), radius, fc=face, ec=edge, lw=1.0, zorder=order))
-
-
-def _seen(points: Floats, pose: Floats) -> Floats:
-    """Return points [m] in the panel's frame: the first axis to the robot's right, the second ahead."""
-    dx, dy = points[:, 0] - pose[0], points[:, 1] - pose[1]
-    cosine, sine = math.cos(pose[2]), math.sin(pose[2])
-    seen: Floats = np.stack([dx * sine - dy * cosine, dx * cosine + dy * sine], axis=1)
-    return seen
+        for line in body.lines:
+            look: dict[str, Any] = {"fill": body.solid, "fc": theme.RULE, "ec": theme.WALL, "lw": 1.0, "zorder": 2}
+            closed = np.array_equal(line[0], line[-1])
+            axes.add_patch(Polygon(line, closed=closed, transform=turn, **look))
+        for across, up, radius in body.discs.tolist():
+            own = math.hypot(across - x, up - y) < ROBOT_HALF * radius
+            face, edge, order = (theme.ROBOT, theme.INK, 6) if own else (theme.RULE, theme.WALL, 2)
+            axes.add_patch(Circle((across, up), radius, fc=face, ec=edge, lw=1.0, zorder=order, transform=turn))
+    axes.set(xlim=(-most, most), ylim=(-most, most), aspect="equal", facecolor=theme.CARD)
 
 
 def _draw_panel(axes: Axes, panel: SectorPanel, reach: float) -> None:

@@ -90,11 +90,7 @@ def draw_level(axes: Axes, level: DrawnLevel, bounds: Sequence[float]) -> None:
     """Draw a level, with its number and outcome above."""
     show_world(axes, bounds)
     if level.map is not None:
-        x_min, y_min, x_max, y_max = level.map.extent
-        axes.imshow(
-            level.map.occupied.T, cmap=ListedColormap([theme.CARD, STANDING]), origin="lower", zorder=0,
-            extent=(x_min, x_max, y_min, y_max), interpolation="nearest", vmin=0, vmax=1,
-        )  # fmt: skip
+        draw_map(axes, level.map, STANDING)
     outcomes = dict(zip(level.agents, (way.outcome for way in level.ways), strict=True))
     _draw_bodies(axes, level.fixed, STANDING, 1.0)
     _draw_bodies(axes, [view for view in level.moving if view.body not in outcomes], MOVING, 1.0)
@@ -108,6 +104,15 @@ def draw_level(axes: Axes, level: DrawnLevel, bounds: Sequence[float]) -> None:
     look |= {"family": theme.FONT, "fontsize": 7.5}
     axes.annotate(f"level {level.number}", (0.0, 1.0), (0.0, 12.0), color=theme.INK, **look)
     axes.annotate(str(level), (0.0, 1.0), (0.0, 1.0), color=colour_of(level.outcome), **look)
+
+
+def draw_map(axes: Axes, view: MapView, tone: str, zorder: float = 0.0, **look: Any) -> None:
+    """Draw the occupied cells of a map."""
+    x_min, y_min, x_max, y_max = view.extent
+    axes.imshow(
+        view.occupied.T, cmap=ListedColormap([theme.CARD, tone]), origin="lower", zorder=zorder,
+        extent=(x_min, x_max, y_min, y_max), interpolation="nearest", vmin=0, vmax=1, **look,
+    )  # fmt: skip
 
 
 def _draw_bodies(axes: Axes, bodies: Sequence[DrawnBody], colour: str, opacity: float) -> None:

@@ -166,7 +166,7 @@ class Renderer:
 
     def _painter_for(self, lowest: float) -> FramePainter:
         """Return the painter, or a new one if a mark lies below the ground of the present one."""
-        if self._painter is None or lowest < self._painter.covered:
+        if self._painter is None or lowest < self._painter.plan.covered:
             self._painter = FramePainter(
                 self._scenario,
                 self._model,

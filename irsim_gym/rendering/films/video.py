@@ -3,7 +3,6 @@
 import errno
 import os
 import subprocess
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
@@ -58,7 +57,7 @@ class VideoWriter:
         self._fps = float(fps)
         self._shape: tuple[int, ...] | None = None
         self._part = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part{self.path.suffix.lower()}")
-        self._encoder: _Encoder | None = None
+        self._encoder: _Mp4 | _Gif | None = None
 
     def append(self, frame: Bytes) -> None:
         """Add a frame.
@@ -152,26 +151,7 @@ def _even(frame: Bytes) -> Bytes:
     return np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
 
 
-class _Encoder(ABC):
-    """An encoder for one file format."""
-
-    @abstractmethod
-    def __init__(self, path: Path, fps: float) -> None: ...
-
-    @abstractmethod
-    def append(self, frame: Bytes) -> None:
-        """Add a frame."""
-
-    @abstractmethod
-    def finish(self) -> None:
-        """Write the remaining data and close the file."""
-
-    @abstractmethod
-    def abandon(self) -> None:
-        """Close the file without finishing it."""
-
-
-class _Mp4(_Encoder):
+class _Mp4:
     """H.264 in a widely supported profile, encoded by ffmpeg; a film that it could not finish is an error."""
 
     def __init__(self, path: Path, fps: float) -> None:
@@ -219,7 +199,7 @@ def _ffmpeg() -> str:
         raise IrsimGymError(f"no ffmpeg for .mp4 ({str(error).splitlines()[0]}): write a .gif") from None
 
 
-class _Gif(_Encoder):
+class _Gif:
     """A looping gif without dithering, which flat colours do not need.
 
     A palette is reused as long as it fits, because frames with the same palette compress to half the size. Frames last
@@ -272,4 +252,4 @@ def _is_faithful(reduced: Image.Image, frame: Bytes) -> bool:
     return all(float((off > levels).mean()) <= share for share, levels in LARGEST_SHARES_OFF)
 
 
-_ENCODERS: dict[str, type[_Encoder]] = {".mp4": _Mp4, ".gif": _Gif}
+_ENCODERS: dict[str, type[_Mp4 | _Gif]] = {".mp4": _Mp4, ".gif": _Gif}

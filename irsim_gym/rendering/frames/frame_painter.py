@@ -9,7 +9,6 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.rendering.frames.card import Card, Head, plot_box, world_box
-from irsim_gym.rendering.frames.kept_trails import KeptTrails, rows_of
 from irsim_gym.rendering.frames.letters import Masks
 from irsim_gym.rendering.frames.mark_painter import MarkPainter, marks_by_layer
 from irsim_gym.rendering.frames.plan import Plan
@@ -58,9 +57,7 @@ class FramePainter:
     Attributes:
         plan: The items to draw.
         point: Pixels per typographic point.
-        kept_trails: Cached pictures with the outlines in trails.
         marks: Paints marks over the worlds.
-        covered: The highest layer of cached items; marks in a lower layer need a new painter.
     """
 
     def __init__(
@@ -106,14 +103,10 @@ class FramePainter:
         self._looks: dict[Layout, tuple[Floats, Ints]] = {}
         self._backdrops: dict[tuple[Layout, bytes], Bytes] = {}
         self._fixed = np.unique(self.plan.ground["body"]) if len(self.plan.ground) else np.zeros(0, np.int64)
-        self._segment_rows = rows_of(
+        self._segment_rows = _rows_of(
             model.segment_start, model.segment_count, self._fixed, model.local_segments.shape[1]
         )
-        self._disc_rows = rows_of(model.disc_start, model.disc_count, self._fixed, model.local_discs.shape[1])
-        below = int(np.searchsorted(self.plan.layers, lowest, "right"))
-        self.kept_trails = KeptTrails(self.plan.live, model, reader.trails, self._room, below)
-        kept = self.plan.layers[: len(self.kept_trails.items)]
-        self.covered = max(self.plan.covered, kept.max(initial=-np.inf))
+        self._disc_rows = _rows_of(model.disc_start, model.disc_count, self._fixed, model.local_discs.shape[1])
         self.marks = MarkPainter(self.point, layout, shows_title=self._head is not None)
 
     def draw(
@@ -188,8 +181,6 @@ class FramePainter:
             while len(self._backdrops) >= self._room:
                 self._backdrops.pop(next(iter(self._backdrops)))
             self._backdrops[key] = backdrop
-        for world, (trail, picture) in job.new_trails.items():
-            self.kept_trails.keep(world, trail, picture)
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
         """Return the views of the worlds for the kernels."""
@@ -291,7 +282,6 @@ class _Job:
         self._painter, self._pictures, self._worlds, self._layouts = painter, pictures, worlds, layouts
         self._overlays = overlays
         self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
-        self.new_trails: dict[int, tuple[Any, Bytes]] = {}
         scratch = painter.scratch(0)
         self._cards = {layout: painter.card(layout, scratch) for layout in dict.fromkeys(layouts)}
         self._look = painter.look(layouts)
@@ -306,9 +296,8 @@ class _Job:
         """Draw the pictures of a shard."""
         painter, frames, pictures = self._painter, shard.worlds, self._pictures
         scratch = painter.scratch(shard.slot)
-        kept_trails = self._draw_ground(frames, scratch)
+        self._draw_ground(frames, scratch)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, scratch)
-        self._draw_kept_trails(frames, kept_trails, scratch)
         self._draw_live(frames, scratch)
         draw_frames(pictures, frames, self._edges, 2.2 * painter.point, self._look, scratch)
         draw_heads(pictures, frames, *self._words, self._source.prints, self._look.boxes)
@@ -319,7 +308,7 @@ class _Job:
     def _draw_live(self, frames: Ints, scratch: records.Scratch) -> None:
         """Draw the items that change between pictures, with marks between their layers."""
         painter = self._painter
-        items, layers = painter.kept_trails.others, painter.plan.layers[len(painter.kept_trails.items) :]
+        items, layers = painter.plan.live, painter.plan.layers
         is_plain = np.array([not self._overlays[f].marks for f in frames.tolist()])
         if is_plain.any():
             self._draw_items(items, frames[is_plain], scratch)
@@ -336,21 +325,13 @@ class _Job:
         """Draw items of the plan on some pictures."""
         draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, scratch)
 
-    def _draw_ground(self, frames: Ints, scratch: records.Scratch) -> dict[int, Any]:
-        """Draw what never moves, or copy it from a cached picture.
-
-        Returns:
-            Keys of the pictures whose trails remain to be drawn; None for a picture that is not cached.
-        """
-        painter, missing, kept_trails = self._painter, {}, {}
+    def _draw_ground(self, frames: Ints, scratch: records.Scratch) -> None:
+        """Draw what never moves, or copy it from a cached picture."""
+        painter, missing = self._painter, {}
         for f in frames.tolist():
-            layout, world = self._layouts[f], int(self._worlds[f])
-            key = painter.backdrop_key(world, layout)
-            trail = None if self._tints[f, 3] > 0.0 else painter.kept_trails.key(world, key)
-            known = None if trail is None else painter.kept_trails.known(world, trail)
-            if known is None:
-                kept_trails[f] = trail
-                known = painter.known_backdrop(key)
+            layout = self._layouts[f]
+            key = painter.backdrop_key(int(self._worlds[f]), layout)
+            known = painter.known_backdrop(key)
             if known is None:
                 missing[f], known = key, self._cards[layout]
             np.copyto(self._pictures[f], known)
@@ -360,18 +341,15 @@ class _Job:
             chosen = np.array(list(missing), np.int64)
             self._draw_items(painter.plan.ground, chosen, scratch)
             self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}
-        return kept_trails
-
-    def _draw_kept_trails(self, frames: Ints, kept_trails: dict[int, Any], scratch: records.Scratch) -> None:
-        """Draw the outlines in trails on pictures without a cached one."""
-        if kept_trails and len(self._painter.kept_trails.items):
-            self._draw_items(self._painter.kept_trails.items, np.array(list(kept_trails), np.int64), scratch)
-            found = {
-                int(self._worlds[f]): (key, self._pictures[f]) for f, key in kept_trails.items() if key is not None
-            }
-            self.new_trails |= {world: (key, picture.copy()) for world, (key, picture) in found.items()}
 
 
 def look_from(layout: Layout) -> Floats:
     """Return column and row of the world's origin [pixel], and pixels per metre, shape ``(3,)``."""
     return np.array([*layout.column_row(0.0, 0.0), layout.scale])
+
+
+def _rows_of(start: Any, size: Any, bodies: Any, n_rows: int) -> Any:
+    """Return the rows of some bodies in a table of outlines, for the largest outlines of all worlds."""
+    ends = [int(start[b]) + int(size[:, b].max(initial=0)) for b in bodies]
+    rows = [np.arange(start[b], min(end, n_rows)) for b, end in zip(bodies, ends, strict=True)]
+    return np.concatenate([np.zeros(0, np.int64), *rows])

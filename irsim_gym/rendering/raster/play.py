@@ -199,23 +199,6 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
 
 
 @kernel
-def note_past(items: Any, w: int, past: Past, numbers: Floats) -> int:
-    """Write the past poses that the items show, and return how many numbers they take; -1 for too many."""
-    count, n_slots = 0, past.noted.shape[1]
-    for number in range(items.shape[0]):
-        item = items[number]
-        for step in range(_first_step(past, w, item), past.latest[w] + 1):
-            if _was_there(past, w, step, item):
-                if count + 4 > numbers.shape[0]:
-                    return -1
-                numbers[count] = float(number)
-                for i in range(3):
-                    numbers[count + 1 + i] = past.poses[w, step % n_slots, item.row, i]
-                count += 4
-    return count
-
-
-@kernel
 def _first_step(past: Past, w: int, item: Any) -> int:
     """Return the first step whose pose is shown."""
     latest = past.latest[w]

@@ -110,6 +110,14 @@ class RasterCanvas(NamedTuple):
     box: Ints
 
 
+class Mark(NamedTuple):
+    """A mark that shows a heading: its form, and length and width of an arrow [m]."""
+
+    form: int
+    x: float
+    y: float
+
+
 class RasterOutline(NamedTuple):
     """The outline of a body.
 

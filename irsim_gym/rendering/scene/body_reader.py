@@ -11,9 +11,10 @@ import numpy as np
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.rendering.looks.images import load_image
 from irsim_gym.rendering.looks.styles import BodyStyle, is_omni
+from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.raster.play import LABEL_GAP
 from irsim_gym.rendering.scene.scene import DrawnBody, Form, GoalView, ImageView, LabelView
-from irsim_gym.rendering.scene.shapes import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
+from irsim_gym.rendering.scene.shapes import NOTHING, box, chains, heading_mark, placed, replaced
 from irsim_gym.scenario.specs.image_files import image_file
 from irsim_gym.simulator.world.model import ACKERMANN, Model
 from irsim_gym.simulator.world.state import State
@@ -88,10 +89,9 @@ class BodyReader:
         style = self._styles[body]
         if not style.show_arrow:
             return NOTHING
-        if style.arrow is not None:
-            return arrow(*style.arrow)
-        is_car = self._model.drive[body] == ACKERMANN and len(segments) > 0 and body not in self._pixels
-        return windscreen(segments, discs) if is_car else wedge(segments, discs)
+        is_car = self._model.drive[body] == ACKERMANN and body not in self._pixels
+        form = records.ARROW if style.arrow is not None else records.WINDSCREEN if is_car else records.WEDGE
+        return heading_mark(form, style.arrow or (0.0, 0.0), segments, discs)
 
     def view(self, world: int, body: int) -> DrawnBody:
         """Return the present view of a body."""

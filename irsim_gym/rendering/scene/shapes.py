@@ -3,9 +3,13 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
+from irsim_gym.rendering.raster import records
+from irsim_gym.rendering.raster.figures import load_around, load_mark
 
 NOTHING = np.zeros((0, 2))
-WEDGE = np.array([[0.70, 0.0], [-0.46, 0.50], [-0.20, 0.0], [-0.46, -0.50]])
+MOST_CORNERS = 7
+AROUND = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE}
+"""Shapes that may stand for a footprint."""
 
 
 def chains(segments: Floats) -> tuple[Floats, ...]:
@@ -37,47 +41,18 @@ def box(segments: Floats, discs: Floats) -> tuple[float, float, float, float] | 
     return float(x_min), float(y_min), float(x_max), float(y_max)
 
 
-def wedge(segments: Floats, discs: Floats) -> Floats:
-    """Return the corners of a mark inside a footprint that points ahead.
+def heading_mark(form: int, size: tuple[float, float], segments: Floats, discs: Floats) -> Floats:
+    """Return the corners of the mark that shows a body's heading, in the body frame [m], shape ``(n, 2)``.
 
     Args:
+        form: ``records.WEDGE``, ``WINDSCREEN`` or ``ARROW``.
+        size: Length and width of an arrow [m].
         segments: The footprint's segments in the body frame [m], shape ``(n_segments, 4)``.
         discs: Its discs in the body frame [m], shape ``(n_discs, 3)``.
-
-    Returns:
-        Corners in the body frame [m], shape ``(4, 2)``; shape ``(0, 2)`` for an empty footprint.
     """
-    extent = box(segments, discs)
-    if extent is None:
-        return NOTHING
-    if len(discs):
-        center, half = discs[0, :2], float(discs[0, 2])
-    else:
-        starts, sides = segments[:, :2], segments[:, 2:] - segments[:, :2]
-        lengths = np.linalg.norm(sides, axis=1)
-        center = np.average(starts + 0.5 * sides, axis=0, weights=lengths)
-        along = np.clip(np.sum((center - starts) * sides, axis=1) / np.maximum(lengths * lengths, 1e-12), 0.0, 1.0)
-        inner = float(np.linalg.norm(starts + along[:, None] * sides - center, axis=1).min())
-        half = max(inner, 0.15 * min(extent[2] - extent[0], extent[3] - extent[1]))
-    return np.asarray(WEDGE * half + center, np.float64)
-
-
-def windscreen(segments: Floats, discs: Floats) -> Floats:
-    """Return the corners of a car's windscreen, seen from above, in the body frame [m], shape ``(4, 2)``."""
-    extent = box(segments, discs)
-    if extent is None:
-        return NOTHING
-    x_min, y_min, x_max, y_max = extent
-    length, middle, half = x_max - x_min, 0.5 * (y_min + y_max), 0.5 * (y_max - y_min)
-    back, front = x_min + 0.56 * length, x_min + 0.74 * length
-    return np.array(
-        [
-            [back, middle - 0.58 * half],
-            [front, middle - 0.76 * half],
-            [front, middle + 0.76 * half],
-            [back, middle + 0.58 * half],
-        ]
-    )
+    points = np.zeros((MOST_CORNERS, 2))
+    count = load_mark(points, records.Mark(form, *map(float, size)), _outline(segments, discs), np.zeros(4))
+    return points[:count]
 
 
 def replaced(shape: str, segments: Floats, discs: Floats) -> tuple[Floats, Floats]:
@@ -85,28 +60,16 @@ def replaced(shape: str, segments: Floats, discs: Floats) -> tuple[Floats, Float
 
     For any other shape, return the footprint unchanged.
     """
-    extent = box(segments, discs)
-    if extent is None or shape not in ("circle", "rectangle"):
+    points = np.zeros((MOST_CORNERS, 2))
+    if shape not in AROUND or not load_around(points, AROUND[shape], _outline(segments, discs), np.zeros(4)):
         return segments, discs
-    x_min, y_min, x_max, y_max = extent
     if shape == "rectangle":
-        corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
-        return np.hstack([corners, np.roll(corners, -1, axis=0)]), np.zeros((0, 3))
-    center = np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max)])
-    corners = np.vstack([segments[:, :2], segments[:, 2:]])
-    radius = max(
-        np.linalg.norm(corners - center, axis=1).max(initial=0.0),
-        (np.linalg.norm(discs[:, :2] - center, axis=1) + discs[:, 2]).max(initial=0.0),
-    )
-    return np.zeros((0, 4)), np.array([[*center, radius]])
+        return np.hstack([points[:4], np.roll(points[:4], -1, axis=0)]), np.zeros((0, 3))
+    return np.zeros((0, 4)), np.array([[*points[0], points[1, 0]]])
 
 
-def arrow(length: float, width: float) -> Floats:
-    """Return the corners of an arrow from the body's origin straight ahead, in the body frame [m], shape ``(7, 2)``."""
-    neck, shaft, half = 0.55 * length, 0.14 * width, 0.5 * width
-    return np.array(
-        [[0.0, shaft], [neck, shaft], [neck, half], [length, 0.0], [neck, -half], [neck, -shaft], [0.0, -shaft]]
-    )
+def _outline(segments: Floats, discs: Floats) -> records.RasterOutline:
+    return records.RasterOutline(segments, (0, len(segments)), discs, (0, len(discs)))
 
 
 def placed(points: Floats, pose: Floats) -> Floats:

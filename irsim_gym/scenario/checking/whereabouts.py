@@ -6,7 +6,6 @@ from typing import Any
 from irsim_gym.base import families
 from irsim_gym.base.errors import nearest
 from irsim_gym.base.options import option_fields
-from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.specs.gui_spec import KeyboardSpec, MouseSpec
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
@@ -28,20 +27,6 @@ SPECS: dict[str, type[Any]] = {
     "gui.mouse": MouseSpec,
 }
 """What declares the keys of each mapping of a file, apart from those with a name."""
-_KINDS: dict[str, Registry] = {
-    "kinematics": families.KINEMATICS,
-    "shape": families.FOOTPRINTS,
-    "behavior": families.BEHAVIORS,
-    "group_behavior": families.GROUP_BEHAVIORS,
-    "distribution": families.PLACEMENTS,
-    "sensors": families.SENSORS,
-    "disturbances": families.DISTURBANCES,
-    "obstacle_map": families.MAPS,
-    "action": families.ACTIONS,
-    "observations": families.OBSERVATIONS,
-    "rewards": families.REWARDS,
-    "endings": families.ENDINGS,
-}
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:
@@ -77,7 +62,7 @@ def _owners(key: str) -> Iterator[str]:
     for entry in families.SECTIONS:
         if key in option_fields(entry.kind):
             yield entry.name
-    for family, registry in _KINDS.items():
+    for family, registry in families.BY_KEY.items():
         kinds = [entry.name for entry in registry if key in option_fields(entry.kind)]
         if kinds:
             yield f"{family} {kinds[0]}" if len(kinds) == 1 < len(registry.names()) else family

@@ -5,34 +5,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from irsim_gym.base.families import (
-    BEHAVIORS,
-    DISTURBANCES,
-    FOOTPRINTS,
-    GROUP_BEHAVIORS,
-    KINEMATICS,
-    PLACEMENTS,
-    SENSORS,
-)
+from irsim_gym.base import families
+from irsim_gym.base.errors import suggestion
 from irsim_gym.base.options import defaults, option_fields
-from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.validation import BAD, Report, build, build_named, check_keys, read_color, read_field
 from irsim_gym.scenario.entries.pending import is_pending, read_pending
 from irsim_gym.scenario.entries.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.specs.image_files import image_problem
+from irsim_gym.scenario.specs.library import names
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 from irsim_gym.scenario.specs.spec import MAX_BODIES, BodyOptions, Waypoint
-from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
+from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, choices, show
 from irsim_gym.scenario.text.source import Place
 
 FIELDS = option_fields(BodyOptions)
 OF_ENTRY = frozenset({"number", "number_range", "distribution"})
-FAMILIES: dict[str, Registry] = {
-    "kinematics": KINEMATICS,
-    "shape": FOOTPRINTS,
-    "behavior": BEHAVIORS,
-    "group_behavior": GROUP_BEHAVIORS,
-}
 SISTERS = {"behavior": "group_behavior", "group_behavior": "behavior"}
 """Keys that are often confused."""
 ROBOT, OBSTACLE = "robot", "obstacle"
@@ -117,17 +104,17 @@ def _read_number(entry: BodyEntry, report: Report) -> None:
 def _read_placement(raw: RawEntry, report: Report) -> object:
     data, place = raw.data.get("distribution"), (*raw.place, "distribution")
     if data is None or data == {}:
-        return PLACEMENTS.entry("manual").kind()
+        return families.PLACEMENTS.entry("manual").kind()
     if isinstance(data, Mapping) and "3d" in data:
         if data["3d"] not in (False, None):
             report.add((*place, "3d"), "the world is two-dimensional: only false is allowed")
         data = {key: value for key, value in data.items() if key != "3d"}
-    return build_named(PLACEMENTS, data, place, report)
+    return build_named(families.PLACEMENTS, data, place, report)
 
 
 def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, Place, Report], Any]:
     """Return the function that checks one value of a key."""
-    if key in FAMILIES:
+    if key in families.KINDS_OF_BODIES:
         return lambda value, place, report: _read_kind(key, value, place, report)
     if key == "disturbances" and role != ROBOT:
         return _refuse_disturbances
@@ -142,17 +129,18 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
     if value is None or value == {}:
         return None
     name = value.get("name") if isinstance(value, Mapping) else None
-    if key == "kinematics" and isinstance(name, str) and name not in KINEMATICS:
+    if key == "kinematics" and isinstance(name, str) and name not in families.KINEMATICS:
         if name.lower() == NO_DRIVE:
             check_keys(value, ["name"], place, report)
             return None
-        value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
+        value = {**value, "name": name.lower() if name.lower() in families.KINEMATICS else name}
     if key == "shape" and isinstance(value, Mapping) and name is None:
         value = _named_shape(value, place, report)
-    if key in SISTERS and isinstance(name, str) and name not in FAMILIES[key] and name in FAMILIES[SISTERS[key]]:
+    own, sister = families.BY_KEY[key], families.BY_KEY.get(SISTERS.get(key, ""), ())
+    if isinstance(name, str) and name not in own and name in sister:
         report.add((*place, "name"), f"'{name}' is a {SISTERS[key]}: write `{SISTERS[key]}: {{name: {name}}}`")
         return BAD
-    if key == "group_behavior" and isinstance(name, str) and name not in GROUP_BEHAVIORS:
+    if key == "group_behavior" and isinstance(name, str) and name not in families.GROUP_BEHAVIORS:
         report.could_be_lenient = True
         if not report.strict:
             why = "each member decides by itself, as in IR-SIM 2.12.0"
@@ -161,13 +149,13 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
     if report.may_pend and is_pending(key, value):
         made: Any = read_pending(key, value, place, report)
     else:
-        made = build_named(FAMILIES[key], value, place, report)
+        made = build_named(own, value, place, report)
     return BAD if made is None else made
 
 
 def _named_shape(shape: Mapping[str, Any], place: Place, report: Report) -> Mapping[str, Any]:
     """Return a shape with a name if the reader is not strict: IR-SIM takes one without for a circle."""
-    if not set(shape) <= {"name", *option_fields(FOOTPRINTS.entry("circle").kind)}:
+    if not set(shape) <= {"name", *option_fields(families.FOOTPRINTS.entry("circle").kind)}:
         return shape
     report.could_be_lenient = True
     if report.strict:
@@ -190,7 +178,7 @@ def _read_sensor(item: object, place: Place, report: Report) -> object:
     if isinstance(item, Mapping) and item.get("name", item.get("type")) == CONTACT_SENSOR:
         report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
         return None
-    return build_named(SENSORS, item, place, report, default="lidar2d", synonym="type")
+    return build_named(families.SENSORS, item, place, report, default="lidar2d", synonym="type")
 
 
 def _refuse_disturbances(value: object, place: Place, report: Report) -> object:
@@ -203,7 +191,7 @@ def read_disturbances(value: object, place: Place, report: Report) -> object:
     if not isinstance(value, list):
         report.add(place, f"must be a list of disturbances such as [{{name: latency, time: 0.2}}], got {show(value)}")
         return BAD
-    made = [build_named(DISTURBANCES, item, (*place, i), report) for i, item in enumerate(value)]
+    made = [build_named(families.DISTURBANCES, item, (*place, i), report) for i, item in enumerate(value)]
     return BAD if any(one is None for one in made) else tuple(made)
 
 
@@ -262,6 +250,14 @@ def _read_description(value: object, place: Place, report: Report) -> object:
     return BAD if problem else image
 
 
+def _read_preset(value: object, place: Place, report: Report) -> object:
+    """Report a name that is not shipped: the keys of shipped robots are there in its place."""
+    shipped = names("robots")
+    near = suggestion(str(value)[:40], shipped)
+    report.add(place, f"no robot named {show(value)}{near}; it must be {choices(shipped)}")
+    return BAD
+
+
 READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "sensors": _read_sensors,
     "disturbances": read_disturbances,
@@ -269,4 +265,5 @@ READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "seen_by": _read_seen_by,
     "color": _read_color,
     "description": _read_description,
+    "preset": _read_preset,
 }

@@ -1,23 +1,22 @@
 """Behaviours that a file names but that are not registered yet; a world by hand waits for them until its first step."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar, NoReturn
 
 from irsim_gym.base.errors import BehaviorError, UnknownNameError
-from irsim_gym.base.options import crossed_bounds, defaults, kind, option
+from irsim_gym.base.options import kind, option
 from irsim_gym.scenario.checking.validation import BAD, Report, build, build_named
 from irsim_gym.scenario.entries.body_checks import DECIDING, check_drive, check_scan
 from irsim_gym.scenario.specs.spec import BodySpec, Scenario
-from irsim_gym.scenario.specs.wander_goals import WanderGoals
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.scenario.text.source import Place
 
 RENEWAL = ("wander", "loop", "range_low", "range_high", "wander_goals")
 
 
 @kind
-class PendingBehavior:
+class PendingBehavior(RenewsGoals):
     """A behaviour that is not registered yet; it raises an error when it has to decide.
 
     Members of a group whose behaviour is unknown decide individually, as in IR-SIM.
@@ -26,23 +25,10 @@ class PendingBehavior:
     reads_neighbors: ClassVar[bool] = False
     is_known: ClassVar[bool] = False
 
-    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
-    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
-    range_low: tuple[float, float, float] = option(
-        (0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
-    )
-    range_high: tuple[float, float, float] = option(
-        (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
-    )
-    wander_goals: WanderGoals = option(defaults(WanderGoals), meaning="Where and when it gets its goals.")
     key: str = option("behavior", meaning="Where it stands: behavior or group_behavior.")
     where: str = option("", meaning="File and line.")
     place: tuple[Any, ...] = option((), meaning="Its path.")
     data: Any = option(None, meaning="What stands there.")
-
-    def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of conflicting options."""
-        yield from crossed_bounds(self.range_low, self.range_high)
 
     @staticmethod
     def prepare(group: object, model: object, n_slots: int) -> None:

@@ -78,7 +78,7 @@ def share(key: str, value: object, count: int, place: Place, report: Report) -> 
         return _share_goals(read_numbers(value), count, place)
     if key in ("sensors", "disturbances"):
         return _share_lists(value, count, place)
-    if key == "seen_by":
+    if key in ("seen_by", "preset"):
         return Shared(((place, value),))
     if key in VECTORS or key in SCALARS:
         value = read_numbers(value)

@@ -8,6 +8,7 @@ from irsim_gym.base.errors import ScenarioError
 from irsim_gym.scenario.checking.validation import Report
 from irsim_gym.scenario.entries.bodies import make_bodies, name_of, placement_of
 from irsim_gym.scenario.entries.entries import read_entry
+from irsim_gym.scenario.entries.presets import with_presets
 from irsim_gym.scenario.entries.shorthand import RawEntry, split_sections
 from irsim_gym.scenario.reading.notes import warn_of_keys
 from irsim_gym.scenario.specs.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario
@@ -30,7 +31,7 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first
     """
     if role not in ROLES:
         raise ValueError(f"role must be {choices(ROLES)}, got {role!r}")
-    source = read_mapping({role: entry})
+    source = with_presets(read_mapping({role: entry}))
     report = Report(source, strict=scenario.strict)
     raw = RawEntry(role, (role,), source.data[role])
     read = read_entry(raw, _shared_plot(scenario), report)

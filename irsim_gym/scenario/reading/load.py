@@ -13,12 +13,13 @@ from irsim_gym.scenario.checking.validation import BAD, Report, build
 from irsim_gym.scenario.checking.whereabouts import unknown_key
 from irsim_gym.scenario.entries.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries.entries import read_entry
+from irsim_gym.scenario.entries.presets import with_presets
 from irsim_gym.scenario.entries.recorded_bodies import give_recordings
 from irsim_gym.scenario.entries.shorthand import split_entries, split_sections
 from irsim_gym.scenario.reading import notes
 from irsim_gym.scenario.reading.level_checks import home_of, misfits, read_level_file, tell, with_levels
 from irsim_gym.scenario.reading.level_reading import read_levels
-from irsim_gym.scenario.reading.map_cells import read_cells, read_map
+from irsim_gym.scenario.reading.map_cells import map_extent, read_cells, read_map
 from irsim_gym.scenario.reading.parameters import PERTURBED, fill_in
 from irsim_gym.scenario.reading.perturbations import read_perturbations
 from irsim_gym.scenario.specs import library
@@ -97,6 +98,7 @@ def read_scenario(
     given = dict(parameters or {})
     perturbed = given.pop(PERTURBED, None)
     source, values = fill_in(source, given, strict=strict)
+    source = with_presets(source)
     report = Report(source, strict=strict)
     report.may_pend = may_pend
     _report_repeats(report)
@@ -178,7 +180,7 @@ def _world(data: object, place: Place, source: Source, report: Report) -> WorldS
         data = {"name": Path(source.file).name.split(".")[0] or "world"}
     if isinstance(data, Mapping) and data.get("obstacle_map") is not None:
         made = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
-        data = {**data, "obstacle_map": None if made is BAD else made}
+        data = {**map_extent(made, source), **data, "obstacle_map": None if made is BAD else made}
     own = isinstance(data, Mapping) and "obstacle_map" in data  # the value of a misspelt key is not read as a map
     return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
 

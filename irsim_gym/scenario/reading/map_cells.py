@@ -1,7 +1,7 @@
 """Reads the key ``obstacle_map``, and makes the cells of the map."""
 
 import importlib.util
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from irsim_gym.base.errors import OptionError, suggestion
 from irsim_gym.base.families import MAPS
 from irsim_gym.scenario.checking.validation import BAD, Report, build_named
+from irsim_gym.scenario.reading.ros_map import SUFFIXES
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.spec import WorldSpec
+from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import Place, Source
 
 MOST_CELLS = 4_000_000
@@ -26,7 +28,7 @@ def read_map(data: object, place: Place, report: Report) -> Any:
     Return BAD after reporting problems.
     """
     if isinstance(data, str):
-        data = {"name": "image", "path": data}
+        data = {"name": "ros" if Path(data).suffix in SUFFIXES else "image", "path": data}
     elif isinstance(data, list | tuple):
         data = {"name": "array", "cells": data}
     elif not isinstance(data, Mapping):
@@ -34,6 +36,19 @@ def read_map(data: object, place: Place, report: Report) -> Any:
         return BAD
     made = build_named(MAPS, data, place, report)
     return BAD if made is None else made
+
+
+def map_extent(made: Any, source: Source) -> dict[str, Any]:
+    """Return width, height and offset of the world [m] that a map states; nothing for others, or if it is broken."""
+    try:
+        return dict(made.extent(_finder(source))) if hasattr(made, "extent") else {}
+    except OptionError:
+        return {}  # read_cells reports it
+
+
+def _finder(source: Source) -> Callable[[str], Path]:
+    folders = (Path(source.file).parent,) if source.file else ()
+    return lambda name: find_map(name, folders)
 
 
 def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -> NDArray[np.bool_] | None:
@@ -45,9 +60,11 @@ def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -
     """
     if world.obstacle_map is None:
         return None
-    folders = (Path(source.file).parent,) if source.file else ()
+    for key, stated in map_extent(world.obstacle_map, source).items():
+        if not np.allclose(getattr(world, key), stated, rtol=0.0, atol=1e-6):
+            report.add((*place[:-1], key), f"must be {show(stated)}, as the map says: leave it out")
     try:
-        cells = world.obstacle_map.occupied(world.width, world.height, world.name, lambda name: find_map(name, folders))
+        cells = world.obstacle_map.occupied(world.width, world.height, world.name, _finder(source))
     except OptionError as error:
         is_mapping = source.line((*place, error.key)) > 0 or not source.file
         report.add((*place, error.key) if is_mapping else place, str(error))

@@ -8,6 +8,7 @@ from irsim_gym.base import families
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.entries.entries import NO_DRIVE
 from irsim_gym.scenario.reading.parameters import SECTION, ParameterSpec
+from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
@@ -19,14 +20,6 @@ _PARAMETER = r"\$[A-Za-z_][A-Za-z0-9_]*"
 EXPRESSION: Schema = {"type": "string", "pattern": rf"^(?:[-+*/(), .0-9eE]|pi|min|max|floor|{_PARAMETER})+$"}
 PARAMETER: Schema = {"type": "string", "pattern": f"^{_PARAMETER}$"}
 _REFERENCE = "#/$defs/{model}"
-_KINDS = {
-    "kinematics": families.KINEMATICS,
-    "shape": families.FOOTPRINTS,
-    "behavior": families.BEHAVIORS,
-    "group_behavior": families.GROUP_BEHAVIORS,
-    "distribution": families.PLACEMENTS,
-}
-_TERMS = {"observations": families.OBSERVATIONS, "rewards": families.REWARDS, "endings": families.ENDINGS}
 
 
 def json_schema() -> Schema:
@@ -150,8 +143,9 @@ def _section(role: str, definitions: Schema) -> Schema:
 def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
     """Return the schema of one key of an entry, including lists of values for its bodies."""
     meaning = declared.get("description", "")
-    if key in _KINDS:
-        one = {"anyOf": [_named(_KINDS[key], definitions), {"type": "null"}, {"type": "object", "maxProperties": 0}]}
+    if key in (*families.KINDS_OF_BODIES, "distribution"):
+        named = _named(families.BY_KEY[key], definitions)
+        one = {"anyOf": [named, {"type": "null"}, {"type": "object", "maxProperties": 0}]}
         if key == "kinematics":
             name = {"const": NO_DRIVE, "description": "It never moves."}
             one["anyOf"].append({"type": "object", "properties": {"name": name}, "additionalProperties": False})
@@ -166,8 +160,8 @@ def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
     if key == "goal":
         return {"description": meaning, "anyOf": [{"type": "array"}, {"type": "null"}]}
     one = dict(declared)
-    if key in ("number", "number_range", "role"):
-        return one
+    if key in ("number", "number_range", "role", "preset"):
+        return one if key != "preset" else {**one, "anyOf": [{"enum": [None, *library.names("robots")]}, PARAMETER]}
     info: Schema = {name: one.pop(name) for name in ("description", "default", "unit") if name in one}
     shared = _shared(one)
     return {**info, **shared}
@@ -182,7 +176,8 @@ def _task(definitions: Schema) -> Schema:
     """Return the schema of the section ``task``; no key of a term is required, since terms may be overrides."""
     section = _options(families.SECTIONS.entry("task").kind, definitions)
     properties: Schema = section["properties"]
-    for key, registry in {"action": families.ACTIONS, **_TERMS}.items():
+    for key in ("action", "observations", "rewards", "endings"):
+        registry = families.BY_KEY[key]
         _named(registry, definitions)
         terms = []
         for entry in registry:

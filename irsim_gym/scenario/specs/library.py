@@ -22,7 +22,8 @@ def names(section: str = "scenarios") -> dict[str, Path]:
     """Return the shipped configs of a section, in alphabetical order. No file is read.
 
     Args:
-        section: ``scenarios`` (examples), ``benchmarks`` (scenarios of the suite), ``mixtures`` or ``tasks``.
+        section: ``scenarios`` (examples), ``benchmarks`` (scenarios of the suite), ``mixtures``, ``robots`` or
+            ``tasks``.
     """
     folder = configs_folder() / section
     files = sorted(folder.iterdir()) if folder.is_dir() else []

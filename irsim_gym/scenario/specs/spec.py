@@ -72,7 +72,7 @@ class WorldSpec:
         "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
     obstacle_map: Any = option(
-        None, meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind."
+        None, meaning="Occupied cells over the world: an image, a map.yaml of ROS, or a mapping with a kind's name."
     )
     mdownsample: int = option(
         1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
@@ -101,6 +101,9 @@ class WorldSpec:
 class BodyOptions:
     """The keys of an entry of ``robot`` or ``obstacle``."""
 
+    preset: str | None = option(
+        None, meaning="A shipped robot: drive, footprint, limits and sensors are its own where the entry has no key."
+    )
     number: int = option(
         1,
         ge=0,
@@ -212,11 +215,8 @@ class BodyOptions:
         meaning="Number of successive bodies of the entry that walk together. A circle places them side by side; if "
         "they wander, they share the goals of the first.",
     )
-    unyielding: float = option(
-        0.0,
-        ge=0.0,
-        le=1.0,
-        meaning="Probability, for each body and level, that its behaviour ignores everything that moves.",
+    unyielding: Annotated[float, Field(ge=0.0, le=1.0)] = option(
+        0.0, meaning="Probability, for each body and level, that its behaviour ignores everything that moves."
     )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")

@@ -1,12 +1,20 @@
 """Numbers written as expressions: digits, pi, ``+ - * /``, brackets, ``min``, ``max``, ``floor`` and ``$name``."""
 
+import ast
 import math
+import operator
 import re
 from collections.abc import Callable, Mapping
 
 LONGEST = 80
 _NUMBER = r"[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?"
 _TOKEN = re.compile(rf"[ ]*({_NUMBER}|pi|min|max|floor|\$[A-Za-z_][A-Za-z0-9_]*|[-+*/(),])[ ]*", re.ASCII)
+_OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
 _FUNCTIONS: dict[str, Callable[..., float | int]] = {"min": min, "max": max, "floor": math.floor}
 
 Number = float | int
@@ -21,14 +29,15 @@ def evaluate(text: str, values: Values | None = None) -> Number | None:
     Args:
         values: Values of ``$name``.
     """
-    tokens = _tokens(text)
-    if not tokens:
+    written = " ".join(map(_as_python, _tokens(text)))
+    if ", )" in written:  # Python allows it
         return None
+    names = {"pi": math.pi, **{f"_{name}": value for name, value in (values or {}).items()}}
     try:
-        value, position = _sum(tokens, 0, values or {})
-    except (IndexError, KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
+        value = _value(ast.parse(written, mode="eval").body, names)
+    except (SyntaxError, KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
         return None
-    return value if position == len(tokens) and math.isfinite(value) else None
+    return value if math.isfinite(value) else None
 
 
 def names_in(text: str) -> tuple[str, ...]:
@@ -37,66 +46,27 @@ def names_in(text: str) -> tuple[str, ...]:
 
 
 def _tokens(text: str) -> list[str]:
-    tokens: list[str] = []
-    position = 0 if len(text) <= LONGEST else len(text)
-    while position < len(text):
-        match = _TOKEN.match(text, position)
-        if match is None:
-            return []
-        tokens.append(match.group(1))
-        position = match.end()
-    return tokens
+    """Return the tokens of a text; none if it holds anything else or is too long."""
+    tokens = _TOKEN.findall(text) if len(text) <= LONGEST else []
+    return tokens if "".join(tokens) == text.replace(" ", "") else []
 
 
-def _sum(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
-    value, position = _product(tokens, position, values)
-    while position < len(tokens) and tokens[position] in "+-":
-        sign = tokens[position]
-        term, position = _product(tokens, position + 1, values)
-        value = value + term if sign == "+" else value - term
-    return value, position
+def _as_python(token: str) -> str:
+    """Return a token as Python reads it: whole numbers without leading zeros, and ``_name`` for ``$name``."""
+    return str(int(token)) if token.isdigit() else token.replace("$", "_")
 
 
-def _product(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
-    value, position = _factor(tokens, position, values)
-    while position < len(tokens) and tokens[position] in "*/":
-        sign = tokens[position]
-        factor, position = _factor(tokens, position + 1, values)
-        value = value * factor if sign == "*" else value / factor
-    return value, position
-
-
-def _factor(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
-    token = tokens[position]
-    if token in "+-":
-        value, position = _factor(tokens, position + 1, values)
-        return (-value if token == "-" else value), position
-    if token == "(":
-        value, position = _sum(tokens, position + 1, values)
-        return value, _closed(tokens, position)
-    if token in _FUNCTIONS:
-        return _call(tokens, position, values)
-    if token == "pi":
-        return math.pi, position + 1
-    if token[0] == "$":
-        return values[token[1:]], position + 1
-    return (int(token) if token.isdigit() else float(token)), position + 1
-
-
-def _call(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
-    """Return ``min(a, b, ...)``, ``max(a, b, ...)`` or ``floor(a)``."""
-    function = _FUNCTIONS[tokens[position]]
-    found: list[Number] = []
-    if tokens[position + 1] != "(":
-        raise ValueError(tokens[position])
-    position += 1
-    while not found or tokens[position] == ",":
-        value, position = _sum(tokens, position + 1, values)
-        found.append(value)
-    return function(*found), _closed(tokens, position)
-
-
-def _closed(tokens: list[str], position: int) -> int:
-    if tokens[position] != ")":
-        raise ValueError(tokens[position])
-    return position + 1
+def _value(node: ast.expr, names: Values) -> Number:
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return value
+        case ast.Name():
+            return names[node.id]
+        case ast.UnaryOp():
+            value = _value(node.operand, names)
+            return -value if isinstance(node.op, ast.USub) else value
+        case ast.BinOp():
+            return _OPERATORS[type(node.op)](_value(node.left, names), _value(node.right, names))
+        case ast.Call(func=ast.Name(id=name)):
+            return _FUNCTIONS[name](*[_value(argument, names) for argument in node.args])
+    raise ValueError(ast.dump(node))

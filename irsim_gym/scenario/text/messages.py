@@ -76,7 +76,7 @@ def describe(hint: Any) -> str:
     if origin is tuple:
         return _describe_tuple(args)
     names = {float: "a number", int: "a whole number", bool: "true or false", str: "text", dict: "a mapping"}
-    return names.get(hint, "a mapping" if dataclasses.is_dataclass(hint) else "a value")
+    return names.get(origin or hint, "a mapping" if dataclasses.is_dataclass(hint) else "a value")
 
 
 def _describe_tuple(args: tuple[Any, ...]) -> str:

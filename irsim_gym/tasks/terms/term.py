@@ -147,6 +147,7 @@ NEEDS: dict[Need, str] = {
     "messages": "what its team mates tell it",
 }
 """What a robot must have, to observe what a kind observes."""
+NEEDS_MEANING = f"what a robot must have for it, a tuple of some of {', '.join(NEEDS)}; None: not said"
 NeedsGoal = Annotated[bool, "True if it means nothing for an agent without a goal, else False"]
 Weight = Annotated[float, "write 'weight: float = option(1.0, ge=0.0, meaning=...)'"]
 
@@ -178,9 +179,7 @@ class ObservationKind(Protocol):
     """One part of an observation: a row of numbers (``HasBounds``) or an image (``IsImage``)."""
 
     needs_goal: ClassVar[NeedsGoal]
-    needs: ClassVar[
-        Annotated[Needs | None, f"what a robot must have for it, a tuple of some of {', '.join(NEEDS)}; None: not said"]
-    ]
+    needs: ClassVar[Annotated[Needs | None, NEEDS_MEANING]]
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -83,7 +83,7 @@ def train(
         model, progress = _model(used, newest, device, screen)
         _begin(run, settings, now, resumed=resumed)
         try:
-            _learn_with(used, address)(run, used, model, progress, newest, screen, on_checkpoint)
+            _learn_with(used, newest, address)(run, used, model, progress, screen, on_checkpoint)
         finally:
             _write_log(run, progress)
             _close(model)
@@ -105,13 +105,13 @@ def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> Non
     _remove_leftovers(run)
 
 
-def _learn_with(settings: Settings, address: str | None) -> Callable[..., None]:
+def _learn_with(settings: Settings, newest: Path | None, address: str | None) -> Callable[..., None]:
     """Return the function that learns with the engine of a run."""
     if settings.engine is None:
         return _learn
     from irsim_gym.training.rllib.train import learn
 
-    return partial(learn, address=address)
+    return partial(learn, newest=newest, address=address)
 
 
 def _check_engine(settings: Settings, address: str | None) -> None:
@@ -170,20 +170,17 @@ def _learn(
     settings: Settings,
     model: BaseAlgorithm,
     progress: stored.RunProgress,
-    newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], object] | None,
 ) -> None:
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases."""
-    curriculum = models.curriculum_of(settings, newest)
     wanted, stop = settings.hyperparameters, StopRequest()
     stored.remove_partial(run.checkpoints)
     model.set_logger(tensorboard_logger(run))
 
     def save() -> Path:
         models.check_finite(run, settings, model)
-        levels = None if curriculum is None else curriculum.levels
-        return files.save_checkpoint(run.checkpoints, model, progress, levels)
+        return files.save_checkpoint(run.checkpoints, model, progress)
 
     def save_and_show() -> None:
         written = save()
@@ -195,7 +192,7 @@ def _learn(
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
     mirrored = models.mirror_callback(settings)
-    callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [curriculum, mirrored])]
+    callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [mirrored])]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps

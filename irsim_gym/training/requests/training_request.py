@@ -10,7 +10,6 @@ from typing import Any
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import ACTIONS
 from irsim_gym.evaluation.policies.perception import perception_differences
-from irsim_gym.evaluation.requests.folders import as_name
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
 from irsim_gym.evaluation.saved_policies.policies import policy_names
 from irsim_gym.evaluation.saved_policies.run_folder import lasting
@@ -23,12 +22,10 @@ from irsim_gym.training.settings.engine_checks import check_engine
 from irsim_gym.training.settings.engines import RLLIB, Engine
 from irsim_gym.training.settings.folders import default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters
-from irsim_gym.training.settings.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
+from irsim_gym.training.settings.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.settings.mixture import Mixture, MixturePart
 from irsim_gym.training.settings.run import Run, Settings, environment_id
 
-MAX_MARKS = 2
-"""Largest number of changed hyper-parameters that are named in a run's folder."""
 Parameters = Mapping[str, object] | None
 
 
@@ -48,7 +45,6 @@ class TrainingRequest:
         strict: Whether unused keys of the scenario are an error; False ignores them.
         device: Device of the networks; None for that of the hyper-parameter file.
         origin: Policy to start from: a run's folder or a ``policy.zip``.
-        curriculum: Curriculum, ``"learnability"``; None for that of the hyper-parameter file.
         mixture: Scenarios that are trained together. ``scenario`` is the first of them.
         mixture_name: Name of the file that lists them; None without one.
         engine: Settings of Ray RLlib; None for Stable-Baselines3.
@@ -67,7 +63,6 @@ class TrainingRequest:
     strict: bool = True
     device: str | None = None
     origin: str | None = None
-    curriculum: str | None = None
     mixture: tuple[MixturePart, ...] = ()
     mixture_name: str | None = None
     engine: Engine | None = None
@@ -93,7 +88,6 @@ class TrainingRequest:
             "n_timesteps": self.steps,
             "team": self.team,
             "device": self.device,
-            "curriculum": self.curriculum,
             "until": self.until,
         }
         return {name: value for name, value in options.items() if value is not None}
@@ -121,8 +115,6 @@ class TrainingRequest:
             replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._scenario_settings(algorithm)
             for part in self.mixture
         ]
-        if found[0].hyperparameters.curriculum is not None:
-            raise IrsimGymError("a curriculum knows levels by their numbers, so it does not go with --mixture")
         mixed_up = perception_differences({one.scenario: one.perception() for one in found})
         if mixed_up:
             raise IrsimGymError(
@@ -162,9 +154,10 @@ class TrainingRequest:
         """Return the default folder of a run. Its name contains the settings that differ from the defaults."""
         task = self.task_name
         marks = [] if task is None else [task]
-        marks += [] if self.curriculum is None else [self.curriculum]
         marks += [] if self.engine is None else [RLLIB]
-        marks += self._changed(settings)
+        file = self.hyperparameters
+        marks += [] if file is None or file.stem == settings.algorithm else [file.stem]
+        marks += [] if self.steps is None else [f"steps={self.steps}"]
         marks += [f"{name}={value}" for name, value in (self.changes or {}).items()]
         marks += [] if self.until is None else [f"until={self.until:g}"]
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
@@ -179,24 +172,6 @@ class TrainingRequest:
     def task_name(self) -> str | None:
         """Name of the task; None for the scenario's own."""
         return None if self.task is None else Path(self.task).stem
-
-    def _changed(self, settings: Settings) -> list[str]:
-        """Return the changes to the shipped hyper-parameters: each value if they are few, else the file's name."""
-        if self.hyperparameters is None and self.steps is None:
-            return []
-        names = settings.algorithm, environment_id(self.scenario)
-        images = _observes_images(load_task(settings.load(), self.task))
-        chosen: dict[str, Any] = {"task": self.task_name, "images": images}
-        usual = stated_hyperparameters(*names, **chosen)
-        stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
-        changed = _changed_values(usual, stated)
-        marks = [f"{name}={value}" for name, value in changed.items()]
-        if len(changed) > MAX_MARKS or any(isinstance(value, Mapping | list) for value in changed.values()):
-            assert self.hyperparameters is not None
-            marks = [] if self.hyperparameters.stem == settings.algorithm else [self.hyperparameters.stem]
-        if self.steps is None or self.steps == stated.get("n_timesteps"):
-            return marks
-        return [*(mark for mark in marks if not mark.startswith("n_timesteps=")), f"steps={self.steps}"]
 
     def resumed_settings(self, run: Run, settings: Settings) -> Settings:
         """Return the settings that a run was started with. Later changes of the shipped files do not affect them.
@@ -258,9 +233,3 @@ class TrainingRequest:
 def _observes_images(task: Task) -> bool:
     """Return whether a task's observations contain images."""
     return any(isinstance(term, IsImage) for term in task.observations)
-
-
-def _changed_values(usual: Mapping[str, object], given: Mapping[str, object]) -> dict[str, Any]:
-    """Return the hyper-parameters that differ; missing ones are None."""
-    names = [name for name in dict.fromkeys([*usual, *given]) if usual.get(name) != given.get(name)]
-    return {as_name(name): given.get(name) for name in names if name not in ("team", "device")}

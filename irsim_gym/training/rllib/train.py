@@ -37,9 +37,9 @@ def learn(
     settings: Settings,
     model: BaseAlgorithm,
     progress: RunProgress,
-    newest: Path | None,
     console: Console,
     on_checkpoint: Callable[[Run], object] | None,
+    newest: Path | None,
     address: str | None,
 ) -> None:
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases.
@@ -48,8 +48,8 @@ def learn(
         settings: Settings of the run, with an engine.
         model: Model with the initial weights, which gets the final ones.
         progress: Progress of the run, which this updates.
-        newest: Checkpoint to resume from; None for a new run.
         on_checkpoint: Function that is called after each checkpoint but the last.
+        newest: Checkpoint to resume from; None for a new run.
         address: Address of a Ray cluster; None for this machine.
 
     Raises:

@@ -19,7 +19,6 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
 from irsim_gym.base.outside_files import reading, remove, writing
-from irsim_gym.envs.sb3_learning.learnability import LearnableLevels
 from irsim_gym.evaluation.protocol.tables import plain, write_bytes
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.training.runs.environment import worlds_state
@@ -30,11 +29,9 @@ MEMORY = "last_memory"
 """Attribute of a model that holds the memory of its policy."""
 
 
-def save_checkpoint(
-    folder: Path, model: BaseAlgorithm, progress: stored.RunProgress, levels: LearnableLevels | None = None
-) -> Path:
-    """Write a checkpoint into ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
-    return write_checkpoint(folder, model, progress, {**_state(model), "levels": levels})
+def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: stored.RunProgress) -> Path:
+    """Write a checkpoint into ``folder`` and return its own folder."""
+    return write_checkpoint(folder, model, progress, _state(model))
 
 
 def write_checkpoint(
@@ -96,7 +93,7 @@ def export_policy(path: Path, model: BaseAlgorithm) -> None:
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
-    """Read the state of worlds, random generators and curriculum. It is a pickle: open only files that you trust.
+    """Read the state of worlds and random generators. It is a pickle: open only files that you trust.
 
     Raises:
         UnreadableFileError: It is damaged, or another version has written it.

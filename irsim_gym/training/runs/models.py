@@ -19,7 +19,7 @@ from irsim_gym.base.outside_files import reading
 from irsim_gym.envs.sb3_learning.mirror import checked_mirror
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
-from irsim_gym.sb3 import LearnabilityCallback, MirrorCallback, buffers_for
+from irsim_gym.sb3 import MirrorCallback, buffers_for
 from irsim_gym.training.runs import checkpoint as files
 from irsim_gym.training.runs.environment import build_environment, restore_worlds
 from irsim_gym.training.settings.run import Run, Settings
@@ -134,14 +134,6 @@ def check_finite(run: Run, settings: Settings, model: BaseAlgorithm) -> None:
         f"the training has diverged after {model.num_timesteps:,} steps, its networks are not finite: take a smaller "
         f"learning_rate (it was {rate}) or max_grad_norm; {kept}"
     )
-
-
-def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallback | None:
-    """Return the callback of a run's curriculum, restored from a checkpoint if there is one; None for no curriculum."""
-    if settings.hyperparameters.curriculum is None:
-        return None
-    levels = None if newest is None else files.load_state(newest)["levels"]
-    return LearnabilityCallback(seed=settings.seed, levels=levels)
 
 
 def mirror_callback(settings: Settings) -> MirrorCallback | None:

@@ -50,7 +50,7 @@ class Range:
 
     def draw(self, name: str, trial: Any) -> Any:
         """Let a trial of Optuna draw a value, and return it as a hyper-parameter file contains it."""
-        if type(self.low) is type(self.high) is int:
+        if isinstance(self.low, int):
             return self._written(trial.suggest_int(name, self.low, self.high, log=self.log))
         return self._written(float(f"{trial.suggest_float(name, self.low, self.high, log=self.log):.{DIGITS}g}"))
 
@@ -207,31 +207,23 @@ def _choices(value: object, axis: Axis, report: Report) -> Choices:
     domain = Choices(tuple(value) if isinstance(value, list) else (value,))
     if not domain.values:
         report.add(axis, "needs at least one value")
-    for i, (value, label) in enumerate(zip(domain.values, domain.labels, strict=True)):
-        first = min(domain.values.index(value), domain.labels.index(label))
-        if first < i:
-            text = f"must differ from the other values, got {show(value)} beside {show(domain.values[first])}"
-            report.add((*axis, i), text)
+    for i, label in enumerate(domain.labels):
+        if domain.labels.index(label) < i:
+            report.add((*axis, i), f"must differ from the other values, got {show(domain.values[i])} again")
     return domain
 
 
 def _range(value: object, axis: Axis, report: Report) -> Range | None:
-    """Return the range of an axis, with limits of its type; None after reporting problems."""
-    domain = build(Range, value, axis, report)
+    """Return the range of an axis; None after reporting problems. Its numbers are whole if both limits are.
+
+    That a hyper-parameter takes numbers with a fraction counts for more than how the file writes them.
+    """
+    domain, (mapping, _, key) = build(Range, value, axis, report), axis[-1].rpartition(".")
     if domain is None:
         return None
-    number = _number_type(axis, domain)
-    broken = [key for key in ("low", "high") if number(getattr(domain, key)) != getattr(domain, key)]
-    for key in broken:
-        report.add((*axis, key), f"must be a whole number, got {show(getattr(domain, key))}")
-    return None if broken else replace(domain, low=number(domain.low), high=number(domain.high))
-
-
-def _number_type(axis: Axis, domain: Range) -> type[int] | type[float]:
-    """Return the type of the numbers that a hyper-parameter takes; if none is declared, that of the limits."""
-    mapping, _, key = axis[-1].rpartition(".")
-    if axis[0] == "hyperparameters":
-        for fields in (option_fields(table) for table in DECLARED.get(mapping, ()) if key in option_fields(table)):
-            return int if int in (get_args(fields[key].annotation) or (fields[key].annotation,)) else float
-    is_whole = type(domain.low) is type(domain.high) is int
-    return int if is_whole and axis[0] != "rewards" and mapping != "normalize" else float
+    tables = DECLARED.get(mapping, ()) if axis[0] == "hyperparameters" else ()
+    declared = [fields[key].annotation for fields in map(option_fields, tables) if key in fields]
+    is_whole = type(domain.low) is type(domain.high) is int and axis[0] != "rewards" and mapping != "normalize"
+    if is_whole and not any(float in (get_args(hint) or (hint,)) for hint in declared):
+        return domain
+    return replace(domain, low=float(domain.low), high=float(domain.high))

@@ -2,15 +2,13 @@
 
 import json
 import math
-import os
-import pickle
 import shlex
 import signal
-import subprocess
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +17,7 @@ from rich.console import Console
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.extras import require
+from irsim_gym.base.imports import import_modules
 from irsim_gym.base.outside_files import json_object, reading, remove
 from irsim_gym.evaluation.protocol.tables import PLAIN, plain, write_json
 from irsim_gym.evaluation.requests.inputs import check_folder
@@ -29,18 +28,13 @@ from irsim_gym.training.curves.score import Point, score_run
 from irsim_gym.training.requests.request_checks import check_request
 from irsim_gym.training.requests.train import train
 from irsim_gym.training.requests.training_request import TrainingRequest
-from irsim_gym.training.rllib.ray_session import ray_session
 from irsim_gym.training.searches import tuning_results as results
-from irsim_gym.training.searches.search_space import PARTS, SearchSpace, read_space, shipped_space
+from irsim_gym.training.searches.search_space import SearchSpace, read_space, shipped_space
 from irsim_gym.training.searches.trial_settings import check_space, trial_settings
 from irsim_gym.training.settings.folders import setting_differences, sole_writer
 from irsim_gym.training.settings.run import Run, Settings
 
 JOURNAL, CONFIG, TRIALS = "study.log", "tune.json", "trials"
-WORKER = (
-    "import pickle, sys; from irsim_gym.training.searches import tuning; "
-    "tuning.work_apart(*pickle.load(sys.stdin.buffer))"
-)
 SEARCHED = 40
 """Number of trials of a search, if none is given."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
@@ -96,8 +90,7 @@ def run_tuning(
     grid: bool = False,
     out: Path | None = None,
     overwrite: bool = False,
-    workers: int | None = None,
-    address: str | None = None,
+    workers: int = 1,
     **options: Any,
 ) -> Path:
     """Run trials until the study has the given number, and return the folder of the study.
@@ -113,8 +106,7 @@ def run_tuning(
         grid: Train all combinations of the space, which has lists of values only.
         out: Folder of the study; None for the default folder.
         overwrite: Replace the study in the folder.
-        workers: Number of trials at a time; None for 1, or for as many as a cluster has processors.
-        address: Address of a Ray cluster, which sees the working folder under the same name; None for this machine.
+        workers: Number of trials at a time.
         **options: ``dev_levels`` and ``modules`` of the ``Tuning``.
 
     Raises:
@@ -137,7 +129,7 @@ def run_tuning(
         with sole_writer(tuning.folder), ctrl_c_as_error(text):
             _begin(tuning, settings, names, overwrite)
             _enqueue(tuning, settings, n_trials, points)
-            _run_all(tuning, workers, address)
+            _run_all(tuning, workers)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
     _show(tuning, n_trials)
@@ -157,23 +149,20 @@ def _show(tuning: Tuning, n_trials: int) -> None:
     results.show_trials(ended, tuning.request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table: {tuning.folder / results.TABLE}")
     if results.best_of(ended) is not None:
-        print(f"to confirm the best by {CONFIRMED} other seeds:\n{_confirm_command(tuning, ended)}")
+        print(f"to confirm the best by {CONFIRMED} other seeds, with further options as here:")
+        print(_confirm_command(tuning, ended))
 
 
 def _confirm_command(tuning: Tuning, trials: Sequence[Any]) -> str:
     """Return the command, for a shell, that trains other seeds than those of the trials with the best settings."""
-    request, best, prefix = tuning.request, results.best_of(trials).params, PARTS["parameters"]
-    seed = 1 + max(trial.params.get("seed", request.seed) for trial in trials)
-    is_weighted = any(axis[0] == "rewards" for axis in tuning.space.axes)
-    task = tuning.folder / results.BEST_TASK if is_weighted else request.task
-    drawn = {name.removeprefix(prefix): value for name, value in best.items() if name.startswith(prefix)}
-    options = [("--seed", seed), ("--seeds", CONFIRMED), ("--hyperparameters", tuning.folder / results.BEST)]
-    options += [("--task", task), ("--algorithm", request.algorithm)]
-    options += [("--set", f"{name}={value}") for name, value in {**(request.parameters or {}), **drawn}.items()]
-    options += [("--import", module) for module in tuning.modules]
-    words = [str(word) for option in options if option[1] is not None for word in option]
-    lenient = [] if request.strict else ["--lenient"]
-    return shlex.join(["irsim-gym", "train", best.get("scenario", request.scenario), *words, *lenient])
+    trial = results.best_of(trials)
+    best, scenario = Run(tuning.trial_folder(trial)).settings(), trial.params.get("scenario", tuning.request.scenario)
+    seed = 1 + max(one.params.get("seed", tuning.request.seed) for one in trials)
+    task, files = tuning.folder / results.BEST_TASK, ["--hyperparameters", tuning.folder / results.BEST]
+    files += ["--task", task] if task.is_file() else [] if best.task is None else ["--task", best.task]
+    drawn = [word for name, value in best.parameters.items() for word in ("--set", f"{name}={value}")]
+    words = ["--seed", seed, "--seeds", CONFIRMED, "--algorithm", best.algorithm, *files, *drawn]
+    return shlex.join(["irsim-gym", "train", scenario, *map(str, words)])
 
 
 def _begin(tuning: Tuning, settings: Settings, scenarios: Sequence[str], overwrite: bool) -> None:
@@ -233,53 +222,33 @@ def _enqueue(tuning: Tuning, settings: Settings, n_trials: int, points: Sequence
         study.enqueue_trial(values.get(number, {}), user_attrs={"trial": number})
 
 
-def _run_all(tuning: Tuning, workers: int | None, address: str | None) -> None:
-    """Run the enqueued trials one after another in this process, or side by side in processes or on a cluster."""
-    task = tuning, Path.cwd()
-    if address is not None:
-        with ray_session(address, 1):
-            import ray
+def _run_all(tuning: Tuning, workers: int) -> None:
+    """Run the enqueued trials one after another in this process, or side by side in processes.
 
-            apart = ray.remote(num_cpus=1)(work_apart)
-            tasks = [apart.remote(*task) for _ in range(workers or int(ray.cluster_resources()["CPU"]))]
-            try:
-                ray.get(tasks)
-            except ray.exceptions.RayError as error:
-                raise IrsimGymError(
-                    f"a task on the cluster failed; to continue, run the same command: {error}"
-                ) from error
-    elif workers in (None, 1):
+    A signal stops the processes by SIGTERM alone, at which trainings write a checkpoint.
+    """
+    if workers == 1:
         work(tuning)
-    else:
-        _run_processes(pickle.dumps(task), workers)
-
-
-def _run_processes(task: bytes, n_processes: int) -> None:
-    """Run processes to their end. A signal stops them by SIGTERM alone, at which trainings write a checkpoint."""
-    before = [signal.signal(signal.SIGINT, signal.SIG_IGN), signal.signal(signal.SIGTERM, signal.default_int_handler)]
-    processes: list[Any] = []
+        return
+    before, processes = signal.signal(signal.SIGTERM, signal.default_int_handler), list[Any]()
     try:
-        for _ in range(n_processes):
-            processes.append(subprocess.Popen([sys.executable, "-c", WORKER], stdin=subprocess.PIPE))
-            processes[-1].stdin.write(task)
-            processes[-1].stdin.close()
-        signal.signal(signal.SIGINT, before[0])  # processes inherit that it is ignored
+        for _ in range(workers):
+            processes.append(get_context("spawn").Process(target=_work_apart, args=(tuning,)))
+            processes[-1].start()
         for process in processes:
-            process.wait()
+            process.join()
     finally:
         for process in processes:
             process.terminate()
-            process.wait()
-        signal.signal(signal.SIGTERM, before[1])
+            process.join()
+        signal.signal(signal.SIGTERM, before)
 
 
-def work_apart(tuning: Tuning, folder: Path) -> None:
-    """Run enqueued trials in a process of its own, in the working folder of the command."""
-    from irsim_gym.base.imports import import_modules
-
-    os.chdir(folder)
+def _work_apart(tuning: Tuning) -> None:
+    """Run enqueued trials in a process of its own, which Ctrl-C reaches while it trains, beside the SIGTERM."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     import_modules(tuning.modules)
-    with suppress(TrainingInterruptedError):
+    with suppress(TrainingInterruptedError, KeyboardInterrupt):
         work(tuning, quiet=True)
 
 
@@ -317,12 +286,8 @@ def _run_trial(tuning: Tuning, trial: Any, console: Console, quiet: bool) -> tup
     """
     import optuna
 
-    number, scores, run, ending = (
-        trial.user_attrs["trial"],
-        dict[int, float](),
-        Run(tuning.trial_folder(trial)),
-        "refused",
-    )
+    number, run, ending = trial.user_attrs["trial"], Run(tuning.trial_folder(trial)), "refused"
+    scores = dict[int, float]()
     seed = int(np.random.SeedSequence((tuning.request.seed, number)).generate_state(1)[0])
     trial.study.sampler = optuna.samplers.TPESampler(seed=seed)
     drawn = tuning.space.draw(trial)

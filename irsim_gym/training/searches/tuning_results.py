@@ -7,9 +7,8 @@ from statistics import median
 from typing import Any
 
 import yaml
-from rich.text import Text
 
-from irsim_gym.evaluation.protocol.tables import plain, print_table, titled_table, write_csv, write_text
+from irsim_gym.evaluation.protocol.tables import figure_table, plain, print_table, write_csv, write_text
 from irsim_gym.training.searches.trial_settings import TASK
 from irsim_gym.training.settings.run import Run
 
@@ -73,19 +72,18 @@ def show_trials(trials: Sequence[Any], title: str) -> None:
     Trials that differ in the seed alone share a row, with the median of their success and its range.
     """
     texts = {name: {value_text(trial.params.get(name)) for trial in trials} for name in trials[0].params}
-    names = [name for name in texts if name != "seed" and (len(texts[name]) > 1 or len(trials) == 1)]
+    names = [name for name in texts if name != "seed" and len(texts[name]) > 1]
     n_pruned = sum(trial.user_attrs["ending"].startswith("pruned") for trial in trials)
-    table = titled_table(f"{title}: {len(trials)} trials, {n_pruned} of them pruned; the best")
-    for head in ("trial", "success [%]", "ending", *names):
-        table.add_column(Text(head.replace("_", "_\n").replace(".", ".\n")), justify="right")
+    rows = []
     for group in (group for i, group in enumerate(ranked(trials)) if i < SHOWN or group[0] is trials[0]):
         scores = [100.0 * score for score in _scores(group)]
         spread = f" [{min(scores):.1f}, {max(scores):.1f}]" if len(scores) > 1 else ""
         numbers = ", ".join(str(trial.user_attrs["trial"]) for trial in group)
         ending = ", ".join(dict.fromkeys(trial.user_attrs["ending"].partition(":")[0] for trial in group))
         values = (value_text(group[0].params.get(name)) for name in names)
-        table.add_row(*map(Text, (numbers, f"{median(scores):.1f}{spread}" if scores else "-", ending, *values)))
-    print_table(table)
+        rows.append((numbers, f"{median(scores):.1f}{spread}" if scores else "-", ending, *values))
+    heads = [head.replace("_", "_\n").replace(".", ".\n") for head in ("trial", "success [%]", "ending", *names)]
+    print_table(figure_table(f"{title}: {len(trials)} trials, {n_pruned} of them pruned; the best", heads, rows))
 
 
 def value_text(value: object) -> str:

@@ -36,9 +36,6 @@ class RunKeys:
     team: Literal["episode", "respawn"] | None = option(
         None, meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn)."
     )
-    curriculum: Literal["learnability"] | None = option(
-        None, meaning="learnability repeats levels in which the policy sometimes succeeds and sometimes fails."
-    )
     mirror: bool = option(False, meaning="ppo exchanges left and right in half of the rows that it learns from.")
     clone: str | None = option(
         None, min_length=1, meaning="Policy that the actor imitates before the training, e.g. pursuit:known=seen."

@@ -31,7 +31,6 @@ def check_engine(settings: Settings) -> None:
     unknown = [name for name, value in wanted.arguments.items() if name not in known and value is not None]
     own: dict[str, Any] = {
         "normalize": wanted.normalize,
-        "curriculum": wanted.curriculum,
         "mirror": wanted.mirror or None,
         "clone": wanted.clone,
         "until": wanted.until,

@@ -14,7 +14,8 @@ from irsim_gym.training.settings.algorithm_options import ACTIVATIONS
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters, read_hyperparameters
 
 TEAM_MODES = ("episode", "respawn")
-CURRICULA = ("learnability",)
+LEFT_OUT = ("curriculum",)
+"""Keys in the settings of earlier runs that no longer are."""
 PACKAGE = Path(__file__).parents[2]
 
 
@@ -44,7 +45,6 @@ class Hyperparameters:
         until: Success on ``dev`` levels [%] at which a checkpoint ends the run; None to take all steps.
         team: Team mode: robots whose episode has ended wait for their world, ``"episode"``, or restart,
             ``"respawn"``; see ``envs.sb3.vec_env.make_multi_agent_vec_env``. None for a single learner.
-        curriculum: ``"learnability"``, see ``sb3.LearnabilityCallback``; None for no curriculum.
         mirror: Whether left and right are exchanged in half of the rows of a rollout, see ``sb3.MirrorCallback``.
         clone: Policy that the actor imitates before the training, see ``cloning.clone_behavior``; None for none.
         clone_levels: Number of levels that the imitated policy plays.
@@ -61,7 +61,6 @@ class Hyperparameters:
     n_envs: int
     until: float | None = None
     team: str | None = None
-    curriculum: str | None = None
     mirror: bool = False
     clone: str | None = None
     clone_levels: int = 2000
@@ -78,17 +77,17 @@ class Hyperparameters:
         """Make hyper-parameters from a flat mapping, as in the YAML file.
 
         Raises:
-            IrsimGymError: If a required key is missing, or the team mode or the curriculum is unknown.
+            IrsimGymError: If a required key is missing, or the team mode is unknown.
         """
         own = {f.name for f in dataclasses.fields(cls)} - {"arguments"}
+        data = {name: value for name, value in data.items() if name not in LEFT_OUT}
         missing = {"n_timesteps", "n_envs"} - data.keys()
         if missing:
             raise IrsimGymError(f"hyper-parameters lack {', '.join(sorted(missing))}")
         values = {name: data[name] for name in own & data.keys()}
-        for name, known in (("team", TEAM_MODES), ("curriculum", CURRICULA)):
-            if values.get(name) not in (None, *known):
-                near = suggestion(str(values[name]), known)
-                raise IrsimGymError(f"{name} must be {' or '.join(known)}, got {values[name]!r}{near}")
+        if (team := values.get("team")) not in (None, *TEAM_MODES):
+            near = suggestion(str(team), TEAM_MODES)
+            raise IrsimGymError(f"team must be {' or '.join(TEAM_MODES)}, got {team!r}{near}")
         normalize = values.get("normalize")
         if normalize is True:
             values["normalize"] = {}

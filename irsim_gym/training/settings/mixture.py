@@ -7,20 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.base.errors import IrsimGymError, ScenarioError, UnknownNameError, UnknownParameterError
+from irsim_gym.base.options import kind, option
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
-from irsim_gym.scenario.checking.validation import Report
+from irsim_gym.scenario.checking.validation import Report, build
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.scenario.specs.library import SUFFIXES, every_scenario, find, names
-from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import Place, read_file
 
 SHARE = "share"
 """Name of the option with a scenario's weight."""
 MIXTURE = "mixture"
 """Key that tells a mixture file from a scenario."""
-KEYS = (MIXTURE, "task", "algorithm", "hyperparameters")
-PART_KEYS = ("scenario", SHARE, "parameters")
 
 
 @dataclass(frozen=True)
@@ -60,10 +58,10 @@ def read_part(text: str) -> MixturePart:
     while options and "=" not in options[0]:  # a path with a colon
         scenario = f"{scenario}:{options.pop(0)}"
     given: dict[str, str] = {}
-    for option in options:
-        name, equals, value = option.partition("=")
+    for one in options:
+        name, equals, value = one.partition("=")
         if not equals or not name or name in given:
-            raise IrsimGymError(f"'{text}': write SCENARIO:NAME=VALUE:..., each name once, got '{option}'")
+            raise IrsimGymError(f"'{text}': write SCENARIO:NAME=VALUE:..., each name once, got '{one}'")
         given[name] = value
     return MixturePart(scenario, given, _weight(text, given.pop(SHARE, "1")))
 
@@ -118,6 +116,25 @@ class Mixture:
     hyperparameters: Path | None = None
 
 
+@kind
+class _MixtureFile:
+    """The content of a mixture file."""
+
+    mixture: tuple[Any, ...] = option(min_length=1, meaning="Scenarios: names, or mappings with `scenario`.")
+    task: str | None = option(None, min_length=1, meaning="Task of all scenarios.")
+    algorithm: str | None = option(None, min_length=1, meaning="Name of the algorithm.")
+    hyperparameters: str | None = option(None, min_length=1, meaning="Path of a hyper-parameter file.")
+
+
+@kind
+class _FilePart:
+    """One scenario in a mixture file."""
+
+    scenario: str = option(min_length=1, meaning="Name or path of the scenario.")
+    share: float = option(1.0, gt=0.0, meaning="Weight of the scenario.")
+    parameters: dict[str, Any] = option({}, meaning="Values of its parameters by name.")
+
+
 def requested_mixture(scenarios: Sequence[str], is_mixture: bool) -> Mixture | None:
     """Return the mixture that ``irsim-gym train`` is to train; None for a single scenario.
 
@@ -160,49 +177,34 @@ def read_mixture(file: Path) -> Mixture:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
     report = Report.of_file(file)
-    data = report.mapping
-    report.refuse_unknown(data, KEYS)
-    listed = data.get(MIXTURE)
-    if not isinstance(listed, list) or not listed:
-        report.add((MIXTURE,), f"must be a list of scenarios, got {show(listed)}")
-        listed = []
-    parts = [_part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed)]
-    task, algorithm, chosen = (_text(data, key, (), report) for key in KEYS[1:])
-    for key, name, check in (("task", task, partial(find, section="tasks")), ("algorithm", algorithm, find_algorithm)):
+    found, listed = build(_MixtureFile, report.mapping, (), report), report.mapping.get(MIXTURE)
+    parts = [
+        _part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed if isinstance(listed, list) else ())
+    ]
+    for key, check in (("task", partial(find, section="tasks")), ("algorithm", find_algorithm)):
         try:
-            check(name) if name is not None else None
+            check(getattr(found, key)) if getattr(found, key, None) is not None else None
         except UnknownNameError as error:
             report.add((key,), str(error))
     report.check()
+    assert found is not None
     return Mixture(
-        tuple(parts),
+        tuple(part for part in parts if part is not None),
         file.stem,
-        None if task is None else _beside(file, task),
-        algorithm,
-        None if chosen is None else file.parent / chosen,
+        None if found.task is None else _beside(file, found.task),
+        found.algorithm,
+        None if found.hyperparameters is None else file.parent / found.hyperparameters,
     )
 
 
-def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart:
+def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart | None:
     """Return one scenario: a name, or a mapping with ``scenario``, ``share`` and ``parameters``."""
-    if isinstance(item, str):
-        return _known(MixturePart(_beside(file, item)), place, place, report)
-    if not isinstance(item, Mapping):
-        report.add(place, f"must be the name of a scenario or a mapping with 'scenario', got {show(item)}")
-        return MixturePart("")
-    report.refuse_unknown(item, PART_KEYS, place)
-    scenario = _text(item, "scenario", place, report)
-    if item.get("scenario") is None:
-        report.add((*place, "scenario"), "is required: the name or path of a scenario")
-    share, parameters = item.get(SHARE, 1.0), item.get("parameters", {})
-    if isinstance(share, bool) or not isinstance(share, int | float) or not 0.0 < share < float("inf"):
-        report.add((*place, SHARE), f"must be a number > 0, the weight of the scenario, got {show(share)}")
-        share = 1.0
-    if not isinstance(parameters, Mapping):
-        report.add((*place, "parameters"), f"must be a mapping of the scenario's parameters, got {show(parameters)}")
-        parameters = {}
-    part = MixturePart(_beside(file, scenario or ""), dict(parameters), float(share))
-    return _known(part, place, (*place, "scenario"), report) if scenario else part
+    is_name = isinstance(item, str)
+    found = build(_FilePart, {"scenario": item} if is_name else item, place, report)
+    if found is None:
+        return None
+    part = MixturePart(_beside(file, found.scenario), found.parameters, found.share)
+    return _known(part, place, place if is_name else (*place, "scenario"), report)
 
 
 def _known(part: MixturePart, place: Place, named: Place, report: Report) -> MixturePart:
@@ -219,14 +221,6 @@ def _known(part: MixturePart, place: Place, named: Place, report: Report) -> Mix
             if name in part.parameters:
                 report.add((*place, "parameters", name), problem.message)
     return part
-
-
-def _text(data: Mapping[str, Any], key: str, place: Place, report: Report) -> str | None:
-    value = data.get(key)
-    if value is None or isinstance(value, str):
-        return value
-    report.add((*place, key), f"must be text, got {show(value)}")
-    return None
 
 
 def _beside(file: Path, name: str) -> str:

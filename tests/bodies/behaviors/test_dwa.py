@@ -7,8 +7,9 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym.bodies.behaviors.local_planners.dwa_search import stop_time
-from irsim_gym.bodies.behaviors.local_planners.mppi_sampling import Motion, draw_samples
+from irsim_gym.bodies.behaviors.local_planners.mppi_sampling import draw_samples
 from irsim_gym.bodies.behaviors.local_planners.rollouts import place_at, spread_over
+from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 
 DIFF = {"kinematics": {"name": "diff"}, "vel_min": [0, -1.5], "vel_max": [1, 1.5]}
 OMNI = {"kinematics": {"name": "omni", "frame": "body"}, "vel_min": [-1, -1], "vel_max": [1, 1]}
@@ -204,8 +205,9 @@ def samples_of(noise: float = 0.5, **options: Any) -> tuple[Any, Any, Any]:
 def test_samples_are_the_plan_a_stop_and_noise_about_the_plan() -> None:
     simulation, group, samples = samples_of(gamma=2.0)
     plan = np.array([[0.5, -0.25], [0.75, 0.0], [0.25, 0.5], [1.0, -1.0]])
-    motion = Motion(np.zeros(3), np.full(3, -1.0), np.ones(3), np.full(3, np.inf), 0.0, 0.1)
-    draw_samples(0, simulation.state, group.params[0], motion, plan, samples)
+    limits = np.full(3, -1.0), np.ones(3), np.full(3, np.inf)
+    moving = Moving(0, False, 0.0, 0.1, np.zeros(3), 0.0, np.zeros(3), *limits)
+    draw_samples(0, simulation.state, group.params[0], moving, plan, samples)
     np.testing.assert_array_equal(samples.asked[0], plan)
     np.testing.assert_array_equal(samples.asked[1], np.zeros((4, 2)))
     assert (np.abs(samples.asked[2:]) <= 1.0).all()

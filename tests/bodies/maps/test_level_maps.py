@@ -11,8 +11,6 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 import irsim_gym as ig
-from irsim_gym.bodies.maps import perlin
-from irsim_gym.bodies.maps.noise_levels import noise_at, nth_smallest
 from irsim_gym.bodies.maps.rooms import choose_room
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.simulator.cell_paths.queries import free_path_length
@@ -31,7 +29,6 @@ KINDS: dict[str, dict[str, Any]] = {
     "maze": {"name": "maze", "resolution": 0.25, "loops": 0.2},
     "cellular": {"name": "cellular", "resolution": 0.5},
     "shelves": {"name": "shelves", "resolution": 0.5, "missing": [0.3, 0.3]},
-    "perlin": {"name": "perlin", "resolution": 0.25, "per_level": True, "fill": 0.3},
     "discs": {"name": "cellular", "resolution": 0.5, "disc_radius": 0.2},
 }
 MAPS = ("squares", "boxes", "n_boxes", "room")
@@ -206,19 +203,6 @@ def test_shelves_stand_in_the_middle_with_aisles_between_them() -> None:
     assert (turned[0] != turned[0].T).any()
 
 
-def test_noise_of_levels_is_that_of_fixed_maps() -> None:
-    maps = drawn(6, name="perlin", resolution=0.25, per_level=True, fill=0.25, fractal=2)
-    assert len({one.tobytes() for one in maps}) == 6
-    assert (maps.sum(axis=(1, 2)) == 64 * 64 // 4 - 1).all()
-    table = np.tile(np.random.default_rng(0).permutation(256), 2)
-    places = np.arange(300) * 0.37
-    expected = perlin._octave(places, places[::-1], table)
-    found = [[noise_at(x, y, table) for y in places[::-1]] for x in places[:20]]
-    np.testing.assert_allclose(found, expected[:20], atol=1e-12)
-    values = np.random.default_rng(1).random(501)
-    assert [nth_smallest(values.copy(), n) for n in (0, 77, 500)] == np.sort(values)[[0, 77, 500]].tolist()
-
-
 def test_worlds_that_go_on_keep_their_maps_and_pictures() -> None:
     data = {"world": {"width": 11, "height": 11, "obstacle_map": KINDS["cells"]}, "robot": ROBOT}
     env = ig.make_vec(data, 3, max_steps=50, render_mode="rgb_array")
@@ -265,9 +249,7 @@ def test_a_world_by_hand_draws_a_map_for_each_level_and_keeps_it_when_bodies_com
         ("cellular", {"clear_to": 5}, "clear_to.*less than fill_from, got 5 and 5"),
         ("shelves", {"shelf": [9, 1]}, "shelf.*does not fit"),
         ("shelves", {"shelf": [0, 1]}, "shelf.*two lengths > 0"),
-        ("perlin", {"resolution": 1, "per_level": True, "seed": 3}, "seed.*no effect with per_level"),
         ("cells", {"disc_radius": 0.6}, "disc_radius.*at most half a cell, 0.5 m, got 0.6"),
-        ("perlin", {"resolution": 0.01, "per_level": True}, "1100 x 1100 cells, at most 65536"),
     ],
 )
 def test_what_cannot_be_is_refused(kind: str, given: dict[str, Any], said: str) -> None:

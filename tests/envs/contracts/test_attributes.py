@@ -28,8 +28,8 @@ def gymnasium_pair():
 @pytest.fixture(scope="module")
 def sb3_pair():
     """The native environments and what Stable-Baselines3's own function makes."""
-    makers = irsim_gym.sb3.make_vec_env, make_vec_env
-    return [make(STILL, n_envs=N, seed=0, env_kwargs={"max_steps": 7}) for make in makers]
+    limit = {"max_steps": 7}
+    return [irsim_gym.sb3.make_vec_env(STILL, N, 0, **limit), make_vec_env(STILL, N, 0, env_kwargs=limit)]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -24,6 +24,7 @@ GIVEN = {
     "polygon": {"vertices": [[0, 0], [0.6, 0], [0.3, 0.3], [0.6, 0.6], [0, 0.6]]},
     "linestring": {"vertices": [[0, 0], [0.5, 0.2], [0.5, 0.8]]},
     "image": {"path": "cavern.png"},
+    "ros": {"path": str(Path(__file__).with_name("hall.yaml")), "unknown": "occupied"},
     "perlin": {"resolution": 0.25, "fill": 0.25},
     "cellular": {"resolution": 0.25},
     "array": {"cells": [[0, 0, 0], [0, 100, 0], [0, 0, 0], [0, 0, 100]]},

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arena_pages import read_page
 from command_line import run
 
 import irsim_gym
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.arena.board import Board
-from irsim_gym.evaluation.arena.page_file import read_page
 from irsim_gym.evaluation.arena.shown_episodes import ShownEpisode, choose_episodes
 from irsim_gym.evaluation.arena.standings import stand, strata_of_peers, strata_of_quarters
 from irsim_gym.evaluation.comparison.evaluate import Evaluation

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import pickle
-import sys
-import types
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import irsim_gym as ig
-from irsim_gym.errors import IrsimGymError, ScenarioError, UnreadableFileError
+from irsim_gym.errors import ScenarioError, UnreadableFileError
 from irsim_gym.evaluation.levels.barn import import_barn
 from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
 
@@ -66,85 +62,15 @@ def test_barn_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> 
         import_barn(tmp_path)
 
 
-def as_jax_saves(value: Any) -> Any:
-    """Return a stand-in for an array of JAX: it is pickled as JAX does it, by a function of a module of JAX."""
-    made = object.__new__(sys.modules["jax._src.array"].ArrayImpl)
-    made.value = value
-    return made
-
-
-@pytest.fixture
-def foreign(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Modules of JAX and JaxMARL as far as pickles need them; they are gone when the pickle is read."""
-
-    def _reconstruct_array(function: Any, arguments: Any, state: Any, aval: Any) -> None:
-        raise AssertionError("called by the reader")
-
-    class ArrayImpl:
-        def __reduce__(self) -> Any:
-            function, arguments, state = self.value.__reduce__()
-            return _reconstruct_array, (function, arguments, state, {"weak_type": False})
-
-    class EnvInstance:
-        def __init__(self, **values: Any) -> None:
-            self.__dict__.update(values)
-
-        def __setstate__(self, state: Any) -> None:
-            raise AssertionError("called by the reader")
-
-    home = {"jax._src.array": [_reconstruct_array, ArrayImpl], "jaxmarl.environments.jaxnav.jaxnav_env": [EnvInstance]}
-    for place, members in home.items():
-        parts = place.split(".")
-        for k in range(len(parts)):
-            monkeypatch.setitem(sys.modules, ".".join(parts[: k + 1]), types.ModuleType(".".join(parts[: k + 1])))
-        for member in members:
-            member.__module__, member.__qualname__ = place, member.__name__
-            setattr(sys.modules[place], member.__name__, member)
-    return EnvInstance
-
-
-@pytest.mark.parametrize("protocol", [2, 4, 5])
-def test_jaxnav_pickles_are_read_without_their_classes(
-    tmp_path: Path, foreign: Any, protocol: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    words = {"agent_pos": "start_xy", "agent_theta": "start_heading", "goal_pos": "goal_xy", "map_data": "cells"}
-    state = foreign(**{word: as_jax_saves(NAV[name]) for word, name in words.items()}, rew_lambda=np.float32(0.5))
-    (tmp_path / "levels.pkl").write_bytes(pickle.dumps([state, state], protocol=protocol))
+def test_jaxnav_arrays_become_levels(tmp_path: Path) -> None:
     np.savez(tmp_path / "levels.npz", **NAV)
-    for name in [one for one in sys.modules if one.split(".")[0] in ("jax", "jaxmarl")]:
-        monkeypatch.delitem(sys.modules, name)
-    levels, twin = import_jaxnav(tmp_path / "levels.pkl"), import_jaxnav(tmp_path / "levels.npz")
+    levels = import_jaxnav(tmp_path / "levels.npz")
     assert levels.bodies == ("robot_0",)
     assert "scenario" not in levels.about, "these maps are smaller than the benchmark's"
-    assert twin.hashes().tolist() == levels.hashes().tolist()[:2] == levels.hashes().tolist()[2:]
-    assert np.argwhere(twin.cells).tolist() == [[0, 3, 2]]
-    assert twin.start[:, 0] == pytest.approx(np.array([[1.5, 1.5, 0.5], [1.5, 1.5, 3.5 - 2 * np.pi]]), abs=1e-6)
-    assert twin.goal[1, 0, 0, :2].tolist() == [3.5, 1.5]
-    assert np.isnan(twin.goal[..., 2]).all()
-
-
-class Mischief:
-    def __init__(self, call: Any) -> None:
-        self.call = call
-
-    def __reduce__(self) -> Any:
-        return self.call
-
-
-@pytest.mark.parametrize(
-    ("content", "told"),
-    [
-        (lambda file: Mischief((Path.touch, (file,))), "it needs pathlib.Path"),
-        (lambda file: Mischief((eval, (f"open({str(file)!r}, 'w')",))), "it needs builtins.eval, which is not read"),
-        (lambda _: np.array([{}], object), "is no pickle of numbers"),
-        (lambda _: [1, 2], "holds no state of JaxNav"),
-    ],
-)
-def test_other_pickles_are_refused_and_do_nothing(tmp_path: Path, content: Any, told: str) -> None:
-    (tmp_path / "bad.pkl").write_bytes(pickle.dumps(content(tmp_path / "touched")))
-    with pytest.raises(IrsimGymError, match=told):
-        import_jaxnav(tmp_path / "bad.pkl")
-    assert not (tmp_path / "touched").exists()
+    assert np.argwhere(levels.cells).tolist() == [[0, 3, 2]]
+    assert levels.start[:, 0] == pytest.approx(np.array([[1.5, 1.5, 0.5], [1.5, 1.5, 3.5 - 2 * np.pi]]), abs=1e-6)
+    assert levels.goal[1, 0, 0, :2].tolist() == [3.5, 1.5]
+    assert np.isnan(levels.goal[..., 2]).all()
 
 
 def test_bad_arrays_of_others_are_told_all_at_once(tmp_path: Path) -> None:
@@ -158,7 +84,7 @@ def test_bad_arrays_of_others_are_told_all_at_once(tmp_path: Path) -> None:
     ):
         assert told in str(caught.value)
     (tmp_path / "nav.txt").write_text("no archive")
-    for name, told in (("nav.txt", "is no .npz file"), ("none.npz", "no such file"), ("none.pkl", "no such file")):
+    for name, told in (("nav.txt", "is no .npz file"), ("none.npz", "no such file")):
         with pytest.raises(UnreadableFileError, match=told):
             import_jaxnav(tmp_path / name)
     np.savez(tmp_path / "barn.npz", cylinder_xy=np.zeros((4, 2)), world_start=[0, 3, 9])

@@ -8,8 +8,8 @@ from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.bodies.behaviors.hybrid_astar.drive import drive_poses
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, forget_poses
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
 
@@ -44,8 +44,6 @@ class HybridAstar(RenewsGoals):
         "body.",
         consequence="Large: narrow ways are missed. Small: the search takes longer, and gives up sooner.",
     )
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

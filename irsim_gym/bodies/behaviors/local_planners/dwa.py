@@ -10,7 +10,6 @@ from irsim_gym.bodies.behaviors.local_planners.options import LocalPlanner
 from irsim_gym.bodies.behaviors.local_planners.paths import find_paths
 from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
 from irsim_gym.bodies.behaviors.local_planners.way import forget_ways
-from irsim_gym.bodies.behaviors.shared.renewal import renewal_problems
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
 
 MOST_SAMPLES = 1000
@@ -71,7 +70,7 @@ class Dwa(LocalPlanner):
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+        yield from LocalPlanner.problems(self)
         if min(self.samples) < 1 or max(self.samples) > MOST_SAMPLES:
             yield "samples", f"must be two numbers from 1 to {MOST_SAMPLES}, got {list(self.samples)}"
         if self.sim_granularity > self.sim_time:

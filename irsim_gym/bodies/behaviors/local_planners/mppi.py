@@ -9,7 +9,6 @@ from irsim_gym.bodies.behaviors.local_planners.options import LocalPlanner
 from irsim_gym.bodies.behaviors.local_planners.paths import find_paths
 from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
 from irsim_gym.bodies.behaviors.local_planners.way import forget_ways
-from irsim_gym.bodies.behaviors.shared.renewal import renewal_problems
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
 
 
@@ -45,8 +44,6 @@ class Mppi(LocalPlanner):
     )
     collision_cost: float = option(100.0, ge=0.0, unit="m s", meaning="Cost of a way that touches something.")
     obstacle_weight: float = option(0.005, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -1,7 +1,7 @@
 """Sampled command sequences and their average: model predictive path integral control."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +16,9 @@ from irsim_gym.bodies.behaviors.local_planners.task import (
     task_of,
 )
 from irsim_gym.bodies.behaviors.local_planners.way import off_way
+from irsim_gym.bodies.behaviors.pursuit.motion import Moving, executed, moving_of
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
-from irsim_gym.simulator.world.names import ACKERMANN, OMNI_WORLD, Floats, Ints, Model, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import ACKERMANN, Floats, Ints, Model, State, Struct, kernel
 from irsim_gym.simulator.world.own_scan import OwnScan
 
 
@@ -34,26 +35,6 @@ class Samples(Struct):
     nominal: Floats
     asked: Floats
     cost: Floats
-
-
-class Motion(NamedTuple):
-    """The motion and limits of a body, in the coordinates of its command; rows of shape ``(3,)``.
-
-    Attributes:
-        now: Executed velocities.
-        low: Lower limits.
-        high: Upper limits.
-        sharpest: Maximum accelerations.
-        steering: Steering angle [rad].
-        step: Duration of a step [s].
-    """
-
-    now: Floats
-    low: Floats
-    high: Floats
-    sharpest: Floats
-    steering: float
-    step: float
 
 
 @kernel
@@ -94,35 +75,21 @@ def decide_mppi(
                 nominal[:, :] = 0.0
                 continue
             task = task_of(w, b, see_hits(scan, w, k, options, tables.hits), options, model, state, tables)
-            motion = motion_of(model, state, w, b)
-            draw_samples(w, state, options, motion, nominal, samples)
+            moving = moving_of(model, state, w, b, tables.by_rate[b])
+            draw_samples(w, state, options, moving, nominal, samples)
             for i in range(options.samples):
-                samples.cost[i] += rollout_cost(task, options, motion, samples.asked[i], tables)
+                samples.cost[i] += rollout_cost(task, options, moving, samples.asked[i], tables)
             best = average(options.temperature, options.samples, samples, nominal)
             # The average of ways that pass something on either side leads into it: then the best sample is taken.
             # A way that touches something costs at least `collision_cost`, see rollout_cost.
-            if rollout_cost(task, options, motion, nominal, tables) >= options.collision_cost:
+            if rollout_cost(task, options, moving, nominal, tables) >= options.collision_cost:
                 copy_plan(samples.asked[best], nominal)
             state.command[w, b, 0], state.command[w, b, 1] = nominal[0, 0], nominal[0, 1]
             shift(nominal)
 
 
 @kernel
-def motion_of(model: Model, state: State, w: int, b: int) -> Motion:
-    """Return what body b of world w does and can do.
-
-    Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min), state (steering, twist, velocity).
-    """
-    # A plugin's drive gets its command like an omnidirectional one, but `velocity` is in coordinates of its own.
-    now = state.twist[w, b] if model.drive[b] == OMNI_WORLD else state.velocity[w, b]
-    return Motion(
-        now, model.velocity_min[row_of(model.velocity_min, w), b], model.velocity_max[row_of(model.velocity_max, w), b],
-        model.acceleration_limit[row_of(model.acceleration_limit, w), b], state.steering[w, b], model.step_time[0],
-    )  # fmt: skip
-
-
-@kernel
-def draw_samples(w: int, state: State, options: Any, motion: Motion, nominal: Floats, samples: Samples) -> None:
+def draw_samples(w: int, state: State, options: Any, moving: Moving, nominal: Floats, samples: Samples) -> None:
     """Write sequences about the nominal one, itself and a stop among them, and what their noise costs.
 
     With u the nominal commands, e the noise and s its standard deviation, that is gamma times the sum of u e / s^2
@@ -136,11 +103,11 @@ def draw_samples(w: int, state: State, options: Any, motion: Motion, nominal: Fl
         total = 0.0
         for t in range(nominal.shape[0]):
             for axis in range(2):
-                deviation = 0.5 * options.noise * (motion.high[axis] - motion.low[axis])
+                deviation = 0.5 * options.noise * (moving.high[axis] - moving.low[axis])
                 # Sample 0 is the nominal sequence, sample 1 a stop.
                 drawn = normal(state.random, w, 0.0, deviation) if i > 1 else 0.0
                 wanted = 0.0 if i == 1 else nominal[t, axis] + drawn
-                wanted = min(max(wanted, motion.low[axis]), motion.high[axis])
+                wanted = min(max(wanted, moving.low[axis]), moving.high[axis])
                 asked[i, t, axis] = wanted
                 if deviation > 0.0:
                     # The noise after clamping; 0 for an axis that cannot vary.
@@ -149,7 +116,7 @@ def draw_samples(w: int, state: State, options: Any, motion: Motion, nominal: Fl
 
 
 @kernel
-def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, tables: LocalTables) -> float:
+def rollout_cost(task: LocalTask, options: Any, moving: Moving, asked: Floats, tables: LocalTables) -> float:
     """Return what driving by a sequence of commands costs, integrated over time.
 
     Once it has arrived nothing costs any more. A way that touches something costs ``collision_cost``, and from there on
@@ -159,8 +126,8 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
     Writes: tables (poses).
     """
     poses, limit = tables.poses[0], options.footprint_padding + options.inflation_radius
-    x, y, cosine, sine, heading, steering = 0.0, 0.0, 1.0, 0.0, 0.0, motion.steering
-    one, two, total, n_steps = motion.now[0], motion.now[1], 0.0, asked.shape[0]
+    x, y, cosine, sine, heading, steering = 0.0, 0.0, 1.0, 0.0, 0.0, moving.steering
+    one, two, total, n_steps = moving.velocity[0], moving.velocity[1], 0.0, asked.shape[0]
     driven, last_x, last_y = 0.0, 0.0, 0.0
     # The wheels of a car with a steering angle follow one step later: a step rolls at the angle before it.
     steers = task.wheels.drive == ACKERMANN and not task.wheels.by_rate
@@ -170,13 +137,13 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
             # The next LANES poses, which find_nearest compares with the hits; beyond the horizon the last is repeated.
             for j in range(LANES):
                 if t + j < n_steps:
-                    one = executed(motion, 0, asked[t + j, 0], one)
-                    two = executed(motion, 1, asked[t + j, 1], two)
+                    one = executed(moving, 0, asked[t + j, 0], one)
+                    two = executed(moving, 1, asked[t + j, 1], two)
                     ahead, left, rate = twist_of(task.wheels, one, steering if steers else two)
                     # Euler's step with the heading before it, as the drives themselves move.
-                    x += (cosine * ahead - sine * left) * motion.step
-                    y += (sine * ahead + cosine * left) * motion.step
-                    heading, steering = heading + rate * motion.step, two
+                    x += (cosine * ahead - sine * left) * moving.step
+                    y += (sine * ahead + cosine * left) * moving.step
+                    heading, steering = heading + rate * moving.step, two
                     cosine, sine = np.cos(heading), np.sin(heading)
                 poses.x[j], poses.y[j], poses.cosine[j], poses.sine[j] = x, y, cosine, sine
             find_nearest(tables.hits, task.n_hits, poses)
@@ -193,16 +160,9 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
         away = options.path_weight * path + options.goal_weight * (task.length - reached)
         if gap < task.bearable:
             # Early contacts cost more, up to twice as much; the rest of the horizon costs as if the body stood there.
-            return float(total + options.collision_cost * (2.0 - t / n_steps) + away * (n_steps - t) * motion.step)
-        total += (away + options.obstacle_weight * obstacle_cost(options, gap)) * motion.step
+            return float(total + options.collision_cost * (2.0 - t / n_steps) + away * (n_steps - t) * moving.step)
+        total += (away + options.obstacle_weight * obstacle_cost(options, gap)) * moving.step
     return float(total)
-
-
-@kernel
-def executed(motion: Motion, axis: int, asked: float, now: float) -> float:
-    """Return what is executed in a step that asks for a number, see ``simulator.step.command_limits``."""
-    change = motion.sharpest[axis] * motion.step
-    return float(min(max(asked, max(motion.low[axis], now - change)), min(motion.high[axis], now + change)))
 
 
 @kernel

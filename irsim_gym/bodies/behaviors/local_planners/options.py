@@ -3,7 +3,7 @@
 from typing import Literal
 
 from irsim_gym.base.options import kind, option
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 
 
 @kind

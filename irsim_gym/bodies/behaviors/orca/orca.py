@@ -9,7 +9,7 @@ from irsim_gym.bodies.behaviors.orca.map import SIGHT
 from irsim_gym.bodies.behaviors.orca.neighbors import OrcaObstacles
 from irsim_gym.bodies.behaviors.orca.planning import OrcaTables, command_plans, plan_velocities
 from irsim_gym.bodies.behaviors.shared.map_parts import most_map_discs, most_map_walls
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.geometry.linear_program import HALF_PLANE
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
 
@@ -32,8 +32,6 @@ class OrcaGroup(RenewsGoals):
     sidestep: bool = option(
         False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
     )
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -9,8 +9,8 @@ from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving, pursue
 from irsim_gym.bodies.behaviors.pursuit.seen import pursue_seen
 from irsim_gym.bodies.behaviors.pursuit.tables import PursuitTables, forget_ways
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
 
@@ -72,7 +72,7 @@ class Pursuit(RenewsGoals):
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
-        yield from renewal_problems(self)
+        yield from RenewsGoals.problems(self)
         if self.lookahead_max is not None and self.lookahead_max < self.lookahead_min:
             yield "lookahead_max", f"must be >= lookahead_min, {self.lookahead_min:g}, got {self.lookahead_max:g}"
 

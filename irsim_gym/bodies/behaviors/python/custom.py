@@ -11,7 +11,7 @@ from irsim_gym.base.errors import BehaviorError
 from irsim_gym.base.options import kind, kind_of_function, option
 from irsim_gym.base.registry import Registry
 from irsim_gym.bodies.behaviors.python.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, Model
 from irsim_gym.simulator.world.names import Floats, Group, Shard, State
 
@@ -29,8 +29,6 @@ class PythonBehavior(RenewsGoals):
     columns: ClassVar[bool] = False
 
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
@@ -61,8 +59,6 @@ class PythonGroupBehavior(RenewsGoals):
 
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -16,9 +16,9 @@ from irsim_gym.bodies.behaviors.rvo.velocity_obstacles import (
     write_samples,
 )
 from irsim_gym.bodies.behaviors.shared.map_parts import most_map_discs, most_map_walls
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN, Ego, Surroundings, look_around
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.world.group import Group, Shard, records
 from irsim_gym.simulator.world.names import DIFFERENTIAL, Model, State, kernel, kind, option, row_of
 
@@ -52,8 +52,6 @@ class Rvo(RenewsGoals):
         meaning="Bodies farther away than this are not seen: a moving one or a disc by its centre, a standing one with "
         "sides by its outline. Walls of linestrings are seen from anywhere.",
     )
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

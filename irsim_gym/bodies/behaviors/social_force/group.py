@@ -11,7 +11,6 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints, Vector
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.bodies.behaviors.shared.renewal import renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import clear_command, wanted_velocity
 from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN
 from irsim_gym.bodies.behaviors.social_force.pushes import follow, planned_velocity
@@ -48,7 +47,7 @@ class SocialForceGroup(SocialForces):
             yield "social_groups", f"member {member} is listed twice"
         if any(member < 0 for member in listed):
             yield "social_groups", f"members are counted from 0, got {min(listed)}"
-        yield from renewal_problems(self)
+        yield from SocialForces.problems(self)
 
     def without_member(self, member: int) -> Self:
         """Return these options for a group that has lost a member; later members move up by one."""

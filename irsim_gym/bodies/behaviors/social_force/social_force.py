@@ -2,10 +2,10 @@
 
 from typing import Any, ClassVar, Literal
 
-from irsim_gym.bodies.behaviors.shared.renewal import RenewsGoals, renewal_problems
 from irsim_gym.bodies.behaviors.shared.steering import clear_command, wanted_velocity
 from irsim_gym.bodies.behaviors.social_force.pushes import follow, planned_velocity
 from irsim_gym.bodies.behaviors.social_force.walls import SocialTables
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
 
 NO_FORCE = 0.0, 0.0
@@ -49,8 +49,6 @@ class SocialForce(SocialForces):
     interaction_range: float = option(
         1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
     )
-
-    problems = renewal_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

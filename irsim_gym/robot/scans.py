@@ -1,0 +1,55 @@
+"""Scans of any scanner as the contract's scanner would read them; for the driver, with NumPy alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str, Any]) -> Any:
+    """Return scans (n, size) as the contract's beams see them, (n, n_beams): of each beam's share the shortest range.
+
+    The scanner is mounted at (x, y, turn), and its beams look at angles: the first one's, and the step to the next.
+    """
+    n_beams, share, (n, size) = own["beams"], own["step"] or 2.0 * np.pi, ranges.shape
+    looks = (angles[0] + angles[1] * np.arange(size) + mount[2] - own["mount"][2])[None]
+    if (mount[0], mount[1]) != tuple(own["mount"][:2]):
+        shift = (complex(*mount[:2]) - complex(*own["mount"][:2])) * np.exp(-1j * own["mount"][2])
+        ends = np.minimum(ranges, 1e6) * np.exp(1j * looks) + shift
+        ranges, looks = np.where(np.isfinite(ranges), np.abs(ends), ranges), np.angle(ends)
+    looks = looks - own["first"]
+    outside = (looks < -0.5 * share) | (looks >= (n_beams - 0.5) * share)
+    places = np.where(outside, np.remainder(looks + 0.5 * share, 2.0 * np.pi) / share - 0.5, looks / share)
+    beams = np.broadcast_to(np.rint(places).astype(int), (n, size))
+    seen, lacking = np.full((n, n_beams), np.inf, np.float32), np.ones((n, n_beams), bool)
+    rows, columns = np.nonzero((beams >= 0) & (beams < n_beams))
+    np.minimum.at(seen, (rows, beams[rows, columns]), ranges[rows, columns].astype(np.float32))
+    lacking[rows, beams[rows, columns]] = False
+    for w in range(len(places)) if size else ():  # beams of a coarser scanner take the nearest reading
+        missed, worlds = np.flatnonzero(lacking[w]), slice(None) if len(places) == 1 else w
+        away = np.abs(np.remainder((places[w] - missed[:, None]) * share + np.pi, 2.0 * np.pi) - np.pi)
+        near = away.min(axis=1) <= 0.51 * max(abs(angles[1]), share)
+        seen[worlds, missed[near]] = ranges[worlds, away.argmin(axis=1)[near]]
+    return seen
+
+
+def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple[str, str]:
+    """Return why a scanner is refused, and how one that was tested differs from that of the training; empty if not.
+
+    It is described by beams, range_max [m], field_of_view [rad] and its mount: x, y [m], turn [rad]; step is the angle
+    between its beams [rad].
+    """
+    spans, known = dict(own["tested"]), {**own, "field_of_view": own["step"] * (own["beams"] - 1)}
+    for k, name in enumerate(("x", "y", "turn")):
+        spans[name], known[name] = own["mounts"][k], own["mount"][k]
+    slacks = {**{name: 0.01 * spans[name][1] for name in ("beams", "range_max")}, "field_of_view": step + 0.01}
+    fault, notes = "", []
+    for name, (low, high) in spans.items():
+        slack, value = slacks.get(name, 0.01), found[name]
+        text = f"the scanner's {name} is {value:.4g}, tested from {low:.4g} to {high:.4g}"
+        if not low - slack <= value <= high + slack:
+            fault = fault or text
+        elif abs(value - known[name]) > slack:
+            notes.append(f"{text}, trained with {known[name]:.4g}")
+    return fault, "; ".join(notes)
