@@ -132,6 +132,7 @@ def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
     assert edited(file, ("\n2,", "\n-2,")) == "rows.csv:4 is no row of an episode: level must be a number >= 0, got -2"
     told = (
         "rows.csv:3 is no row of an episode: outcome must be one of success, collision, timeout, left_world, deadlock, "
+        "misplaced, "
     )
     assert edited(file, (",collision,", ",crash,")) == f"{told}got 'crash'"
     assert (
