@@ -140,7 +140,7 @@ def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
         == "rows.csv:2 is no row of an episode: time must be a number, got 'two'"
     )
     assert edited(file, (",2.0,5.0,", ",2.0,")).startswith(
-        "rows.csv:2 is no row of an episode: a row must have 21 cells"
+        "rows.csv:2 is no row of an episode: a row must have 22 cells"
     )
     assert (
         edited(file, ("outcome", "outcom")) == "rows.csv:1 is no table of episodes: no column outcome of this version"

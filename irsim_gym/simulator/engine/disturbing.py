@@ -11,7 +11,7 @@ from irsim_gym.base.arraytypes import Ints
 from irsim_gym.base.errors import Problem, ScenarioError
 from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.base.options import drawn_ends
-from irsim_gym.scenario.specs.spec import Scenario
+from irsim_gym.scenario.specs.spec import BodySpec, Scenario
 from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
 from irsim_gym.simulator.step.disturbances import Belief, Disturbances
 from irsim_gym.simulator.step.parts import Parts
@@ -66,12 +66,17 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
             found.scans += [
                 _scan_group(kind, members, sensor, model) for sensor in parts.sensors if _seen(members, sensor)
             ]
+    found.sights = [_group(kind, members, model) for kind, members in by_kind if kind.acts_on == "sight"]
+    if found.sights:
+        found.seeing = replace(state, pose=state.pose.copy(), direction=state.direction.copy())
+    for group in found.sights:
+        group.arrays["offset"] = np.array([_offset(scenario.bodies[b]) for b in group.members])
     believers = np.unique([b for b, one in given if one.acts_on in BELIEVED]).astype(np.int64)
     if len(believers) and parts.turns:
         errors = [_group(kind, members, model, state) for kind, members in by_kind if kind.acts_on == "belief"]
         found.belief = _belief(believers, errors, parts.kinematics, state)
         found.groups += errors
-    found.groups += found.scans
+    found.groups += [*found.sights, *found.scans]
     return found
 
 
@@ -80,13 +85,19 @@ def _of(scenario: Scenario, agents: tuple[int, ...], b: int) -> tuple[Any, ...]:
     return (*scenario.bodies[b].disturbances, *(scenario.disturbances if b in agents else ()))
 
 
+def _offset(body: BodySpec) -> tuple[float, float, float]:
+    """Return the mount pose of a robot's first range sensor."""
+    return next(getattr(one, "offset", (0.0, 0.0, 0.0)) for one in body.sensors if one.reading == RANGES)
+
+
 def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
     problems = []
     for b, one in given:
         body = scenario.bodies[b]
         has_scan = any(sensor.reading == RANGES and hasattr(sensor, "angles") for sensor in body.sensors)
-        is_lame = one.acts_on != "scan" and not model.movable[b]
-        if is_lame or (one.acts_on == "scan" and not has_scan):
+        looks = one.acts_on in ("sight", "scan")
+        is_lame = not looks and not model.movable[b]
+        if is_lame or (looks and not has_scan):
             why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_DRIVE if is_lame else NEEDS_SCAN}"
             problems.append(Problem(body.line, f"{body.name}.disturbances", why))
     if problems:

@@ -40,11 +40,15 @@ class Disturbances:
 
     Attributes:
         groups: All of them, by kind.
-        scans: Those of scans, in the order in which they act.
+        sights: Those of the poses from which sensors look, in the order in which they act.
+        seeing: The state with these poses; None where nothing disturbs them.
+        scans: Those of scans, likewise.
         belief: What robots believe of their poses; None where all know them.
     """
 
     groups: list[Group] = field(default_factory=list)
+    sights: list[Group] = field(default_factory=list)
+    seeing: State | None = None
     scans: list[Group] = field(default_factory=list)
     belief: Belief | None = None
 
@@ -67,6 +71,16 @@ def moved(turn: Turn, model: Model, state: State, shard: Shard) -> State:
     for group in turn.motions:
         group.kind.disturb(group, model, turn.moved, shard)
     return turn.moved
+
+
+def seeing(found: Disturbances, everyone: Ints, model: Model, state: State, shard: Shard) -> State:
+    """Return the state from whose poses sensors look now; ``state`` itself if nothing disturbs them."""
+    if found.seeing is None:
+        return state
+    tell_truth(shard.worlds, everyone, state, found.seeing)
+    for group in found.sights:
+        group.kind.disturb(group, model, found.seeing, shard)
+    return found.seeing
 
 
 def begin(found: Disturbances, goal_bodies: Ints, model: Model, state: State, shard: Shard) -> None:

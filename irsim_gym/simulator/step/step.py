@@ -139,8 +139,9 @@ def check_arrival(parts: Parts, model: Model, state: State, shard: Shard) -> Non
 
 def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Take the readings of all sensors."""
+    seen = disturbances.seeing(parts.disturbances, parts.everyone, model, state, shard)
     for group in parts.sensors:
-        group.kind.sense(group, model, state, shard)
+        group.kind.sense(group, model, seen, shard)
     for group in parts.disturbances.scans:
         group.kind.disturb(group, model, state, shard)
 

@@ -115,3 +115,21 @@ def test_what_observations_read_stays_within_their_bounds() -> None:
     for _ in range(60):
         assert envs.observation_space.contains(seen)
         seen, *_ = envs.step(envs.action_space.sample())
+
+
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_sensor_that_stands_elsewhere_sees_what_it_would_see_from_there(turn: float) -> None:
+    told, true = (0.3, -0.1, 0.5), (0.3 + 0.2, -0.1 + 0.4, 0.5 + 0.25)
+    disturbed = {"name": "mount", "x": 0.2, "y": 0.4, "turn": 0.25}
+    found = []
+    for offset, disturbances in ((told, [disturbed]), (true, [])):
+        lidar = {"name": "lidar2d", "number": 30, "angle_range": 2 * np.pi, "range_max": 50.0, "offset": list(offset)}
+        entry = {"kinematics": {"name": "diff"}, "state": [1.0, 2.0, turn], "sensors": [lidar]}
+        disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [1.0, 5.0, 0]}
+        data = {"robot": {**entry, "disturbances": disturbances}, "obstacle": [WALL, disc]}
+        sim = ig.compile(ig.load_scenario(data), 1, agents=(0,))
+        sim.reset(seed=0)
+        sim.step([0.5, 0.3])
+        assert sim.state.pose[0, 0, 2] == pytest.approx(turn + 0.03)
+        found.append(ranges(sim)[0])
+    np.testing.assert_allclose(*found, atol=1e-5)
