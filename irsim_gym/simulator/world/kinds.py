@@ -302,8 +302,8 @@ class DisturbanceKind(Protocol):
 
         ``command``: ``state.command``, before it is limited. ``motion``: ``state.velocity``, which the drive executes.
         ``belief``: ``state.pose``, which is the pose that the robot believes in, after its odometry has moved it;
-        ``group.arrays["pose"]`` has the true ones. ``sight``: ``state.pose`` and ``state.direction``, from where sensors
-        look; ``group.arrays["offset"]`` has the mount poses of the first range sensors. ``scan``: the ranges in
+        ``group.arrays["pose"]`` has the true ones. ``sight``: ``state.pose`` and ``state.direction``, from where its
+        sensors look; ``group.arrays["offset"]`` has the mount poses of the first range sensors. ``scan``: the ranges in
         ``group.scan``; a robot is a member once for each of its range sensors.
         """
 
