@@ -27,29 +27,34 @@ class Latency:
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Make room for the commands under way."""
+        """Make room for the commands under way, and for how many steps they are."""
         most = whole_steps(float(group.tables.high.max()), float(model.step_time[0]))
         group.arrays["queue"] = np.zeros((*group.tables.count.shape, most + 1, 3))
+        group.arrays["steps"] = np.zeros(group.tables.count.shape, np.int64)
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Queue the commands, and take those that are due."""
-        delay_commands(shard.worlds, group.tables, group.arrays["queue"], model, state)
+        delay_commands(shard.worlds, group.tables, group.arrays["queue"], group.arrays["steps"], model, state)
 
 
 @kernel
-def delay_commands(worlds: Ints, disturbed: Disturbed, queue: Floats, model: Model, state: State) -> None:
+def delay_commands(worlds: Ints, disturbed: Disturbed, queue: Floats, steps: Ints, model: Model, state: State) -> None:
     """Replace each command by the one that is due, zeros before the first one is.
 
     Reads: disturbed (count, members, values), model (step_time), state (command).
-    Writes: disturbed (count), queue, state (command).
+    Writes: disturbed (count), queue, steps, state (command).
     """
     size = queue.shape[2]
     for w in worlds:
         for k in range(disturbed.members.shape[0]):
-            command, n = state.command[w, disturbed.members[k]], disturbed.count[w, k]
-            due = n - whole_steps(disturbed.values[w, k, 0], model.step_time[0])
+            command, n, row = state.command[w, disturbed.members[k]], disturbed.count[w, k], queue[w, k]
+            if n == 0:
+                steps[w, k] = whole_steps(disturbed.values[w, k, 0], model.step_time[0])
+            place = n % size
+            due = place - steps[w, k]
+            due = due + size if due < 0 else due
             for axis in range(3):
-                queue[w, k, n % size, axis] = command[axis]
-                command[axis] = queue[w, k, due % size, axis] if due >= 0 else 0.0
+                row[place, axis] = command[axis]
+                command[axis] = row[due, axis] if n >= steps[w, k] else 0.0
             disturbed.count[w, k] = n + 1

@@ -5,14 +5,14 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Pixels, Rays
+from irsim_gym.base.arraytypes import Labels, Rays
 from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.base.rng import next_bits
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.own_scan import OwnScan
 
-TWO_32 = 2.0**32
+TWO_32, TWO_31 = 2.0**32, 2**31
 PLACES = 4096
 HIGH, LOW = np.uint64(64 - 12), np.uint64(2**32 - 1)
 """Bits of a random number that choose one of ``PLACES``, and those that shift."""
@@ -41,7 +41,7 @@ class LostBeams:
         # Each scan takes random numbers from a random place of this table on, and adds a random number to all of them:
         # to draw one for each beam would take several times as long as the beams' other disturbances together.
         noise = hashlib.shake_128(b"lost_beams").digest(4 * (PLACES + scan.ranges.shape[2]))
-        group.arrays["numbers"] = np.frombuffer(noise, "<u4").astype(np.uint32)
+        group.arrays["numbers"] = np.frombuffer(noise, "<i4").astype(np.int32)
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
@@ -50,7 +50,7 @@ class LostBeams:
 
 
 @kernel
-def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays, numbers: Pixels) -> None:
+def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays, numbers: Labels) -> None:
     """Overwrite the ranges of beams whose random number is too small.
 
     Reads: disturbed (random, values), scan (ranges, sensors).
@@ -62,11 +62,12 @@ def lose_beams(worlds: Ints, disturbed: Disturbed, scan: OwnScan, reading: Rays,
             if count > 0:
                 first, ranges = np.int64(bits >> HIGH), scan.ranges[w, scan.sensors[k]]
                 chosen = numbers[first : first + ranges.shape[0]]
-                overwrite_some(ranges, reading[k], chosen, np.uint32(bits & LOW), np.uint32(count - 1))
+                # Signed numbers, from -2^31 on: the processor compares vectors of these at once.
+                overwrite_some(ranges, reading[k], chosen, np.int32(bits & LOW), np.int32(count - 1 - TWO_31))
 
 
 @kernel
-def overwrite_some(ranges: Rays, reading: np.float32, numbers: Pixels, shift: np.uint32, most: np.uint32) -> None:
+def overwrite_some(ranges: Rays, reading: np.float32, numbers: Labels, shift: np.int32, most: np.int32) -> None:
     """Overwrite each range whose number, shifted, is at most ``most``; without branches, so that it is vectorised."""
     for i in range(ranges.shape[0]):
-        ranges[i] = reading if np.uint32(numbers[i] + shift) <= most else ranges[i]
+        ranges[i] = reading if np.int32(numbers[i] + shift) <= most else ranges[i]

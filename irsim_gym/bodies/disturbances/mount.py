@@ -36,7 +36,7 @@ class Mount:
 def move_eyes(worlds: Ints, disturbed: Disturbed, offset: Floats, state: State) -> None:
     """Write the pose that a body would have, were its sensors where its entry says.
 
-    Reads: disturbed (members, values), state (pose).
+    Reads: disturbed (members, values), state (direction, pose).
     Writes: state (direction, pose).
     """
     for w in worlds:
