@@ -169,14 +169,16 @@ def snapshot(sim: ig.Simulation, w: int) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize(("family", "name"), CASES)
 def test_single_batch_and_shards_agree_and_stay_finite(family: str, name: str) -> None:
     batch, sharded = simulation(scene(family, name), 4), simulation(scene(family, name), 4, num_threads=3)
-    single = ig.compile(batch.scenario, 1)
-    single.reset(seed=1 + 2)
+    single, plain = ig.compile(batch.scenario, 1), ig.compile(batch.scenario, 1, fused=False)
+    for sim in (single, plain):
+        sim.reset(seed=1 + 2)
     for _ in range(12):
-        for sim in (batch, sharded, single):
+        for sim in (batch, sharded, single, plain):
             sim.step()
     for field, value in snapshot(single, 0).items():
         np.testing.assert_array_equal(value, snapshot(batch, 2)[field], err_msg=field)
         np.testing.assert_array_equal(value, snapshot(sharded, 2)[field], err_msg=field)
+        np.testing.assert_array_equal(value, snapshot(plain, 0)[field], err_msg=field)
         if value.dtype.kind == "f" and field != "goal":
             assert np.isfinite(value).all(), field
 
