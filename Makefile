@@ -17,11 +17,12 @@ GUI_READY   := $(VENV)/.gui-ready
 DOCS_READY  := $(VENV)/.docs-ready
 MUTATE_READY := $(VENV)/.mutate-ready
 VERSIONS_READY := $(VENV)/.versions-ready
+ROS_READY := build/ros/.ready
 LIBRARIES   := build/libraries
 LIBRARY_SETS := torchrl benchmarl zoo tianshou pufferlib sample_factory demonstrations agilerl rllib
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install docs lessons lint ruff mypy test fast-tests test-slow test-bounds test-random test-gui test-versions \
+.PHONY: help demo install docs lessons lint ruff mypy test fast-tests test-slow test-bounds test-random test-gui test-ros test-versions \
         test-libraries mutate bench peers clean
 .DELETE_ON_ERROR:
 
@@ -32,6 +33,7 @@ help:
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-random 3,000 random scenarios: no value out of its space, no hang, no traceback (half an hour or more)"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
+	@echo "make test-ros    a node of ROS 1 drives a simulated robot, on the loopback (installs ROS 1 of Debian)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
 	@echo "make test-libraries  a dozen other libraries with our environments, in build/libraries (LIBRARY_SETS=zoo: some)"
 	@echo "make docs        the site, in build/site (ARGS=--no-pictures: quick, without new pictures)"
@@ -60,10 +62,10 @@ test: ruff
 	@$(MAKE) --no-print-directory -j2 mypy fast-tests
 
 fast-tests: $(TESTS_READY)
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries" $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries and not ros" $(ARGS)
 
 test-slow: lint $(DOCS_READY)
-	$(BIN)/python -m pytest -m "not gui and not libraries" $(ARGS)
+	$(BIN)/python -m pytest -m "not gui and not libraries and not ros" $(ARGS)
 
 test-bounds: $(TESTS_READY)
 	$(BIN)/python -m pytest -n auto tests/bounds/test_bounds.py $(ARGS)
@@ -74,6 +76,9 @@ test-random: $(TESTS_READY)
 test-gui: $(GUI_READY)
 	tests/gui/system_packages.sh
 	$(BIN)/python -m pytest -m gui tests/gui $(ARGS)
+
+test-ros: $(TESTS_READY) $(ROS_READY)
+	$(BIN)/python -m pytest -m ros tests/ros $(ARGS)
 
 test-versions: $(VERSIONS_READY)
 	PIP_ARGS="$(PIP_ARGS)" $(BIN)/python tests/versions/run.py $(ARGS)
@@ -124,6 +129,13 @@ $(GUI_READY): $(TESTS_READY)
 
 $(DOCS_READY): $(INSTALLED)
 	$(INSTALL) -e ".[docs]"
+	@touch $@
+
+# ROS 1 runs under the Python of the system.
+$(ROS_READY): tests/ros/system_packages.sh constraints.txt $(TESTS_READY)
+	tests/ros/system_packages.sh
+	/usr/bin/python3 -m venv --clear --without-pip --system-site-packages $(@D)
+	$(BIN)/python -m pip --python $(@D) install --disable-pip-version-check -c constraints.txt $(PIP_ARGS) numpy onnxruntime
 	@touch $@
 
 $(VERSIONS_READY): $(TESTS_READY)

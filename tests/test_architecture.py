@@ -95,8 +95,14 @@ LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3"
 RENDER_FROM = {"envs", "evaluation", "live", "training", "cli"}
 RASTER = "rendering.raster"
 
-# Copied to where the package is not: they import nothing of it.
-SCRIPTS = {"robot/drive.py", "robot/scans.py"}
+# Copied to where the package is not: they import only each other.
+SCRIPTS = {
+    "robot/drive.py",
+    "robot/perceive.py",
+    "robot/scans.py",
+    "robot/nodes/driving.py",
+    *(f"robot/nodes/{ros}/policy_driver/node.py" for ros in ("ros1", "ros2")),
+}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
@@ -651,3 +657,16 @@ def test_files_from_outside_have_one_reader() -> None:
         if isinstance(node, ast.Call) and ast.unparse(node.func) in calls
     }
     assert places - SCRIPTS == {"base/outside_files.py", *others}
+
+
+def test_scripts_import_nothing_but_scripts() -> None:
+    own_scripts = {place.removesuffix(".py").replace("/", ".") for place in SCRIPTS}
+    report(
+        [
+            f"{module.place}:{found.line} imports {found.module}"
+            for module in modules()
+            if module.place in SCRIPTS
+            for found in imports(module)
+            if own(found) is not None and own(found) not in own_scripts
+        ]
+    )

@@ -73,6 +73,9 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
         assert (f"irsim_gym/shelf/{source.name}" in names) is not is_left_out
     for source in (ROOT / "irsim_gym" / "rendering" / "replay" / "page").iterdir():
         assert f"irsim_gym/rendering/replay/page/{source.name}" in names
+    for source in (ROOT / "irsim_gym" / "robot" / "nodes").rglob("*"):
+        is_none = source.is_dir() or source.suffix == ".pyc"
+        assert is_none or f"irsim_gym/{source.relative_to(ROOT / 'irsim_gym').as_posix()}" in names
     assert {
         "irsim_gym/py.typed",
         "irsim_gym/simulator/readings/irsim_names.json",

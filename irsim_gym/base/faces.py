@@ -1,6 +1,5 @@
 """How packages show their public names, and where public names of version 0.1 are now."""
 
-import json
 import sys
 import warnings
 from collections.abc import Callable
@@ -11,7 +10,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-FORMER: dict[str, str] = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+from irsim_gym.base.outside_files import json_object
+
+FORMER: dict[str, str] = json_object(Path(__file__).with_suffix(".json"))
 """Modules of version 0.1 and the faces that have their public names now. They go with the next release."""
 
 

@@ -53,6 +53,9 @@ def export(
             autocompletion=cli_completion.scenarios,
         ),
     ] = None,
+    node: Annotated[
+        str | None, typer.Option(help="ros1 or ros2: make the folder a package of it, with a node and a launch file.")
+    ] = None,
     levels: Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of test levels that both play.")] = 50,
     task: Task = None,
     given: Given = None,
@@ -70,8 +73,10 @@ def export(
     if scenario is None and (given or task):
         raise IrsimGymError("--set and --task go with --scenario")
     asked = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(given))
-    made = export_for_robot(policy, out, predict=predict, period=period, asked=asked, levels=levels)
+    made = export_for_robot(policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node)
     size = (made.folder / "policy.onnx").stat().st_size / 1000
+    if made.contract.seen_map:
+        print("not one file: way_on_seen_map, which perceive.py finds beside the graph")
     print(
         f"{made.folder}: {made.n_nodes} nodes, {size:.0f} kB; needs {', '.join(made.contract.needs)}\n"
         f"{made.n_commands:,} commands of {levels} levels differ by {made.difference:.1e} at most; "

@@ -56,6 +56,20 @@ class Scanner(_Fixed):
     tested: Tested
 
 
+class SeenMapForm(_Fixed):
+    """The map that perceive.py keeps of the robot's own scans, for policies with a way on it."""
+
+    origin: tuple[float, float] = Field(
+        description="Its lower left corner, in the frame of the goal [m]; robot and goals have to lie on it."
+    )
+    cell: float = Field(description="Side of a cell [m].")
+    rows: int
+    columns: int
+    inflation: float = Field(description="Distance of the robot's origin that ways keep from obstacles [m].")
+    every: int = Field(description="Commands from one scan that is added to the next.")
+    frees: bool = Field(description="Beams free what they pass, as where others moved in the training.")
+
+
 class RobotLimits(_Fixed):
     """The robot of the training."""
 
@@ -120,6 +134,7 @@ class RobotContract(_Fixed):
     scenario: ScenarioForm
     needs: Needs
     scan: Scanner | None
+    seen_map: SeenMapForm | None = Field(description="None for policies without one: these are one file.")
     robot: RobotLimits
     period: float = Field(description="Time from one command to the next [s].")
     periods: Span = Field(description="Least and greatest period that the policy was played with [s].")

@@ -1,7 +1,6 @@
-"""Drives a robot by an exported policy: messages in, velocities out, with NumPy and onnxruntime alone.
+"""Drives a robot by an exported policy: anything with the fields of ROS messages in, velocities out."""
 
-Any object with the fields of the ROS messages will do. While the robot stands, ``tick`` says why.
-"""
+from __future__ import annotations
 
 import hashlib
 import json
@@ -31,29 +30,30 @@ class Driver:
             raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
         options.intra_op_num_threads = 1
         self.session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
-        self.outputs = [one.name for one in self.session.get_outputs()]
         self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
         self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
         self.now = self.scan_time = self.pose_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
-        self.ranges = self.pose = self.way = nothing
+        self.ranges = self.pose = self.way = self.map = nothing
         self.velocity = np.zeros((1, len(self.contract["robot"]["low"])))
         self.states: dict[str, Any] = {}
+        if self.contract["seen_map"]:
+            self.map = runpy.run_path(str(Path(contract).with_name("perceive.py")))["SeenMap"](self.contract)
         self.forget()
 
     def forget(self, *kept: str) -> None:
         """Begin anew, as for a new goal."""
         for name, state in self.contract["states"].items():
             if name not in kept:
-                start = np.array(state["start"], float).astype(state["dtype"])
-                self.states[name] = np.broadcast_to(start, [1, *state["shape"]]).copy()
+                self.states[name] = np.full([1, *state["shape"]], np.array(state["start"], float), state["dtype"])
+        if self.map:
+            self.map.forget()
 
     def scan(self, msg: Any) -> None:
         """Take a sensor_msgs/LaserScan: its beams are found by their angles, and the shortest of a share counts."""
         ranges, step, size = np.array(msg.ranges, float), float(msg.angle_increment), len(msg.ranges)
-        if self.no_return == "zero":
-            ranges[ranges == 0.0] = np.inf
+        ranges[(ranges == 0.0) & (self.no_return == "zero")] = np.inf
         lost = np.isnan(ranges) | (ranges < msg.range_min) & np.isfinite(ranges)
         ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
         self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
@@ -92,28 +92,29 @@ class Driver:
         fault = "the clock jumps back" if is_back else self._fault()
         self.good_scans = 0 if fault else self.good_scans
         self.has_fault = bool(fault) or (self.has_fault and self.good_scans < 3)
-        reason = fault or ("waits for good scans" if self.has_fault else self._rest())
-        if reason:
+        if reason := fault or ("waits for good scans" if self.has_fault else self._rest()):
             return self._still(reason)
         away = np.hypot(*(self.way[:, :2] - self.pose[0, :2]).T)
         beyond = np.flatnonzero((np.arange(len(away)) >= away.argmin()) & (away >= self.ahead))
         goal, waited = self.way[[beyond[0] if len(beyond) else -1]], np.array([[elapsed if elapsed < np.inf else 0.0]])
         values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": goal, "elapsed": waited}
-        given = {name: value for name, value in {**values, **self.states}.items() if name in self.contract["inputs"]}
-        found = dict(zip(self.outputs, self.session.run(None, given), strict=True))
-        command, robot = found["command"][0].astype(float), self.contract["robot"]
+        way = {"way_on_seen_map": self.map.way(self.ranges[0], self.pose[0], goal[0])[None]} if self.map else {}
+        known = {**values, **way, **self.states}.items()
+        given = {name: value for name, value in known if name in self.contract["inputs"]}
+        found, *after = self.session.run(["command", *(f"{name}_next" for name in self.states)], given)
+        command, robot = found[0].astype(float), self.contract["robot"]
         if not np.isfinite(command).all():
             self.good_scans, self.has_fault = 0, True
             return self._still("the command is not finite")
-        self.states = {name: found[f"{name}_next"] for name in self.states}
+        self.states = dict(zip(self.states, after))  # noqa: B905  (Python 3.8 knows no strict)
         if robot["steers"]:
             command[1] = command[0] * np.tan(command[1]) / robot["wheelbase"]
         return (*command.tolist(), "")
 
     def _still(self, reason: str) -> tuple[Any, ...]:
+        self.states["action"] = np.full_like(self.states["action"], self.contract["states"]["action"]["start"])
         if "pending" in self.states:  # this command is under way, too
-            kept = self.states["pending"][:, 1:]
-            self.states["pending"] = np.concatenate([kept, np.zeros_like(self.states["pending"][:, :1])], axis=1)
+            self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)
 
     def _fault(self) -> str:
@@ -122,8 +123,7 @@ class Driver:
             return "no scan yet" if self.ranges is None else f"the scan is {scan_age:.2f} s old"
         if pose_age > stop["odometry_age"]:
             return "no odometry yet" if self.pose is None else f"the odometry is {pose_age:.2f} s old"
-        is_finite = np.isfinite(self.pose).all() and np.isfinite(self.velocity).all()
-        return self.scan_fault if is_finite else "the odometry is not finite"
+        return self.scan_fault if all(np.isfinite([*self.pose[0], *self.velocity[0]])) else "the odometry is not finite"
 
     def _rest(self) -> str:
         if self.way is None:
@@ -134,11 +134,13 @@ class Driver:
         gap[2] = np.remainder(gap[2] + np.pi, 2.0 * np.pi) - np.pi if self.contract["goal"]["heading"] else 0.0
         if not np.isfinite(gap).all():
             return "the goal is not finite"
-        return "arrived" if np.sqrt(gap @ gap) < self.contract["goal"]["tolerance"] else ""
+        off = self.map.fault(self.pose[0], self.way[-1]) if self.map else ""
+        return "arrived" if np.sqrt(gap @ gap) < self.contract["goal"]["tolerance"] else off
 
 
 def _seconds(stamp: Any) -> float:
-    return float(stamp.sec + 1e-9 * stamp.nanosec) if hasattr(stamp, "sec") else float(stamp)
+    is_ros_1 = hasattr(stamp, "to_sec")
+    return float(stamp.to_sec() if is_ros_1 else stamp.sec + 1e-9 * stamp.nanosec if hasattr(stamp, "sec") else stamp)
 
 
 def _pose(pose: Any) -> Any:

@@ -34,17 +34,16 @@ from irsim_gym.robot.contract import (
     Results,
     RobotContract,
     RobotLimits,
-    Scanner,
     ScenarioForm,
     StateForm,
     Stops,
     TensorForm,
-    Tested,
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import scanner_of
+from irsim_gym.robot.inputs import scanner_form, seen_map_form
 from irsim_gym.robot.model_card import model_card
+from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
@@ -55,7 +54,8 @@ LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", "drive.py", "scans.py")
+SCRIPTS = ("drive.py", "scans.py", "perceive.py")
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,7 @@ def export_for_robot(
     period: float | None = None,
     asked: ScenarioRequest | None = None,
     levels: int = LEVELS,
+    node: str | None = None,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -95,12 +96,13 @@ def export_for_robot(
         period: Time from one command to the next on the robot [s]; None for that of the training.
         asked: The scenario with the robot and its scanner; None for that of the training.
         levels: Number of ``test`` levels that are played by both.
+        node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
-    _check_folder(folder)
+    _check_target(folder, node)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -132,11 +134,12 @@ def export_for_robot(
         results=results,
         **_form(played, graph, samples, period),
     )
-    _write(folder, contract, graph, samples, played)
+    _write(folder, contract, graph, samples, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
-def _check_folder(folder: Path) -> None:
+def _check_target(folder: Path, node: str | None) -> None:
+    check_node(node)
     known = [name for name in FILES if (folder / name).exists()]
     if known:
         raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
@@ -206,14 +209,15 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
     inputs = {
         name: TensorForm(shape=("batch", *rows.shape[1:]), dtype=str(rows.dtype))
         for name, rows in samples.items()
-        if name != "command"
+        if name not in ("command", "level")
     }
     return {
         "period": period,
         "periods": (float(model.step_time[0]),) * 2,
         "stop": Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
         "needs": needs,
-        "scan": _scanner(played) if "scan" in needs else None,
+        "scan": scanner_form(played) if "scan" in needs else None,
+        "seen_map": seen_map_form(played),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
             steers=bool(steers),
@@ -246,25 +250,6 @@ def _start(start: NDArray[Any]) -> Any:
     return start.tolist()
 
 
-def _scanner(played: Episodes) -> Scanner | None:
-    found = scanner_of(played)
-    if found is None:
-        return None
-    options, _, angles = found
-    view, n_beams = float(angles[-1] - angles[0]), len(angles)
-    return Scanner(
-        beams=n_beams,
-        first=float(angles[0]),
-        step=view / (n_beams - 1) if n_beams > 1 else 0.0,
-        range_min=options.range_min,
-        range_max=options.range_max,
-        mount=options.offset,
-        mounts=tuple((place, place) for place in options.offset),
-        no_return="inf",
-        tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
-    )
-
-
 def scenario_hash(asked: ScenarioRequest) -> str:
     """Return the hash of a scenario and its task."""
     form = _scenario_form(asked)
@@ -283,15 +268,22 @@ def _sha256(content: bytes) -> str:
 
 
 def _write(
-    folder: Path, contract: RobotContract, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], played: Episodes
+    folder: Path,
+    contract: RobotContract,
+    graph: PolicyGraph,
+    samples: Mapping[str, NDArray[Any]],
+    played: Episodes,
+    node: str | None,
 ) -> None:
     check = io.BytesIO()
     arrays: dict[str, Any] = dict(samples)
     np.savez_compressed(check, **arrays)
     write_bytes(folder / "policy.onnx", graph.content)
     write_bytes(folder / "check.npz", check.getvalue())
-    for name in ("drive.py", "scans.py"):
+    for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
+    for place, text in package_files(contract, node).items() if node else ():
+        write_text(folder / place, text)

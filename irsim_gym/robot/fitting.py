@@ -87,7 +87,7 @@ def fit(folder: Path, variants: Sequence[Variant], levels: int = LEVELS) -> list
         raise IrsimGymError(f"{form.name} has changed since {folder} was written: export the policy again")
     own = own_values(contract)
     _check(contract, own, variants)
-    graph = PolicyGraph(content, _starts(contract), 0)
+    graph = PolicyGraph(content, _starts(contract), 0, contract.model_dump() if contract.seen_map else None)
     played: list[Variant] = []
     for variant in (Variant("as in the contract", {}), *(variants or usual(own))):
         one = _played(contract, graph, asked, replace(variant, values={**own, **variant.values}), levels)

@@ -11,6 +11,7 @@ from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.evaluation.policies.perception import Perception
 from irsim_gym.evaluation.policies.policy import Policy, by_agent
 from irsim_gym.robot.inputs import Measured, measured
+from irsim_gym.robot.perceive import SeenMap
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.tasks import Episodes, Outcome
 
@@ -33,28 +34,38 @@ class GraphRunner:
         self._outputs = [one.name for one in self._session.get_outputs()]
         self._starts = graph.starts
         self.states = {name: np.stack([start] * n_robots) for name, start in graph.starts.items()}
+        self._maps = [SeenMap(graph.perceives) for _ in range(n_robots)] if graph.perceives else []
 
     def begin(self, robots: Ints) -> None:
         """Forget everything of some robots."""
         for name, start in self._starts.items():
             self.states[name][robots] = start
+        for robot in robots if self._maps else ():
+            self._maps[robot].forget()
 
-    def run(self, values: Measured, robots: Ints) -> NDArray[Any]:
+    def run(self, given: Measured, robots: Ints) -> NDArray[Any]:
         """Return the commands of some robots in SI units, ``(n, n_components)``, and keep their states.
 
         Args:
-            values: What these robots measure, by the names of the inputs, ``(n, ...)``.
-            robots: Their numbers, shape ``(n,)``.
+            given: All inputs, see ``inputs``.
+            robots: The numbers of the robots, shape ``(n,)``.
         """
-        given = self.inputs(values, robots)
         found = dict(zip(self._outputs, self._session.run(None, given), strict=True))
         for name, kept in self.states.items():
             kept[robots] = found[f"{name}_next"]
         return np.asarray(found["command"])
 
     def inputs(self, values: Measured, robots: Ints) -> Measured:
-        """Return all inputs of the graph: what robots measure, and their states."""
+        """Return all inputs of the graph, after adding scans to maps; once in a step.
+
+        Args:
+            values: What these robots measure, by the names of the inputs, ``(n, ...)``.
+            robots: Their numbers, shape ``(n,)``.
+        """
         every = {**values, **{name: kept[robots] for name, kept in self.states.items()}}
+        if self._maps:
+            seen = zip(robots, *(values[name] for name in ("ranges", "pose", "goal")), strict=True)
+            every["way_on_seen_map"] = np.stack([self._maps[robot].way(*known) for robot, *known in seen])
         return {name: every[name] for name in self.names}
 
 
@@ -95,7 +106,8 @@ class GraphPolicy:
         actions = []
         for agent in range(episodes.n_agents):
             robots, values = worlds * episodes.n_agents + agent, self._measure(episodes, agent)
-            self._runner.run({name: rows[worlds] for name, rows in values.items()}, robots)
+            given = self._runner.inputs({name: rows[worlds] for name, rows in values.items()}, robots)
+            self._runner.run(given, robots)
             actions.append(self._runner.states["action"][robots])
         found = np.stack(actions, axis=1).astype(np.float64)
         if self._limits is not None:
@@ -142,7 +154,7 @@ class ComparedPolicy:
         perception: The observations and the action of both.
         most: Greatest difference of a command so far [m/s, rad/s or rad].
         n_commands: Number of compared commands.
-        samples: Inputs of the graph and its commands, at most ``n_samples``, by name.
+        samples: Inputs of the graph, its commands, and the level of each, at most ``n_samples``, by name.
         n_samples: Number of samples to keep.
     """
 
@@ -154,26 +166,29 @@ class ComparedPolicy:
     samples: dict[str, NDArray[Any]] = field(default_factory=dict)
     n_samples: int = 1000
     _runner: GraphRunner | None = None
+    _levels: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
         """Begin in these worlds."""
         self.policy.begin(episodes, worlds, levels)
         if self._runner is None:
-            self._runner = GraphRunner(self.graph, episodes.n_worlds)
+            self._runner, self._levels = GraphRunner(self.graph, episodes.n_worlds), np.zeros(episodes.n_worlds, int)
         self._runner.begin(worlds)
+        self._levels[worlds] = levels
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
         """Return the actions of the policy, and compare the commands that follow from them with the graph's."""
         assert self._runner is not None, "begin comes first"
         values = {name: rows[worlds] for name, rows in measured(episodes).items()}
         inputs = self._runner.inputs(values, worlds)
-        commands, actions = self._runner.run(values, worlds), np.asarray(self.policy.act(episodes, worlds))
+        commands, actions = self._runner.run(inputs, worlds), np.asarray(self.policy.act(episodes, worlds))
         # A robot whose episode has ended waits for its team: it is not driven any more.
         drives = episodes.view.infos["outcome"][worlds, 0] == Outcome.RUNNING
         apart = np.abs(commands - commands_of(episodes, actions, values))[drives]
         self.most = float(np.max(apart, initial=self.most))
         self.n_commands += len(apart)
-        self._keep({name: rows[drives] for name, rows in {**inputs, "command": commands}.items()})
+        kept = {**inputs, "command": commands, "level": self._levels[worlds]}
+        self._keep({name: rows[drives] for name, rows in kept.items()})
         return actions
 
     def _keep(self, rows: Mapping[str, NDArray[Any]]) -> None:

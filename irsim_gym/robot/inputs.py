@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Floats, Rays
+from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
 from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 from irsim_gym.tasks.terms.graph import Graph, RobotValues, Value
 
 Measured = dict[str, NDArray[Any]]
@@ -23,6 +25,44 @@ def scanner_of(episodes: Episodes, agent: int = 0) -> tuple[Any, Rays, Floats] |
         return None
     group, member = found
     return group.options[member], group.arrays["ranges"][:, member], group.arrays["angles"]
+
+
+def scanner_form(episodes: Episodes) -> Scanner | None:
+    """Return what a contract says of the first agent's range sensor; None without one."""
+    found = scanner_of(episodes)
+    if found is None:
+        return None
+    options, _, angles = found
+    view, n_beams = float(angles[-1] - angles[0]), len(angles)
+    return Scanner(
+        beams=n_beams,
+        first=float(angles[0]),
+        step=view / (n_beams - 1) if n_beams > 1 else 0.0,
+        range_min=options.range_min,
+        range_max=options.range_max,
+        mount=options.offset,
+        mounts=tuple((place, place) for place in options.offset),
+        no_return="inf",
+        tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
+    )
+
+
+def seen_map_form(episodes: Episodes) -> SeenMapForm | None:
+    """Return what a contract says of the map on which the first agent finds its way; None without one."""
+    found = (term.arrays for term in episodes.terms["observations"] if isinstance(term.options, WayOnSeenMap))
+    ways = next(found, None)
+    if ways is None:
+        return None
+    grid, model = ways.seen.grid, episodes.simulation.model
+    return SeenMapForm(
+        origin=(grid.origin_x, grid.origin_y),
+        cell=grid.cell,
+        rows=grid.rows,
+        columns=grid.columns,
+        inflation=float(model.reach[0, episodes.task.agents[0]]) + ways.clearance,
+        every=ways.seen.every,
+        frees=ways.seen.doubted.shape[1] > 0,
+    )
 
 
 def measured(episodes: Episodes, agent: int = 0) -> Measured:

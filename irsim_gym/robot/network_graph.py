@@ -95,7 +95,8 @@ STEPS: dict[str, Callable[[Value, Arrays, Options], Value]] = {
     "relu": _named("Relu"),
     "tanh": _named("Tanh"),
     "sigmoid": _named("Sigmoid"),
-    "silu": lambda rows, arrays, step: rows * rows.op("Sigmoid"),
+    # As a product with a sigmoid, onnxruntime 1.20 fuses it to an operator that it lacks on a CPU.
+    "silu": lambda rows, arrays, step: rows / ((-rows).op("Exp") + 1.0),
     "gelu": _gelu,
     "elu": _negative(lambda rows, step: (rows.op("Exp") - 1.0) * step["alpha"]),
     "leaky_relu": _negative(lambda rows, step: rows * step["slope"]),

@@ -10,18 +10,19 @@ from numpy.typing import NDArray
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.envs.parts.spaces import observed
 from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
-from irsim_gym.robot.inputs import robot_values
+from irsim_gym.robot.inputs import robot_values, scanner_form, seen_map_form
 from irsim_gym.robot.network_graph import network_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.actions.discrete import DiscreteAction
 from irsim_gym.tasks.actions.velocity import VelocityAction
+from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 from irsim_gym.tasks.terms.graph import Graph, HasGraph, RobotValues, Value
 from irsim_gym.tasks.terms.term import NEEDS, IsImage, Term
 
 ALONE = ("scan", "odometry", "map_frame")
-"""What a graph can be fed with from the robot's own messages."""
+"""What a graph can be fed with from the robot's own messages, and by ``perceive.py`` with a way on a map of them."""
 
 
 class UnfitForRobotError(IrsimGymError):
@@ -36,11 +37,13 @@ class PolicyGraph:
         content: The bytes of its file.
         starts: What each of its states is before the first step, without the axis of the batch.
         n_nodes: Number of its nodes.
+        perceives: What ``SeenMap`` needs of a contract, if the graph takes a way on a seen map; else None.
     """
 
     content: bytes
     starts: dict[str, NDArray[Any]]
     n_nodes: int
+    perceives: dict[str, Any] | None
 
 
 def policy_graph(
@@ -79,7 +82,13 @@ def policy_graph(
     graph.keep("action", action)
     graph.output("command", command.cast(np.float32), size)
     found = graph.model(name)
-    return PolicyGraph(found.SerializeToString(), graph.starts, len(found.graph.node))
+    return PolicyGraph(found.SerializeToString(), graph.starts, len(found.graph.node), perceived_by(episodes))
+
+
+def perceived_by(episodes: Episodes) -> dict[str, Any] | None:
+    """Return what ``SeenMap`` needs of a contract; None where no way on a seen map is observed."""
+    scan, seen_map = scanner_form(episodes), seen_map_form(episodes)
+    return {"scan": scan.model_dump(), "seen_map": seen_map.model_dump()} if scan and seen_map else None
 
 
 def _reasons(episodes: Episodes) -> Iterator[str]:
@@ -97,7 +106,8 @@ def _term_reasons(term: Term) -> Iterator[str]:
     if needs is None:
         yield f"the observation '{term.name}' does not say what it needs: declare 'needs'"
         return
-    lacking = [f"{need} ({NEEDS[need]})" for need in needs if need not in ALONE]
+    has = (*ALONE, "grid") if isinstance(term.options, WayOnSeenMap) else ALONE
+    lacking = [f"{need} ({NEEDS[need]})" for need in needs if need not in has]
     if lacking:
         yield f"the observation '{term.name}' needs {', '.join(lacking)}"
     elif isinstance(term.options, IsImage):

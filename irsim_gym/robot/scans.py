@@ -47,7 +47,7 @@ def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple
     fault, notes = "", []
     for name, (low, high) in spans.items():
         slack, value = slacks.get(name, 0.01), found[name]
-        text = f"the scanner's {name} is {value:.4g}, tested from {low:.4g} to {high:.4g}"
+        text = f"scanner: {name} {value:.4g}, tested from {low:.4g} to {high:.4g}"
         if not low - slack <= value <= high + slack:
             fault = fault or text
         elif abs(value - known[name]) > slack:

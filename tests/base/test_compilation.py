@@ -102,7 +102,7 @@ def run(code: str, **environment: str) -> str:
 def kernels() -> dict[str, Kernel]:
     found = {}
     for module in pkgutil.walk_packages(irsim_gym.__path__, "irsim_gym."):
-        if module.name.split(".")[1] not in {"training", "render", "live", "envs", "evaluation", "rllib"}:
+        if module.name.split(".")[1] not in {"training", "render", "live", "envs", "evaluation", "rllib", "robot"}:
             values = vars(importlib.import_module(module.name)).values()
             found |= {value.__name__: value for value in values if isinstance(value, Kernel)}
     return found

@@ -75,7 +75,7 @@ SLOWEST = 6.0
 """A test that takes longer in plain Python [s] is left out, unless asked for."""
 
 PLAIN = {"NUMBA_DISABLE_JIT": "1", "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1"}
-MARKS = ("-m", "not slow and not gui and not libraries")
+MARKS = ("-m", "not slow and not gui and not libraries and not ros")
 HERE = Path(__file__).parent
 
 

@@ -16,7 +16,8 @@ def made(name: str, **fields: Any) -> Any:
 
 
 def header(time: float, frame: str) -> Any:
-    stamp = made("builtin_interfaces/msg/Time", sec=int(time), nanosec=round(time % 1.0 * 1e9) % 1_000_000_000)
+    seconds, rest = divmod(round(time * 1e9), 1_000_000_000)
+    stamp = made("builtin_interfaces/msg/Time", sec=seconds, nanosec=rest)
     return made("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
 
 
@@ -49,16 +50,24 @@ def odometry(time: float, place: Any, v: float = 0.0, w: float = 0.0) -> Any:
     )
 
 
-def scan(time: float, ranges: Any, *, clockwise: bool = False, zeros: bool = False, range_max: float = 6.0) -> Any:
-    """Return a scan of a full turn, both of whose ends look behind."""
-    found, step = np.array(ranges, np.float32), 2.0 * np.pi / (len(ranges) - 1)
+def scan(
+    time: float,
+    ranges: Any,
+    *,
+    clockwise: bool = False,
+    zeros: bool = False,
+    range_max: float = 6.0,
+    view: float = 2.0 * np.pi,
+) -> Any:
+    """Return a scan about straight ahead; of a full turn, both ends look behind."""
+    found, step = np.array(ranges, np.float32), view / (len(ranges) - 1)
     found[found >= range_max] = 0.0 if zeros else np.inf
     sign = -1.0 if clockwise else 1.0
     return made(
         "sensor_msgs/msg/LaserScan",
         header=header(time, "laser"),
-        angle_min=-sign * np.pi,
-        angle_max=sign * np.pi,
+        angle_min=-0.5 * sign * view,
+        angle_max=0.5 * sign * view,
         angle_increment=sign * step,
         time_increment=0.0,
         scan_time=0.1,

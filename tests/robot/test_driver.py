@@ -13,7 +13,11 @@ import numpy as np
 import pytest
 import yaml
 
+from irsim_gym.evaluation.policies.perception import Perceived
+from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
+from irsim_gym.evaluation.saved_policies.policies import SavedPolicy
+from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_file
 from irsim_gym.robot.drive import Driver
 from irsim_gym.robot.inputs import measured
 from irsim_gym.scenario.specs.library import find
@@ -100,8 +104,8 @@ STOPS: dict[str, tuple[str, Any]] = {
     "scan too old": (r"the scan is 0\.40 s old", lambda driver: stale(driver, "odometry")),
     "odometry too old": (r"the odometry is 0\.40 s old", lambda driver: stale(driver, "scan")),
     "clock": ("the clock jumps back", lambda driver: feed(driver, 0.0)),
-    "beams": ("the scanner's beams is 720, tested from 180 to 180", lambda driver: feed(driver, 1.1, np.ones(720))),
-    "range": ("the scanner's range_max is 12,", lambda driver: feed(driver, 1.1, range_max=12.0)),
+    "beams": ("scanner: beams 720, tested from 180 to 180", lambda driver: feed(driver, 1.1, np.ones(720))),
+    "range": ("scanner: range_max 12,", lambda driver: feed(driver, 1.1, range_max=12.0)),
     "lost": ("50% of the beams are lost", lambda driver: feed(driver, 1.1, np.tile([np.nan, 2.0], 90))),
     "pose": ("the odometry is not finite", lambda driver: feed(driver, 1.1, place=(np.nan, 1.0, 0.0))),
 }
@@ -125,6 +129,41 @@ def test_it_stops_at_once_and_goes_on_after_three_good_scans(driver: Driver, nam
     after = driver.now
     later = [feed(driver, after + PERIOD * k)[2] for k in (1, 2, 3)]
     assert later == ["waits for good scans", "waits for good scans", ""]
+
+
+@pytest.mark.parametrize("fresh", ["odometry", "scan"])
+def test_it_stands_three_periods_after_the_first_message_that_fails_to_come(driver: Driver, fresh: str) -> None:
+    for k in range(3):
+        assert feed(driver, PERIOD * k)[2] == ""
+    stood = []
+    for k in range(3, 8):
+        time = PERIOD * k
+        if fresh == "odometry":
+            driver.odometry(messages.odometry(time, (1.0, 1.0, 0.0)))
+        else:
+            driver.scan(messages.scan(time, FREE))
+        stood.append(driver.tick(time)[:2] == (0.0, 0.0))
+    assert stood.index(True) <= 3
+    assert all(stood[3:])
+
+
+def test_who_stands_has_no_latest_action(driver: Driver) -> None:
+    first = driver.states["action"].copy()
+    assert feed(driver, 0.0)[2] == ""
+    assert np.any(driver.states["action"] != first)
+    nearest = driver.states["record_nearest"].copy()
+    assert stale(driver, "scan")[2] != ""
+    np.testing.assert_array_equal(driver.states["action"], first)
+    np.testing.assert_array_equal(driver.states["record_nearest"], nearest)
+
+
+def test_stamps_of_ros_1_are_read(driver: Driver) -> None:
+    scan, odometry = messages.scan(0.0, FREE), messages.odometry(0.0, (1.0, 1.0, 0.0))
+    scan.header.stamp = odometry.header.stamp = SimpleNamespace(secs=7, nsecs=500_000_000, to_sec=lambda: 7.5)
+    driver.scan(scan)
+    driver.odometry(odometry)
+    assert driver.tick(7.6)[2] == ""
+    assert driver.tick(7.9)[2] == "the scan is 0.40 s old"
 
 
 def test_what_is_no_fault_needs_no_good_scans(contract: Path) -> None:
@@ -214,11 +253,14 @@ def test_drivers_solve_levels_of_the_simulator(contract: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("n_beams", "scanner"), [(180, {}), (180, {"clockwise": True}), (360, {}), (180, {"zeros": True})]
-)
+@pytest.mark.parametrize(("n_beams", "scanner"), [(180, {}), (360, {"clockwise": True, "zeros": True})])
 def test_drivers_solve_as_many_levels_as_the_simulator(
     contract: Path, tmp_path: Path, n_beams: int, scanner: dict[str, bool]
 ) -> None:
+    """At most one point in a hundred less."""
+    policy, n_levels = SavedPolicy(read_policy(shelf_file("cluttered_room"))), 200
+    rows = evaluate(policy, Perceived(make_episodes("cluttered_room", n_worlds=n_levels)).of(policy), n_levels, "test")
+    expected = sum(row.outcome == "success" for row in rows)
+    assert expected >= 0.97 * n_levels
     file = loosened(contract, tmp_path, beams=[180, 360])
-    assert sum(outcomes(file, 200, n_beams, **scanner)) >= 0.993 * 200 - 3
+    assert sum(outcomes(file, n_levels, n_beams, **scanner)) >= expected - n_levels // 100

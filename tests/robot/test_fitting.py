@@ -65,14 +65,11 @@ def test_the_driver_refuses_what_was_not_tested_and_notes_what_was(robot: Path) 
     file.write_text(wider.model_dump_json(), encoding="utf-8")
     driver = Driver(file)
     driver.scan(messages.scan(0.0, np.full(360, 5.0)))
-    assert (driver.scan_fault, driver.note) == (
-        "",
-        "the scanner's beams is 360, tested from 180 to 360, trained with 180",
-    )
+    assert (driver.scan_fault, driver.note) == ("", "scanner: beams 360, tested from 180 to 360, trained with 180")
     driver.scan(messages.scan(0.1, np.full(180, 5.0)))
     assert driver.note == ""
     driver.scan(messages.scan(0.2, np.full(400, 5.0)))
-    assert driver.scan_fault == "the scanner's beams is 400, tested from 180 to 360"
+    assert driver.scan_fault == "scanner: beams 400, tested from 180 to 360"
 
 
 def test_tested_values_hold_no_robot_that_does_not_fit(contract: Path) -> None:
@@ -92,7 +89,7 @@ def test_tested_values_hold_no_robot_that_does_not_fit(contract: Path) -> None:
 def test_the_driver_refuses_a_mount_that_was_not_tested(robot: Path) -> None:
     driver = Driver(robot / "contract.json", mount=(0.0, 0.0, 0.5 * np.pi))
     driver.scan(messages.scan(0.0, np.full(180, 5.0)))
-    assert driver.scan_fault == "the scanner's turn is 1.571, tested from 0 to 0"
+    assert driver.scan_fault == "scanner: turn 1.571, tested from 0 to 0"
 
 
 def test_a_scan_is_seen_from_where_the_contract_has_the_scanner() -> None:

@@ -34,10 +34,19 @@ onnxruntime = pytest.importorskip("onnxruntime")
 
 
 def test_the_files_of_an_export(exported: RobotExport) -> None:
-    assert {file.name for file in exported.folder.iterdir()} == set(FILES)
+    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py"}
     onnx.checker.check_model(onnx.load(exported.folder / "policy.onnx"), full_check=True)
     assert exported.difference <= 1e-5
     assert exported.n_commands > 1000
+
+
+def test_older_releases_of_onnxruntime_load_the_graph(exported: RobotExport) -> None:
+    """Up to 1.21 they need names of nodes, and up to 1.20 they have no cosine of float64; tried from 1.17 on."""
+    nodes = onnx.load(exported.folder / "policy.onnx").graph.node
+    names = {node.name for node in nodes}
+    assert len(names) == len(nodes)
+    assert "" not in names
+    assert "Cos" not in {node.op_type for node in nodes}
 
 
 def test_the_check_can_be_repeated_without_the_package(exported: RobotExport) -> None:
@@ -74,7 +83,7 @@ def test_the_model_card_has_a_front_matter_with_the_success_rate(exported: Robot
 @pytest.mark.parametrize(
     ("policy", "words"),
     [
-        ("general", ["'way_on_seen_map' needs grid", "'nearest_bodies' needs bodies (the true state of other bodies)"]),
+        ("general", ["'nearest_bodies' needs bodies (the true state of other bodies)"]),
         ("cluttered_room_images", ["'occupancy_image' needs bodies"]),
         ("dash", ["is no trained policy"]),
     ],

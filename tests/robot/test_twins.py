@@ -10,6 +10,8 @@ import pytest
 
 from irsim_gym.base import families
 from irsim_gym.robot.inputs import measured, robot_values
+from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.policy_graph import perceived_by
 from irsim_gym.scenario import load_scenario
 from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, load_task
@@ -45,6 +47,7 @@ EVERYTHING: list[Any] = [
     "own_body",
     "position",
     "heading",
+    "way_on_seen_map",
 ]
 OTHERWISE: list[Any] = [
     {"name": "scan", "sectors": 90, "code": "linear"},
@@ -52,14 +55,20 @@ OTHERWISE: list[Any] = [
     {"name": "past_scans", "sectors": 5, "code": "linear"},
     {"name": "goal", "scale": 3.0, "near": 0.4},
     {"name": "trail", "sectors": 1, "spacing": 0.2, "marks": 5, "fresh": 0},
+    {"name": "way_on_seen_map", "cell": 0.21, "every": 3, "clearance": 0.1},
 ]
+WANDER = {"name": "dash", "wander": True, "range_low": [0.5, 0.5, -3.1], "range_high": [5.5, 5.5, 3.1]}
+MOVING = {"kinematics": {"name": "diff"}, "behavior": WANDER, "vel_max": [1, 3]}
 
 
-def episodes(robot: dict[str, Any], observations: list[Any], shift: float = 0.0) -> Episodes:
-    """Return episodes of a robot among three discs, in a world whose corner is at ``shift`` [m] in x and y."""
+def episodes(robot: dict[str, Any], observations: list[Any], shift: float = 0.0, **others: Any) -> Episodes:
+    """Return episodes of a robot among three discs, in a world whose corner is at ``shift`` [m] in x and y.
+
+    ``others`` are more keys of the discs.
+    """
     low, high = [shift + 0.5, shift + 0.5, -3.1], [shift + 5.5, shift + 5.5, 3.1]
     place = {"name": "random", "range_low": low, "range_high": high}
-    obstacle = {"number": 3, "shape": {"name": "circle", "radius": 0.4}, "distribution": place}
+    obstacle = {"number": 3, "shape": {"name": "circle", "radius": 0.4}, "distribution": place, **others}
     world = {"width": 6, "height": 6, "offset": [shift, shift], "step_time": 0.1}
     scenario = load_scenario({"world": world, "robot": {**robot, "distribution": place}, "obstacle": obstacle})
     task = load_task(scenario, {"name": "blank", "observations": observations, "max_steps": 10_000})
@@ -82,11 +91,15 @@ class Twin:
         self.session = onnxruntime.InferenceSession(model.SerializeToString(), providers=["CPUExecutionProvider"])
         self.names = {one.name for one in self.session.get_inputs()}
         self.states = {name: np.stack([start] * N_WORLDS) for name, start in graph.starts.items()}
+        self.maps = [SeenMap(forms) for _ in range(N_WORLDS) if (forms := perceived_by(played))]
 
     def see(self, **changed: Any) -> Any:
-        """Return the observation of all worlds, and keep the states."""
+        """Return the observation of all worlds, and keep the states and the maps."""
         action = self.played.state.action[:, 0].astype(np.float32)
         given = {**measured(self.played), "action": action, **self.states, **changed}
+        if self.maps:
+            known = zip(self.maps, given["ranges"], given["pose"], given["goal"], strict=True)
+            given["way_on_seen_map"] = np.stack([one.way(ranges, pose, goal) for one, ranges, pose, goal in known])
         outputs = self.session.run(None, {name: given[name] for name in self.names})
         found = dict(zip([one.name for one in self.session.get_outputs()], outputs, strict=True))
         self.states = {name: found[f"{name}_next"] for name in self.states}
@@ -105,19 +118,27 @@ def differences(played: Episodes, n_steps: int, seed: int = 0) -> Iterator[float
 def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
     families.load()
     own = [entry for entry in families.OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")]
-    alone = {entry.name for entry in own if set(entry.kind().needs) <= {"scan", "odometry", "map_frame"}}
+    alone = {entry.name for entry in own if set(entry.kind().needs) <= {"scan", "odometry", "map_frame", "grid"}}
     twins = {entry.name for entry in own if issubclass(entry.kind, HasGraph)}
-    assert alone - twins == {"has_arrived"}
+    assert alone - twins == {"has_arrived", "seen_map_image"}
     assert {item if isinstance(item, str) else item["name"] for item in EVERYTHING} == twins
 
 
 @pytest.mark.parametrize(
-    ("robot", "observations", "shift"),
-    [(DIFF, EVERYTHING, 0.0), (CAR, EVERYTHING, 1e5), (OMNI, EVERYTHING, -1e5), (DIFF, OTHERWISE, 0.0)],
-    ids=["diff", "car far away", "omni far away", "other options"],
+    ("robot", "observations", "shift", "others"),
+    [
+        (DIFF, EVERYTHING, 0.0, {}),
+        (CAR, EVERYTHING, 1e5, {}),
+        (OMNI, EVERYTHING, -1e5, {}),
+        (DIFF, OTHERWISE, 0.0, {}),
+        (DIFF, OTHERWISE, 0.0, MOVING),
+    ],
+    ids=["diff", "car far away", "omni far away", "other options", "others move"],
 )
-def test_twins_equal_their_kernels(robot: dict[str, Any], observations: list[Any], shift: float) -> None:
-    assert max(differences(episodes(robot, observations, shift), 40)) < TOLERANCE
+def test_twins_equal_their_kernels(
+    robot: dict[str, Any], observations: list[Any], shift: float, others: dict[str, Any]
+) -> None:
+    assert max(differences(episodes(robot, observations, shift, **others), 40)) < TOLERANCE
 
 
 @pytest.mark.slow

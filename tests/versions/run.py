@@ -37,10 +37,13 @@ TESTS = (
     "tests/parity/test_steps.py",
     "tests/rendering/test_frame.py",
     "tests/rendering/test_video.py",
+    "tests/robot/test_network_graph.py",
+    "tests/robot/test_robot_export.py",
+    "tests/robot/test_twins.py",
     "tests/scenario",
     "tests/test_readme.py",
 )
-"""Numba's insides, the faces for Gymnasium, PettingZoo and Stable-Baselines3, IR-SIM's steps, commands, pictures."""
+"""Numba's insides, the faces for Gymnasium, PettingZoo and SB3, IR-SIM's steps, commands, pictures, graphs."""
 FOREIGN = ("DeprecationWarning", "PendingDeprecationWarning")
 """An old release that warns of what it does itself, next to newer ones, is no mistake of ours."""
 

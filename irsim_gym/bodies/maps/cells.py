@@ -1,13 +1,14 @@
 """cells: randomly occupied cells, with a new number in each level, as in JaxNav (Rutherford et al. 2024)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Ints
+from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.rng import integer
-from irsim_gym.bodies.maps.level import LevelMap, MapTables, clear_inside, share_problems
+from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
 from irsim_gym.simulator.world.names import State, kernel, kind, option
 
@@ -53,3 +54,7 @@ class RandomCells(LevelMap):
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
         yield from share_problems(self, "fill")
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return the border, shape ``(columns, rows)``."""
+        return bordered(self, width, height)

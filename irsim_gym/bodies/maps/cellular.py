@@ -1,12 +1,13 @@
 """cellular: random cells smoothed by a cellular automaton, drawn for each level: caves, or BARN's clutter."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.options import kind, option, unordered_ranges
 from irsim_gym.base.rng import integer, uniform
-from irsim_gym.bodies.maps.level import LevelMap, MapTables, clear_inside, share_problems
+from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
 from irsim_gym.simulator.world.names import State, kernel
 
@@ -93,3 +94,7 @@ class CellularMap(LevelMap):
             yield "rounds", f"must be at most {MOST_ROUNDS}, got {self.rounds[1]}"
         if self.clear_to >= self.fill_from:
             yield "clear_to", f"must be less than fill_from, got {self.clear_to} and {self.fill_from}"
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return the border, shape ``(columns, rows)``."""
+        return bordered(self, width, height)

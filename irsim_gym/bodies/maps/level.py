@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -77,10 +76,6 @@ class LevelMap(CellsKind):
         1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
     )
     border: bool = option(True, meaning="Occupy the outermost cells in every level.")
-
-    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return the border, shape ``(columns, rows)``."""
-        return bordered(self, width, height)
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

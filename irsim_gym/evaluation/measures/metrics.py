@@ -160,21 +160,18 @@ def are_copies(rows: Sequence[EpisodeRow]) -> bool:
     return len(rows) > 1 and len(kinds) == 1
 
 
-@dataclass(frozen=True)
-class Summary:
-    """The figures of one policy on one set of levels.
+@dataclass(frozen=True, kw_only=True)
+class SharedFigures:
+    """The figures of one policy that those of single robots and of teams share; of a team, over all its robots.
 
     Attributes:
         policy: Name of the policy.
-        episodes: Number of episodes.
-        success: Share that reached the goal.
-        collision: Share that ended in a collision; ``collision_with`` splits it by what was hit.
+        collision: Share of episodes that ended in a collision; ``collision_with`` splits it by what was hit.
         timeout: Share ended by the time limit.
         left_world: Share that left the world's rectangle.
         deadlock: Share ended by the task's ending ``deadlocked``.
         spl: Mean of success weighted by path length over all episodes, a share.
         sct: Mean of success weighted by completion time over all episodes, a share.
-        time: Mean duration of the successes [s]; NaN without any.
         path_length: Mean distance driven in the successes [m]; NaN without any.
         path_ratio: Mean ratio of path length to optimum over the successes; NaN without any.
         min_clearance: Mean over all episodes of the minimum clearance [m].
@@ -183,14 +180,13 @@ class Summary:
         intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN if there are no people.
         intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
-        throughput: Mean rate of reached goals [1/min]; NaN if a robot has only one goal.
-        misplaced: Share that believed to have arrived and had not, where odometry is disturbed.
+        throughput: Mean over levels of the rate of reached goals, of a team all its goals [1/min]; NaN if a robot has
+            only one goal.
+        misplaced: Share that believed to have arrived and was elsewhere, where odometry is disturbed.
         end_distance: Mean true distance from the goal at the end [m], over successes and misplaced ones.
     """
 
     policy: str
-    episodes: int
-    success: Rate
     collision: Rate
     collision_with: dict[str, Rate]
     timeout: Rate
@@ -198,7 +194,6 @@ class Summary:
     deadlock: Rate
     spl: float
     sct: float
-    time: float
     path_length: float
     path_ratio: float
     min_clearance: float
@@ -210,6 +205,21 @@ class Summary:
     throughput: float = math.nan
     misplaced: Rate = NOBODY
     end_distance: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary(SharedFigures):
+    """The figures of one policy on one set of levels.
+
+    Attributes:
+        episodes: Number of episodes.
+        success: Share that reached the goal.
+        time: Mean duration of the successes [s]; NaN without any.
+    """
+
+    episodes: int
+    success: Rate
+    time: float
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -231,7 +241,6 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         collision_with={hit: rate(count, total) for hit, count in hits.items()},
         time=mean([row.time for row in rows if row.outcome == "success"]),
         throughput=mean([row.goals_per_minute for row in rows]),
-        end_distance=mean([row.goal_distance for row in rows if row.outcome in ARRIVALS]),
         **means(rows),
     )
 
@@ -240,6 +249,7 @@ def means(rows: Sequence[EpisodeRow]) -> dict[str, Any]:
     """Return the means that the figures of single robots and of teams share."""
     successes = [row for row in rows if row.outcome == "success"]
     of_all = {name: mean([getattr(row, name) for row in rows]) for name in MEANS}
+    of_all["end_distance"] = mean([row.goal_distance for row in rows if row.outcome in ARRIVALS])
     return of_all | {name: mean([getattr(row, name) for row in successes]) for name in MEANS_OF_SUCCESSES}
 
 

@@ -1,7 +1,8 @@
 """Options of all behaviours for what bodies do at their goals; a member's own precede those of its group."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any, ClassVar
 
 from irsim_gym.base.options import crossed_bounds, defaults, kind, option
 
@@ -49,6 +50,9 @@ _LOW, _HIGH = (0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)
 class RenewsGoals:
     """Options of behaviours; those of a group are for its members without a behavior of their own."""
 
+    further_problems: ClassVar[Callable[[Any], Iterator[tuple[str, str]]] | None] = None
+    """Yields key and message of what else is wrong with the options of a behaviour."""
+
     wander: bool = option(
         False,
         meaning="Draw a new random goal after each arrival; in a group, of members without a behavior of their own.",
@@ -65,7 +69,7 @@ class RenewsGoals:
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of invalid or conflicting self."""
+        """Yield key and message of invalid or conflicting options."""
         yield from crossed_bounds(self.range_low, self.range_high)
         goals = self.wander_goals
         if goals != defaults(WanderGoals) and not self.wander:
@@ -74,3 +78,5 @@ class RenewsGoals:
             yield "wander_goals", f"jitter: {goals.jitter:g} needs a radius: only goals on a circle are shifted"
         if goals.chance < 1.0 and goals.interval is None:
             yield "wander_goals", f"chance: {goals.chance:g} needs an interval [s]; a new goal on arrival is certain"
+        if self.further_problems is not None:
+            yield from self.further_problems()

@@ -82,6 +82,8 @@ class Value:
 
     def op(self, kind: str, dtype: Any = None, **attributes: Any) -> Value:
         """Return an operator of this value alone, of the same type or of ``dtype``."""
+        if kind == "Cos":  # before 1.21, onnxruntime has none of float64
+            return (self + 0.5 * np.pi).op("Sin")
         return self.graph.op(kind, [self], dtype or self.dtype, **attributes)
 
     def cast(self, dtype: Any) -> Value:
@@ -152,7 +154,8 @@ class Graph:
         from onnx import helper
 
         name = f"{kind.lower()}_{len(self._nodes)}"
-        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], [name], **attributes))
+        # Nodes have names: onnxruntime 1.19 merges nodes under names of theirs, and refuses two of the same name.
+        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], [name], name=name, **attributes))
         return Value(self, name, np.dtype(dtype))
 
     def constant(self, array: NDArray[Any]) -> Value:
@@ -180,7 +183,7 @@ class Graph:
         """Name an output, of shape ``(batch, *shape)``."""
         from onnx import helper
 
-        self._nodes.append(helper.make_node("Identity", [value.name], [name]))
+        self._nodes.append(helper.make_node("Identity", [value.name], [name], name=name))
         self._outputs[name] = (value.dtype, shape)
 
     def join(self, values: Sequence[Value], axis: int = 1) -> Value:

@@ -70,6 +70,6 @@ def test_the_page_names_all_arrays_and_runs() -> None:
 def test_the_examples_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     examples = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    assert len(examples) == 4
+    assert len(examples) == 3
     for text in examples:
         exec(compile(text, str(PAGE), "exec"), {})

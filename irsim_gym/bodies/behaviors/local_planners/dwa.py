@@ -68,9 +68,8 @@ class Dwa(LocalPlanner):
     )
     obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
 
-    def problems(self) -> Iterator[tuple[str, str]]:
+    def further_problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
-        yield from LocalPlanner.problems(self)
         if min(self.samples) < 1 or max(self.samples) > MOST_SAMPLES:
             yield "samples", f"must be two numbers from 1 to {MOST_SAMPLES}, got {list(self.samples)}"
         if self.sim_granularity > self.sim_time:

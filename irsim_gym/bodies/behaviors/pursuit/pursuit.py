@@ -70,9 +70,8 @@ class Pursuit(RenewsGoals):
         0.785, gt=0.0, unit="rad", meaning="A differential drive turns on the spot for a point ahead beyond this angle."
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
+    def further_problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
-        yield from RenewsGoals.problems(self)
         if self.lookahead_max is not None and self.lookahead_max < self.lookahead_min:
             yield "lookahead_max", f"must be >= lookahead_min, {self.lookahead_min:g}, got {self.lookahead_max:g}"
 

@@ -40,14 +40,13 @@ class SocialForceGroup(SocialForces):
         1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
     )
 
-    def problems(self) -> Iterator[tuple[str, str]]:
+    def further_problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
         listed = [member for party in self.social_groups for member in party]
         for member in sorted({one for one in listed if listed.count(one) > 1}):
             yield "social_groups", f"member {member} is listed twice"
         if any(member < 0 for member in listed):
             yield "social_groups", f"members are counted from 0, got {min(listed)}"
-        yield from SocialForces.problems(self)
 
     def without_member(self, member: int) -> Self:
         """Return these options for a group that has lost a member; later members move up by one."""

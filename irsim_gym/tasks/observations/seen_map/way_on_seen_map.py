@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
+
 from irsim_gym.base.arraytypes import Ints
 from irsim_gym.simulator.geometry.angles import turned
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
@@ -10,6 +12,7 @@ from irsim_gym.tasks.observations.seen_map.seen_grid import EVERY, SeenGrid, for
 from irsim_gym.tasks.observations.seen_map.seen_ways import SeenWays, clear_levels, narrow_ways, way_ahead
 from irsim_gym.tasks.observations.seen_map.way_columns import ObservesWay, way_columns, write_way
 from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
+from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.scaling import diagonal
 from irsim_gym.tasks.terms.term import Bound, Needs, Term
 
@@ -58,6 +61,17 @@ class WayOnSeenMap(ObservesWay):
         point = "of the direction of the shortest way to the next goal on what its scans have shown"
         scaled = f"s / {diagonal(model.bounds):.3g} m, at most 1; 1 where there is none"
         return way_columns(point, "length s of that way", scaled)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``robot/perceive.py``)."""
+        way = robot.graph.input("way_on_seen_map", np.float64, 3)
+        ahead, left = robot.own_frame(way.columns(0, 1), way.columns(1, 2))
+        far = (ahead * ahead + left * left).op("Sqrt")
+        cosine, sine = (
+            (far > 0.0).where((part / far).most(-1.0).least(1.0), at) for part, at in ((ahead, 1.0), (left, 0.0))
+        )
+        length = ((far + way.columns(2, 3)) / diagonal(model.bounds)).least(1.0)
+        return robot.graph.join([cosine, sine, length]).cast(np.float32)
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -1,0 +1,1 @@
+"""ROS packages around the driver: what ``irsim-gym export --node`` writes beside an export."""

@@ -1,0 +1,1 @@
+"""Drives a robot by a policy."""

@@ -1,0 +1,1 @@
+"""Stands for ament_index_python."""

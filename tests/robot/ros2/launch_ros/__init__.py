@@ -1,0 +1,1 @@
+"""Stands for launch_ros."""

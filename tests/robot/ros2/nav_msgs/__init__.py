@@ -1,0 +1,1 @@
+"""Stands for nav_msgs."""

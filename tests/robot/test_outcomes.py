@@ -1,0 +1,120 @@
+"""Exports of the shelf: drivers end levels as their policies do in the package."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import messages
+import numpy as np
+import pytest
+
+pytest.importorskip("onnx")
+pytest.importorskip("onnxruntime")
+
+from irsim_gym.evaluation.policies.perception import Perceived
+from irsim_gym.evaluation.protocol.protocol import drive
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy
+from irsim_gym.evaluation.saved_policies.shelf import card_of
+from irsim_gym.robot.drive import Driver
+from irsim_gym.robot.export import export_for_robot
+from irsim_gym.robot.inputs import measured
+from irsim_gym.tasks import Episodes, Outcome
+
+ONE_FILE = ("cluttered_room", "dense_room", "crossing", "circle_swap", "random_swap", "parking")
+WITH_MAP = ("barn", "bug_trap", "cluttered_room_memory", "dense_room_memory", "jaxnav_single", "maze", "narrow_door")
+
+
+def levels_of(name: str, n_levels: int) -> tuple[SavedPolicy, Episodes]:
+    """Return a policy of the shelf, and as many worlds of its training."""
+    policy, card = load_policy(name), card_of(name)
+    assert isinstance(policy, SavedPolicy)
+    assert card is not None
+    own = card.scenario
+    request = ScenarioRequest(own.name, own.task, own.team is not None, own.parameters)
+    return policy, Perceived(request.episodes(n_levels)).of(policy)
+
+
+class DriverPolicy:
+    """Drives all robots by drivers, which get messages and return velocities."""
+
+    def __init__(self, contract: Path) -> None:
+        self.file, self.contract = contract, json.loads(contract.read_text(encoding="utf-8"))
+        self.drivers: dict[tuple[int, int], Driver] = {}
+        self.times: dict[int, float] = {}
+        self.spent: list[float] = []
+
+    def begin(self, episodes: Episodes, worlds: Any, levels: Any) -> None:
+        for agent in range(episodes.n_agents):
+            goals = measured(episodes, agent)["goal"]
+            for w in worlds.tolist():
+                self.drivers[w, agent], self.times[w] = Driver(self.file), 0.0
+                self.drivers[w, agent].goal(messages.goal(*np.nan_to_num(goals[w])))
+
+    def act(self, episodes: Episodes, worlds: Any) -> Any:
+        actions = np.zeros((len(worlds), episodes.n_agents, 2))
+        for agent in range(episodes.n_agents):
+            values = measured(episodes, agent)
+            for k, w in enumerate(worlds.tolist()):
+                if episodes.view.infos["outcome"][w, agent] == Outcome.RUNNING:
+                    known = {name: rows[w] for name, rows in values.items()}
+                    actions[k, agent] = self.action(self.drivers[w, agent], self.times[w], known)
+        for w in worlds.tolist():
+            self.times[w] += self.contract["period"]
+        return actions
+
+    def action(self, driver: Driver, time: float, known: dict[str, Any]) -> Any:
+        """Return what a driver does of what a robot measures, as an action in [-1, 1]."""
+        scan, robot = self.contract["scan"], self.contract["robot"]
+        (v, w), is_car = known["velocity"], robot["steers"]
+        view = scan["step"] * (scan["beams"] - 1)
+        driver.scan(messages.scan(time, known["ranges"], range_max=scan["range_max"], view=view))
+        w = v * np.tan(w) / robot["wheelbase"] if is_car else w
+        driver.odometry(messages.odometry(time, known["pose"], v, w))
+        begin = process_time()
+        v, w, reason = driver.tick(time)
+        self.spent.append(process_time() - begin)
+        assert reason in ("", "arrived")
+        if is_car:
+            w = np.arctan(w * robot["wheelbase"] / v) if v else 0.0
+        low, high = np.array(robot["low"]), np.array(robot["high"])
+        return (np.array([v, w]) - 0.5 * (low + high)) / (0.5 * (high - low))
+
+
+def outcomes(policy: Any, played: Episodes, n_levels: int) -> Any:
+    """Return how the levels end for each robot, ``(n_levels, n_agents)``."""
+    ends = np.zeros((n_levels, played.n_agents), int)
+    for _, worlds, levels in drive(policy, played, n_levels, "test"):
+        ends[levels] = played.view.infos["outcome"][worlds]
+    return ends
+
+
+def test_a_driver_with_a_map_ends_levels_as_the_package_does(tmp_path: Path) -> None:
+    export_for_robot("maze", tmp_path / "maze", levels=1)
+    policy, played = levels_of("maze", 4)
+    driven = DriverPolicy(tmp_path / "maze" / "contract.json")
+    np.testing.assert_array_equal(outcomes(driven, played, 4), outcomes(policy, played, 4))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*ONE_FILE, *WITH_MAP])
+def test_drivers_end_levels_as_the_package_does(name: str, tmp_path: Path) -> None:
+    n_levels = 200
+    made = export_for_robot(name, tmp_path / name)
+    assert made.difference <= 1e-5
+    assert (made.contract.seen_map is not None) == (tmp_path / name / "perceive.py").exists() == (name in WITH_MAP)
+    policy, played = levels_of(name, n_levels)
+    driven = DriverPolicy(tmp_path / name / "contract.json")
+    expected, ends = outcomes(policy, played, n_levels), outcomes(driven, played, n_levels)
+    spent = 1e3 * np.array(driven.spent)
+    print(
+        f"{name}: differ {made.difference:.1e}, package {np.mean((expected == Outcome.SUCCESS).all(axis=1)):.1%}, "
+        f"drivers {np.mean((ends == Outcome.SUCCESS).all(axis=1)):.1%}, {np.sum((ends != expected).any(axis=1))} "
+        f"other outcomes; a decision: median {np.median(spent):.3f} ms, mean {spent.mean():.3f} ms, "
+        f"99 % {np.percentile(spent, 99):.2f} ms, at most {spent.max():.2f} ms"
+    )
+    np.testing.assert_array_equal(ends, expected)
+    assert np.median(spent) < 2.0
