@@ -16,47 +16,21 @@ bag = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
 )
-BagFile = Annotated[
-    Path, typer.Argument(metavar="BAG", help="Folder of a bag of ROS 2, its .mcap or .db3 file, or a .bag of ROS 1.")
-]
-Topics = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--topic",
-        metavar="ROLE=TOPIC",
-        help="Topic of a role (scan, odometry, command, goal, path), if not as usual; may be repeated.",
-    ),
-]
-Zeros = Annotated[bool, typer.Option("--zeros", help="The scanner reports 0 where nothing is in range.")]
+BagFile = Annotated[Path, typer.Argument(metavar="BAG", help=opt.HELP["BagFile"])]
+Topics = Annotated[list[str] | None, typer.Option("--topic", metavar="ROLE=TOPIC", help=opt.HELP["Topics"])]
+Zeros = Annotated[bool, typer.Option("--zeros", help=opt.HELP["Zeros"])]
 
 
 def export(
-    policy: Annotated[
-        str,
-        typer.Argument(
-            help="Name of a shipped policy, a run's folder, a policy.zip or an exported .npz file.",
-            autocompletion=cli_completion.policies,
-        ),
-    ],
-    out: Annotated[Path, typer.Option(help="Folder for the files.")],
-    predict: Annotated[
-        float,
-        typer.Option(min=0.0, max=2.0, help="Time from measuring until a new command acts [s]; the graph predicts it."),
-    ] = 0.0,
-    period: Annotated[
-        float | None, typer.Option(min=0.001, max=10.0, help="Time between commands [s], if not as trained.")
-    ] = None,
+    policy: Annotated[str, typer.Argument(help=opt.HELP["export policy"], autocompletion=cli_completion.policies)],
+    out: Annotated[Path, typer.Option(help=opt.HELP["export out"])],
+    predict: Annotated[float, typer.Option(min=0.0, max=2.0, help=opt.HELP["export predict"])] = 0.0,
+    period: Annotated[float | None, typer.Option(min=0.001, max=10.0, help=opt.HELP["export period"])] = None,
     scenario: Annotated[
-        str | None,
-        typer.Option(
-            help="Scenario with the robot and its scanner, instead of that of the training.",
-            autocompletion=cli_completion.scenarios,
-        ),
+        str | None, typer.Option(help=opt.HELP["export scenario"], autocompletion=cli_completion.scenarios)
     ] = None,
-    node: Annotated[
-        str | None, typer.Option(help="ros1 or ros2: make the folder a package of it, with a node and a launch file.")
-    ] = None,
-    levels: Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of test levels that both play.")] = 50,
+    node: Annotated[str | None, typer.Option(help=opt.HELP["export node"])] = None,
+    levels: Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help=opt.HELP["export levels"])] = 50,
     task: Task = None,
     given: Given = None,
     modules: Imports = None,
@@ -88,25 +62,13 @@ Listed = list[str] | None
 
 
 def fit(
-    folder: Annotated[Path, typer.Argument(help="Folder of an export.")],
-    scanner: Annotated[
-        Listed, typer.Option(help="Another scanner: beams=360,range=3.5,fov=270deg, or some of these; may be repeated.")
-    ] = None,
-    mount: Annotated[
-        Listed, typer.Option(help="Another place of the scanner: x=0.1,y=0,turn=90deg, or some of these; likewise.")
-    ] = None,
-    period: Annotated[
-        list[float] | None,
-        typer.Option(min=0.001, max=10.0, help="Another time between commands in seconds; likewise."),
-    ] = None,
-    radius: Annotated[
-        list[float] | None,
-        typer.Option(min=0.001, max=100.0, help="Another radius of a round robot in metres; likewise."),
-    ] = None,
-    robot: Annotated[
-        Listed, typer.Option(help="A preset with all of its values, such as turtlebot4; likewise.")
-    ] = None,
-    levels: Annotated[int, typer.Option(min=100, max=MOST_LEVELS, help="Number of test levels for each.")] = 200,
+    folder: Annotated[Path, typer.Argument(help=opt.HELP["fit folder"])],
+    scanner: Annotated[Listed, typer.Option(help=opt.HELP["fit scanner"])] = None,
+    mount: Annotated[Listed, typer.Option(help=opt.HELP["fit mount"])] = None,
+    period: Annotated[list[float] | None, typer.Option(min=0.001, max=10.0, help=opt.HELP["fit period"])] = None,
+    radius: Annotated[list[float] | None, typer.Option(min=0.001, max=100.0, help=opt.HELP["fit radius"])] = None,
+    robot: Annotated[Listed, typer.Option(help=opt.HELP["fit robot"])] = None,
+    levels: Annotated[int, typer.Option(min=100, max=MOST_LEVELS, help=opt.HELP["fit levels"])] = 200,
     modules: Imports = None,
 ) -> None:
     """Play an exported policy with other scanners, mounts, periods and sizes, and note in its contract which fit.
@@ -132,14 +94,11 @@ def fit(
 @bag.command("write")
 def write_bag(
     scenario: opt.Scenario,
-    policy: Annotated[
-        str,
-        typer.Argument(
-            help="A shipped policy, a run's folder, a policy.zip or a behavior.", autocompletion=cli_completion.policies
-        ),
-    ],
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of the new bag (MCAP).")],
-    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help="The level.")] = 0,
+    policy: Annotated[str, typer.Argument(help=opt.HELP["write_bag policy"], autocompletion=cli_completion.policies)],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help=opt.HELP["write_bag out"])],
+    level: Annotated[
+        int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help=opt.HELP["write_bag level"])
+    ] = 0,
     split: opt.Split = "test",
     task: Task = None,
     given: Given = None,
@@ -156,8 +115,8 @@ def write_bag(
 @bag.command("check")
 def check_bag(
     file: BagFile,
-    export: Annotated[Path, typer.Argument(metavar="EXPORT", help="Folder that irsim-gym export wrote.")],
-    out: Annotated[Path | None, typer.Option(help="Picture to write, .png (default: BAG-check.png).")] = None,
+    export: Annotated[Path, typer.Argument(metavar="EXPORT", help=opt.HELP["check_bag export"])],
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["check_bag out"])] = None,
     topics: Topics = None,
     zeros: Zeros = False,
 ) -> None:

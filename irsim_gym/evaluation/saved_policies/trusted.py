@@ -14,46 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.base.errors import UntrustedCodeWarning
-from irsim_gym.base.outside_files import json_text
+from irsim_gym.base.outside_files import json_object, json_text
 
 HARMLESS: dict[str, frozenset[str]] = {
-    module: frozenset(names.split())
-    for module, names in {
-        "collections": "OrderedDict deque",
-        "gymnasium.spaces.box": "Box",
-        "gymnasium.spaces.dict": "Dict",
-        "gymnasium.spaces.discrete": "Discrete",
-        "gymnasium.spaces.multi_binary": "MultiBinary",
-        "gymnasium.spaces.multi_discrete": "MultiDiscrete",
-        "irsim_gym.sb3": "DictSequenceBuffer GruPolicy MaskedDictReplayBuffer MaskedDictRolloutBuffer "
-        "MaskedReplayBuffer MaskedRolloutBuffer MaskedVecNormalize SequenceBuffer",
-        "irsim_gym.training": "Linear",
-        "numpy": "dtype ndarray",
-        "numpy.core.multiarray": "_reconstruct scalar",
-        "numpy._core.multiarray": "_reconstruct scalar",
-        "numpy.core.numeric": "_frombuffer",
-        "numpy._core.numeric": "_frombuffer",
-        "numpy.random._pcg64": "PCG64",
-        "numpy.random._pickle": "__bit_generator_ctor __generator_ctor",
-        "numpy.random.bit_generator": "SeedSequence __pyx_unpickle_SeedSequence",
-        "stable_baselines3.common.buffers": "DictReplayBuffer DictRolloutBuffer ReplayBuffer RolloutBuffer",
-        "stable_baselines3.common.noise": "NormalActionNoise OrnsteinUhlenbeckActionNoise VectorizedActionNoise",
-        "stable_baselines3.common.policies": "ActorCriticCnnPolicy ActorCriticPolicy MultiInputActorCriticPolicy",
-        "stable_baselines3.common.running_mean_std": "RunningMeanStd",
-        "stable_baselines3.common.torch_layers": "CombinedExtractor FlattenExtractor NatureCNN",
-        "stable_baselines3.common.type_aliases": "TrainFreq TrainFrequencyUnit",
-        "stable_baselines3.common.utils": "ConstantSchedule FloatSchedule LinearSchedule",
-        "stable_baselines3.common.vec_env.vec_normalize": "VecNormalize",
-        "stable_baselines3.dqn.policies": "CnnPolicy DQNPolicy MultiInputPolicy",
-        "stable_baselines3.sac.policies": "CnnPolicy MultiInputPolicy SACPolicy",
-        "stable_baselines3.td3.policies": "CnnPolicy MultiInputPolicy TD3Policy",
-        "sb3_contrib.tqc.policies": "CnnPolicy MultiInputPolicy TQCPolicy",
-        "torch.nn.modules.activation": "ELU GELU LeakyReLU ReLU SiLU Sigmoid Tanh",
-        "torch.optim.adam": "Adam",
-        "torch.optim.adamw": "AdamW",
-        "torch.optim.rmsprop": "RMSprop",
-        "torch.optim.sgd": "SGD",
-    }.items()
+    module: frozenset(names) for module, names in json_object(Path(__file__).with_name("harmless.json")).items()
 }
 """Names that a pickle may use, by module: creating these objects runs no code from the file."""
 
