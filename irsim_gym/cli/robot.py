@@ -56,6 +56,9 @@ def export(
     node: Annotated[
         str | None, typer.Option(help="ros1 or ros2: make the folder a package of it, with a node and a launch file.")
     ] = None,
+    bodies: Annotated[
+        str | None, typer.Option(help="tracked: the robot's own tracker gives the other bodies that a policy sees.")
+    ] = None,
     levels: Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of test levels that both play.")] = 50,
     task: Task = None,
     given: Given = None,
@@ -73,7 +76,9 @@ def export(
     if scenario is None and (given or task):
         raise IrsimGymError("--set and --task go with --scenario")
     asked = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(given))
-    made = export_for_robot(policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node)
+    made = export_for_robot(
+        policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node, bodies=bodies
+    )
     size = (made.folder / "policy.onnx").stat().st_size / 1000
     if made.contract.seen_map:
         print("not one file: way_on_seen_map, which perceive.py finds beside the graph")

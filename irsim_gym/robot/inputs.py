@@ -1,12 +1,15 @@
 """What a robot measures: as inputs of a graph, and as an environment knows it."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Floats, Rays
+from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
+from irsim_gym.scenario import Scenario
 from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
@@ -78,6 +81,21 @@ def measured(episodes: Episodes, agent: int = 0) -> Measured:
     scanner = scanner_of(episodes, agent)
     values["bodies"] = tracked(episodes, agent)
     return values if scanner is None else {"ranges": scanner[1].copy(), **values}
+
+
+def among_discs(scenario: Scenario, episodes: Episodes) -> Scenario:
+    """Return a scenario in which a tracker gives the first agent all that it sees of others.
+
+    Others that can move become discs that enclose them; outlines that stay where they start are not seen. It is the
+    same scenario if there are no such bodies.
+    """
+    model, bodies = episodes.simulation.model, list(scenario.bodies)
+    for b in np.flatnonzero(~is_disc(model) & ~model.unobstructed):
+        if not model.stands[b] and b not in episodes.task.agents:
+            bodies[b] = replace(bodies[b], shape=FOOTPRINTS.entry("circle").kind(radius=float(model.reach[:, b].max())))
+        elif model.stands[b] and not sees_moving_only(episodes):
+            bodies[b] = replace(bodies[b], unobstructed=True)
+    return scenario if bodies == list(scenario.bodies) else replace(scenario, bodies=tuple(bodies))
 
 
 def sees_moving_only(episodes: Episodes) -> bool:

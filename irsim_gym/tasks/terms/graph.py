@@ -104,14 +104,8 @@ class Value:
         return self.graph.op("Gather", [self, self.graph.constant(np.array(axis))], self.dtype, axis=-1)
 
     def first(self, count: int) -> Value:
-        """Return where the smallest numbers of each row stand, ascending, equal ones in their order, ``(batch, count)``."""
-        from onnx import helper
-
-        inputs = [self.name, self.graph.constant(np.array([count])).name]
-        found = Value(self.graph, f"topk_{len(self.graph.nodes)}", np.dtype(np.int64))
-        outputs = [f"{found.name}_values", found.name]
-        self.graph.nodes.append(helper.make_node("TopK", inputs, outputs, name=found.name, largest=0))
-        return found
+        """Return where the smallest numbers of each row stand, ascending, ``(batch, count)``; equal ones in order."""
+        return self.graph.op("TopK", [self, self.graph.constant(np.array([count]))], np.int64, largest=0)
 
     def at(self, places: Value) -> Value:
         """Return the numbers of each row at places of its own, ``(batch, count)``."""
@@ -154,23 +148,23 @@ class Graph:
 
     Attributes:
         starts: What each state is before the first step, without the axis of the batch.
-        nodes: Its nodes, ``onnx.NodeProto``.
     """
 
     starts: dict[str, NDArray[Any]] = field(default_factory=dict)
-    nodes: list[Any] = field(default_factory=list)
+    _nodes: list[Any] = field(default_factory=list)
     _constants: dict[tuple[Any, ...], str] = field(default_factory=dict)
     _arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     _inputs: dict[str, tuple[np.dtype[Any], tuple[int | str, ...]]] = field(default_factory=dict)
     _outputs: dict[str, tuple[np.dtype[Any], tuple[int | str, ...]]] = field(default_factory=dict)
 
     def op(self, kind: str, inputs: Sequence[Value], dtype: Any, **attributes: Any) -> Value:
-        """Add a node, and return its output of type ``dtype``."""
+        """Add a node, and return its output of type ``dtype``; of TopK the places."""
         from onnx import helper
 
-        name = f"{kind.lower()}_{len(self.nodes)}"
+        name = f"{kind.lower()}_{len(self._nodes)}"
         # Nodes have names: onnxruntime 1.19 merges nodes under names of theirs, and refuses two of the same name.
-        self.nodes.append(helper.make_node(kind, [value.name for value in inputs], [name], name=name, **attributes))
+        outputs = [f"{name}_values", name] if kind == "TopK" else [name]
+        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], outputs, name=name, **attributes))
         return Value(self, name, np.dtype(dtype))
 
     def constant(self, array: NDArray[Any]) -> Value:
@@ -198,7 +192,7 @@ class Graph:
         """Name an output, of shape ``(batch, *shape)``."""
         from onnx import helper
 
-        self.nodes.append(helper.make_node("Identity", [value.name], [name], name=name))
+        self._nodes.append(helper.make_node("Identity", [value.name], [name], name=name))
         self._outputs[name] = (value.dtype, shape)
 
     def join(self, values: Sequence[Value], axis: int = 1) -> Value:
@@ -210,7 +204,7 @@ class Graph:
         from onnx import helper, numpy_helper
 
         needed, nodes = set(self._outputs), []
-        for node in reversed(self.nodes):
+        for node in reversed(self._nodes):
             if needed.intersection(node.output):
                 nodes.append(node)
                 needed.update(node.input)
