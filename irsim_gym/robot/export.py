@@ -117,7 +117,7 @@ def export_for_robot(
     loaded.check(played)
     network = _network(loaded)
     graph = policy_graph(network, played, name)
-    discs = _among_discs(played, asked, loaded, name, bodies)
+    discs = _among_discs(played, asked, loaded, bodies)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
     results = results_of(compared, discs, levels)
     _check_difference(compared, name)
@@ -157,22 +157,17 @@ def _check_target(folder: Path, node: str | None, bodies: str | None) -> None:
         raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
 
 
-def _among_discs(
-    played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, name: str, bodies: str | None
-) -> Episodes:
+def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, bodies: str | None) -> Episodes:
     """Return worlds in which a tracker gives all that the policy sees of others; often the same.
 
     Raises:
         UnfitForRobotError: It sees others, and there is no tracker.
     """
-    seers = [f"'{term.name}'" for term in played.terms["observations"] if "bodies" in (term.options.needs or ())]
+    seers = [term.name for term in played.terms["observations"] if "bodies" in (term.options.needs or ())]
     if not seers:
         return played
     if bodies is None:
-        raise UnfitForRobotError(
-            f"'{name}' cannot leave by itself: the observation {seers[0]} needs bodies ({NEEDS['bodies']}): "
-            "'--bodies tracked' takes them from the robot's own tracker"
-        )
+        raise UnfitForRobotError(f"observation '{seers[0]}' needs bodies ({NEEDS['bodies']}): add '--bodies tracked'")
     loaded = asked.load(warn=False)
     scenario = among_discs(loaded, played)
     if scenario is loaded:

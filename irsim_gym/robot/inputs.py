@@ -117,9 +117,8 @@ def tracked(episodes: Episodes, agent: int = 0) -> Floats:
     places = np.concatenate([state.pose[:, :, :2], np.broadcast_to(model.reach, state.stopped.shape)[:, :, None]], 2)
     places[:, discs] = state.discs[:, model.disc_start[discs]]
     velocity = np.where(state.stopped[:, :, None], 0.0, state.twist[:, :, :2])
-    rows = np.concatenate([places[:, :, :2], velocity, places[:, :, 2:]], axis=2)[:, bodies]
-    rows[~model.present[:, bodies]] = np.nan
-    return np.asarray(rows)
+    rows = np.concatenate([places[:, :, :2], velocity, places[:, :, 2:]], axis=2)
+    return np.where(model.present[:, bodies, None], rows[:, bodies], np.nan)
 
 
 def is_disc(model: Model) -> Flags:

@@ -160,7 +160,7 @@ def test_what_is_no_disc_in_the_training_is_played_as_a_disc_or_left_out(tmp_pat
 @pytest.mark.parametrize(
     ("policy", "how", "words"),
     [
-        ("crowd_nav", {}, ["'nearest_bodies' needs bodies", "'--bodies tracked' takes them"]),
+        ("crowd_nav", {}, ["'nearest_bodies' needs bodies", "add '--bodies tracked'"]),
         ("crowd_nav", {"bodies": "seen"}, ["--bodies: there is no 'seen': write tracked"]),
         ("crowd_nav", {"bodies": "tracked", "node": "ros2"}, ["--node: the nodes hear no tracker"]),
         ("jaxnav_four", {"bodies": "tracked"}, ["'neighbors' needs bodies", "messages"]),

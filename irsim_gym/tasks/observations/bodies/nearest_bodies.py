@@ -254,18 +254,15 @@ def extent_graph(model: Model, body: int, ahead: Value, left: Value) -> Value:
     first, last = span(model.disc_start, model.disc_count, 0, body)
     discs, ahead, left = model.local_discs[0, first:last], ahead.spread(2), left.spread(2)
     first, last = span(model.segment_start, model.segment_count, 0, body)
-    segments, extents = model.local_segments[0, first:last], [ahead * 0.0]
-    if len(discs):
-        x, y, radius = discs.T
-        aside = ahead * y - left * x
-        room = -(aside * aside - radius * radius)
-        extents.append((room >= 0.0).where(ahead * x + left * y + room.most(0.0).op("Sqrt"), 0.0))
-    if len(segments):
-        ax, ay, bx, by = segments.T
-        a_aside, b_aside = ahead * ay - left * ax, ahead * by - left * bx
-        share = a_aside / (a_aside - b_aside)
-        along = (share * (bx - ax) + ax) * ahead + (share * (by - ay) + ay) * left
-        extents.append((~(a_aside * b_aside > 0.0) & ~a_aside.equals(b_aside)).where(along, 0.0))
+    (x, y, radius), (ax, ay, bx, by) = discs.T, model.local_segments[0, first:last].T
+    aside = ahead * y - left * x
+    room = -(aside * aside - radius * radius)
+    on_discs = (room >= 0.0).where(ahead * x + left * y + room.most(0.0).op("Sqrt"), 0.0)
+    a_aside, b_aside = ahead * ay - left * ax, ahead * by - left * bx
+    share = a_aside / (a_aside - b_aside)
+    along = (share * (bx - ax) + ax) * ahead + (share * (by - ay) + ay) * left
+    crossed = (~(a_aside * b_aside > 0.0) & ~a_aside.equals(b_aside)).where(along, 0.0)
+    extents = [ahead * 0.0, on_discs, crossed]
     is_direction = ahead * ahead + left * left > 0.5
     return is_direction.where(ahead.graph.join(extents, axis=2), 0.0).largest(2)
 
