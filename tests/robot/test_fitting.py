@@ -65,10 +65,7 @@ def test_the_driver_refuses_what_was_not_tested_and_notes_what_was(robot: Path) 
     file.write_text(wider.model_dump_json(), encoding="utf-8")
     driver = Driver(file)
     driver.scan(messages.scan(0.0, np.full(360, 5.0)))
-    assert (driver.scan_fault, driver.note) == (
-        "",
-        "scanner: beams 360, tested from 180 to 360, trained with 180",
-    )
+    assert (driver.scan_fault, driver.note) == ("", "scanner: beams 360, tested from 180 to 360, trained with 180")
     driver.scan(messages.scan(0.1, np.full(180, 5.0)))
     assert driver.note == ""
     driver.scan(messages.scan(0.2, np.full(400, 5.0)))

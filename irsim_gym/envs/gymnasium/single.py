@@ -10,8 +10,8 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 
 from irsim_gym.base.arraytypes import Bytes, Flags
-from irsim_gym.envs.described.moment import Bodies, BodyMoment
-from irsim_gym.envs.gymnasium.explained import Explained
+from irsim_gym.envs.described.moment import BodyMoment
+from irsim_gym.envs.gymnasium.explained import Explained, OneWorld
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.envs.parts.infos import Infos
 from irsim_gym.envs.parts.limits import ScenarioSpec, agreed_limit, outer_limit, scenario_spec
@@ -23,7 +23,7 @@ from irsim_gym.tasks.definition.task import checked_limit
 from irsim_gym.tasks.episodes.levels import CHAIN
 
 
-class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
+class WorldEnv(Explained, OneWorld, gymnasium.Env[Observation, Any]):
     """A scenario in which one robot learns.
 
     ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` continues with the next level of the chain
@@ -97,9 +97,6 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
     def spec(self, spec: EnvSpec | None) -> None:
         self._spec = None if spec is None else scenario_spec(plain_spec(spec))
 
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.worlds.summary}>"
-
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
@@ -160,25 +157,6 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
     def robot(self) -> BodyMoment:
         """The robot that learns, as it is now, to be read: ``pose``, ``velocity``, ``goal``, ``scan()`` and so on."""
         return self.worlds.moment().robot
-
-    @property
-    def robots(self) -> Bodies:
-        """All robots of the level, by number or name; see ``BodyMoment``."""
-        return self.worlds.moment().robots
-
-    @property
-    def bodies(self) -> Bodies:
-        """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
-        return self.worlds.moment().bodies
-
-    @property
-    def time(self) -> float:
-        """Time since the start of the episode [s]."""
-        return self.worlds.moment().time
-
-    def close(self) -> None:
-        """Close the window and free the renderer. May be called twice."""
-        self.worlds.close()
 
     def _agree(self) -> None:
         """Keep to the limit that its own and a ``TimeLimit`` around it agree to."""

@@ -14,13 +14,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints
-from irsim_gym.envs.described.moment import WorldMoment
-from irsim_gym.envs.gymnasium.explained import Explained
+from irsim_gym.base.arraytypes import Flags, Floats
+from irsim_gym.envs.gymnasium.explained import ManyWorlds
 from irsim_gym.envs.gymnasium.world_view import WorldView, common_limit
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.envs.parts.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
-from irsim_gym.envs.parts.pictures import RENDER_MODES, ROOM, render_warning
+from irsim_gym.envs.parts.pictures import RENDER_MODES
 from irsim_gym.envs.parts.spaces import Observation
 from irsim_gym.envs.parts.specs import plain_spec
 from irsim_gym.simulator.engine.given import LEVELS
@@ -29,7 +28,7 @@ from irsim_gym.tasks.definition.task import checked_limit
 Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
 
 
-class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
+class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # type: ignore[misc]
     """Worlds of one scenario, each with one robot that learns.
 
     World ``w`` equals a ``WorldEnv`` that is reset with ``seed + w``, bit for bit, whatever the number of worlds and of
@@ -103,9 +102,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self.closed = False
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.worlds.summary}>"
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -192,43 +188,9 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         np.logical_or(terminations, truncations, out=self._ended)
         return self.worlds.observation(), rewards, terminations, truncations, self.worlds.infos.batched()
 
-    def choose_levels(self, levels: Sequence[int] | Ints) -> None:
-        """Choose the level that each world begins next, within the split that it plays.
-
-        A choice counts once, and a reset of the world with a seed or options forgets it.
-
-        Args:
-            levels: Level of each world, as in the infos; -1 for the next one of its chain. Shape ``(num_envs,)``.
-        """
-        self.worlds.choose_levels(levels)
-
     def action_masks(self) -> Flags:
         """Return which choices are worth trying, bool ``(num_envs, n_choices)``; for ``action: discrete``."""
         return np.asarray(self.worlds.action_masks()[:, 0])
-
-    def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:  # type: ignore[override]
-        """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns.
-
-        With ``"human"`` that is None: ``reset`` and ``step`` show the worlds, sixteen at most, in one window.
-        """
-        render_warning(self.render_mode)
-        return self.worlds.pictures.each()
-
-    def tiled(
-        self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
-    ) -> Bytes:
-        """Return one fresh picture of several worlds side by side that fits into the room, ``(height, width, 3)``.
-
-        Args:
-            columns: Worlds in a row; None for as many as show them large and leave few places empty.
-            worlds: Which; None for all.
-            room: Most columns and rows of pixels.
-
-        Raises:
-            IrsimGymError: The environment was made without a render mode.
-            ValueError: No world, or one that is not there, or no columns.
-        """
-        return self.worlds.pictures.tiled(columns, worlds, room)
 
     @property
     def max_steps(self) -> int:
@@ -294,10 +256,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
     def time(self) -> Floats:
         """Time since the start of each episode [s], a copy, shape ``(num_envs,)``."""
         return self.worlds.simulation.state.time.copy()
-
-    def moment(self, world: int) -> WorldMoment:
-        """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
-        return self.worlds.moment(world)
 
     def close_extras(self, **kwargs: object) -> None:
         """Close the window and free the renderer."""

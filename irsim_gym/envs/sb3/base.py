@@ -13,7 +13,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints
-from irsim_gym.envs.described.description import Description
+from irsim_gym.envs.gymnasium.explained import Explained
 from irsim_gym.envs.gymnasium.world_view import WorldView, common_limit
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.envs.parts.infos import Record
@@ -21,7 +21,7 @@ from irsim_gym.envs.parts.infos import Record
 Indices = None | int | Iterable[int]
 
 
-class NativeVecEnv(VecEnv):
+class NativeVecEnv(Explained, VecEnv):
     """A ``VecEnv`` over worlds that are stepped together.
 
     Args:
@@ -44,9 +44,6 @@ class NativeVecEnv(VecEnv):
         self._record = Record(worlds.infos)
         super().__init__(len(views), observation_space, action_space)
         self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.worlds.summary}>"
 
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
@@ -87,10 +84,6 @@ class NativeVecEnv(VecEnv):
         """
         terms = self.worlds.episodes.view.reward_terms
         return terms.reshape(self.num_envs, terms.shape[-1]).copy()
-
-    def describe(self) -> Description:
-        """Return the meaning of observations, actions, rewards, endings and infos in each slot; it prints as tables."""
-        return self.worlds.describe()
 
     def close(self) -> None:
         """Close the window, and free the renderer. May be called twice."""

@@ -9,14 +9,12 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.base.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.envs.described.description import Description
-from irsim_gym.envs.described.moment import WorldMoment
+from irsim_gym.envs.gymnasium.explained import ManyWorlds
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.envs.parts.level_options import fresh_level
-from irsim_gym.envs.parts.mirror import Mirror
-from irsim_gym.envs.parts.pictures import ROOM, render_warning
 from irsim_gym.envs.parts.spaces import Observation
 from irsim_gym.envs.teams.batch_step import BatchStep
 from irsim_gym.tasks.episodes.transition import Percepts
@@ -71,7 +69,7 @@ def make_batch(
     return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps, team_state=team_state)
 
 
-class Batch:
+class Batch(ManyWorlds):
     """Worlds of one scenario whose agents have episodes of their own; see ``make_batch``.
 
     World ``w`` that is reset with seed ``s`` begins level ``s + w``. When agents end, wait and begin again is written
@@ -129,9 +127,6 @@ class Batch:
         self.last_seen: Percepts = worlds.episodes.view.percepts.each(np.zeros_like)
         self.returns: Floats = np.zeros(shape)
         self._age: Ints = np.zeros(self.n_worlds, np.int64)
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.worlds.summary}>"
 
     @property
     def render_mode(self) -> str | None:
@@ -241,10 +236,6 @@ class Batch:
             truncated |= (self._age >= self.world_steps)[:, None] & ~terminated
         return reward, terminated, truncated, acted
 
-    def choose_levels(self, levels: Sequence[int] | Ints) -> None:
-        """Choose the ``levels``, ``(n_worlds,)``, that the worlds begin next, see ``WorldVectorEnv.choose_levels``."""
-        self.worlds.choose_levels(levels)
-
     def observation(self) -> Observation:
         """Return a fresh copy of what the agents perceive now."""
         view, layout = self.worlds.episodes.view, self.worlds.layout
@@ -260,10 +251,6 @@ class Batch:
             return np.zeros((self.n_worlds, 0), np.float32)
         return self.worlds.episodes.team_state()
 
-    def moment(self, world: int) -> WorldMoment:
-        """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
-        return self.worlds.moment(world)
-
     def describe(self, agent: str | None = None) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to an agent; it prints as tables.
 
@@ -274,10 +261,6 @@ class Batch:
             UnknownNameError: There is no such agent.
         """
         return self.worlds.describe(agent or 0)
-
-    def mirror(self) -> Mirror:
-        """Return what exchanges left and right in observations and actions; an error says why it cannot be done."""
-        return self.worlds.mirror()
 
     def close(self) -> None:
         """Close the window and free the renderer; may be called twice."""
@@ -335,20 +318,6 @@ class Batch:
             state=self.state(),
             final_state=self.state(),
         )
-
-    def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:
-        """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns; None in a window.
-
-        Pictures have the shape ``(height, width, 3)``.
-        """
-        render_warning(self.render_mode)
-        return self.worlds.pictures.each()
-
-    def tiled(
-        self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
-    ) -> Bytes:
-        """Return a picture; ``columns``, ``worlds``, ``room`` and shape are those of ``WorldVectorEnv.tiled``."""
-        return self.worlds.pictures.tiled(columns, worlds, room)
 
     def _open(self, began: Flags) -> None:
         """Open the books of agents that begin."""

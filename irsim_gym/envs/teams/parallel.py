@@ -16,7 +16,7 @@ from pettingzoo import ParallelEnv
 from irsim_gym.base.arraytypes import Bytes, Rays
 from irsim_gym.base.errors import UnknownNameError, suggestion
 from irsim_gym.envs.described.description import Description
-from irsim_gym.envs.described.moment import Bodies
+from irsim_gym.envs.gymnasium.explained import OneWorld
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.envs.parts.observations import on_each
 from irsim_gym.envs.parts.pictures import RENDER_MODES, render_warning
@@ -77,7 +77,7 @@ def parallel_env(
     return WorldParallelEnv(worlds, padded=padded, black_death=black_death)
 
 
-class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
+class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
     """A scenario in which several robots learn, all of them unless the task names some.
 
     Agents have the names of the robots: ``robot_0`` and so on, or those that the file gives. Of names that are no word
@@ -267,21 +267,6 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             raise ResetNeeded("no episode has begun: call reset() before render()")
         return self.worlds.pictures.of(0)
 
-    @property
-    def robots(self) -> Bodies:
-        """All robots of the level, by number or name; see ``BodyMoment``."""
-        return self.worlds.moment().robots
-
-    @property
-    def bodies(self) -> Bodies:
-        """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
-        return self.worlds.moment().bodies
-
-    @property
-    def time(self) -> float:
-        """Time since the start of the episode [s]."""
-        return self.worlds.moment().time
-
     def describe(self, agent: str | None = None) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to an agent; it prints as tables.
 
@@ -293,10 +278,6 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         """
         first = self.possible_agents[0]
         return self.worlds.describe(agent or 0, own=not self._padded, more=self._infos([first])[first])
-
-    def close(self) -> None:
-        """Close the window and free the renderer. May be called twice."""
-        self.worlds.close()
 
     def _of(self, spaces: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
         if agent not in spaces:

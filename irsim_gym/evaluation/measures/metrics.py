@@ -152,21 +152,18 @@ def are_copies(rows: Sequence[EpisodeRow]) -> bool:
     return len(rows) > 1 and len(kinds) == 1
 
 
-@dataclass(frozen=True)
-class Summary:
-    """The figures of one policy on one set of levels.
+@dataclass(frozen=True, kw_only=True)
+class SharedFigures:
+    """The figures of one policy that those of single robots and of teams share; of a team, over all its robots.
 
     Attributes:
         policy: Name of the policy.
-        episodes: Number of episodes.
-        success: Share that reached the goal.
-        collision: Share that ended in a collision; ``collision_with`` splits it by what was hit.
+        collision: Share of episodes that ended in a collision; ``collision_with`` splits it by what was hit.
         timeout: Share ended by the time limit.
         left_world: Share that left the world's rectangle.
         deadlock: Share ended by the task's ending ``deadlocked``.
         spl: Mean of success weighted by path length over all episodes, a share.
         sct: Mean of success weighted by completion time over all episodes, a share.
-        time: Mean duration of the successes [s]; NaN without any.
         path_length: Mean distance driven in the successes [m]; NaN without any.
         path_ratio: Mean ratio of path length to optimum over the successes; NaN without any.
         min_clearance: Mean over all episodes of the minimum clearance [m].
@@ -175,12 +172,11 @@ class Summary:
         intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN if there are no people.
         intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
-        throughput: Mean rate of reached goals [1/min]; NaN if a robot has only one goal.
+        throughput: Mean over levels of the rate of reached goals, of a team all its goals [1/min]; NaN if a robot has
+            only one goal.
     """
 
     policy: str
-    episodes: int
-    success: Rate
     collision: Rate
     collision_with: dict[str, Rate]
     timeout: Rate
@@ -188,7 +184,6 @@ class Summary:
     deadlock: Rate
     spl: float
     sct: float
-    time: float
     path_length: float
     path_ratio: float
     min_clearance: float
@@ -198,6 +193,21 @@ class Summary:
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
     throughput: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary(SharedFigures):
+    """The figures of one policy on one set of levels.
+
+    Attributes:
+        episodes: Number of episodes.
+        success: Share that reached the goal.
+        time: Mean duration of the successes [s]; NaN without any.
+    """
+
+    episodes: int
+    success: Rate
+    time: float
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:

@@ -8,10 +8,21 @@ of Everett, Chen, How 2018 (arXiv:1805.01956).
 import math
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, Rate, are_copies, mean, means, rate, wilson
+from irsim_gym.evaluation.measures.metrics import (
+    OUTCOMES,
+    EpisodeRow,
+    Rate,
+    SharedFigures,
+    are_copies,
+    mean,
+    means,
+    rate,
+    wilson,
+)
 
 TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
 PERCENTILES = (50, 75, 90)
@@ -121,68 +132,35 @@ class ExtraTime:
     p90: float
 
 
-@dataclass(frozen=True)
-class TeamSummary:
+@dataclass(frozen=True, kw_only=True)
+class TeamSummary(SharedFigures):
     """The figures of one policy that drives teams through one set of levels.
 
     Shares of agents have a different interval, see ``rate_of_agents``.
 
     Attributes:
-        policy: Name of the policy.
         levels: Number of levels.
         agents: Number of agents in each.
         cooperative_success: CSR, the share of levels in which every agent arrived, with Wilson's interval.
         individual_success: ISR, the share of agents that arrived.
-        collision: Share of agents that collided; ``collision_with`` splits it by what was hit.
-        timeout: Share of agents ended by the time limit.
-        left_world: Share of agents that left the world's rectangle.
-        deadlock: Share of agents ended by the task's ending ``deadlocked``.
-        deadlocked: Share of agents that stood still when the time limit or that ending ended their episode.
+        deadlocked: Share of agents that stood still when the time limit or the ending ``deadlocked`` ended their
+            episode.
         makespan: Mean over levels of the time of the last arrival, the limit if any agent never arrives [s].
         flowtime: Mean over levels of the sum of arrival times, the limit for each that never arrives [s].
         extra_time: Extra times over all levels.
         common_extra_time: Extra times over the levels that all compared policies solved; None if this policy is not
             compared.
-        spl: Mean over agents of success weighted by path length, a share.
-        sct: Mean over agents of success weighted by completion time, a share.
-        path_length: Mean distance driven by the agents that arrived [m].
-        path_ratio: Mean ratio of path length to optimum over the agents that arrived.
-        min_clearance: Mean over agents of the minimum clearance [m].
-        acceleration: Mean over agents of the mean size of acceleration [m/s2].
-        jerk: Mean over agents of the mean size of jerk [m/s3].
-        intrusion_025: Mean over agents of the share of steps nearer than 0.25 m to a person; NaN if there are no
-            people.
-        intrusion_045: Mean share of steps nearer than 0.45 m, likewise.
-        time_to_collision: Mean of the minimum times to collision with a person [s], over agents that met one.
-        throughput: Mean over levels of the rate of goals of a team [1/min]; NaN if agents have only one goal.
     """
 
-    policy: str
     levels: int
     agents: int
     cooperative_success: Rate
     individual_success: Rate
-    collision: Rate
-    collision_with: dict[str, Rate]
-    timeout: Rate
-    left_world: Rate
-    deadlock: Rate
     deadlocked: Rate
     makespan: float
     flowtime: float
     extra_time: ExtraTime
     common_extra_time: ExtraTime | None
-    spl: float
-    sct: float
-    path_length: float
-    path_ratio: float
-    min_clearance: float
-    acceleration: float
-    jerk: float
-    intrusion_025: float = math.nan
-    intrusion_045: float = math.nan
-    time_to_collision: float = math.nan
-    throughput: float = math.nan
 
 
 def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
@@ -226,7 +204,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
     agents = [agent for row in rows for agent in row.agents]
     team = len(rows[0].agents) if rows else 1
     assert all(len(row.agents) == team for row in rows), "every level must have the same number of agents"
-    shares = _rates(rows, OUTCOMES, lambda agent: agent.episode.outcome)
+    shares: dict[str, Any] = _rates(rows, OUTCOMES, lambda agent: agent.episode.outcome)
     hits = _rates(rows, TEAM_HITS, lambda agent: agent.episode.hit)
     assert sum(share.count for share in shares.values()) == len(agents), "the outcomes must be those of all agents"
     assert sum(hit.count for hit in hits.values()) == shares["collision"].count, "every collision must have a kind"
@@ -238,18 +216,15 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         levels=len(rows),
         agents=team,
         cooperative_success=cooperative,
-        individual_success=shares["success"],
-        collision=shares["collision"],
+        individual_success=shares.pop("success"),
         collision_with=hits,
-        timeout=shares["timeout"],
-        left_world=shares["left_world"],
-        deadlock=shares["deadlock"],
         deadlocked=rate_of_agents([row.deadlocked for row in rows], team),
         makespan=mean([row.makespan for row in rows]),
         flowtime=mean([row.flowtime for row in rows]),
         extra_time=_extra_time(rows),
         common_extra_time=None if common is None else _extra_time([row for row in rows if row.level in common]),
         throughput=mean([row.throughput for row in rows]),
+        **shares,
         **means([agent.episode for agent in agents]),
     )
 

@@ -1,22 +1,24 @@
 """The tables of a run of the suite, in Markdown."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import reduce
+from pathlib import Path
 from typing import Any
 
 from irsim_gym.base import families
 from irsim_gym.base.families import OBSERVATIONS
-from irsim_gym.evaluation.levels.played import QUARTER_NAMES
-from irsim_gym.evaluation.measures.worst_levels import WORST
+from irsim_gym.base.outside_files import json_object
 from irsim_gym.evaluation.suite.suite_record import SuiteRecord
 from irsim_gym.tasks.terms.term import needs_of
 
 DASH = "-"
-ENDS = ("timeout", "left_world", "deadlock")
-"""Outcomes other than success and collision; a table shows those that occur."""
+COLUMNS = Path(__file__).with_name("columns.json")
+"""Columns of the table of a benchmark: ``head``, ``place`` of the figure (nested keys), ``digits`` (none for a share).
+
+Some hold the ``interval`` of an estimate, are for a ``team`` alone, or are left out if nothing is ``occurring``."""
 
 Figures = Mapping[str, Any]
 """Figures of a method as ``scores`` computes them, as plain data with None in place of NaN."""
-Reader = Callable[[Figures], str]
 
 
 def markdown(record: SuiteRecord) -> str:
@@ -83,8 +85,8 @@ def member_markdown(record: SuiteRecord, name: str) -> str:
     """Return the table of one benchmark as Markdown."""
     scores = record.figures[name]
     is_team = len(record.members[name]["conditions"]["agents"]) > 1
-    read = _columns(list(scores.values()), is_team)
-    shown = {head: [cell(score) for score in scores.values()] for head, cell in read.items()}
+    columns = [column for column in json_object(COLUMNS)["columns"] if is_team or "team" not in column]
+    shown = {column["head"]: _cells(column, list(scores.values())) for column in columns}
     shown["needs"] = [_needs(record, name, method) for method in scores]
     shown = {head: cells for head, cells in shown.items() if any(cell != DASH for cell in cells)}
     rows = [[method, *(cells[row] for cells in shown.values())] for row, method in enumerate(scores)]
@@ -99,54 +101,14 @@ def _needs(record: SuiteRecord, member: str, method: str) -> str:
     return ", ".join(needs_of(OBSERVATIONS.entry(name).kind() for name in names if name in OBSERVATIONS)) or DASH
 
 
-def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
-    """Return the function that reads each column's cell from the figures of a method."""
-    hits = [hit for hit in (scores[0]["hits"] if scores else ()) if any(score["hits"][hit] for score in scores)]
-    ends = [end for end in ENDS if any(score["outcomes"][end] for score in scores)]
-    columns: dict[str, Reader] = {"success [%]": _percents("success", "value")}
-    columns["95 % interval"] = lambda score: _interval(score["success"])
-    if is_team:
-        columns["robots that arrive [%]"] = _percents("individual")
-    columns["collision [%]"] = _percents("outcomes", "collision")
-    columns |= {f"with {hit} [%]": _percents("hits", hit) for hit in hits}
-    columns |= {f"{end.replace('_', ' ')} [%]": _percents("outcomes", end) for end in ends}
-    if is_team:
-        columns["deadlocked [%]"] = _percents("deadlocked")
-    columns |= {f"{quarter} [%]": _percents("quarters", quarter) for quarter in QUARTER_NAMES}
-    columns |= {f"worst {share} [%]": _percents("worst", share) for share in WORST}
-    columns |= {f"shared worst {share} [%]": _percents("worst_shared", share) for share in WORST}
-    columns |= {"SPL": _numbers("spl", 3), "SCT": _numbers("sct", 3)}
-    if is_team:
-        columns["makespan [s]"] = _numbers("makespan", 1)
-    return columns | {
-        "goals per minute": _numbers("throughput", 2),
-        "time [s]": _numbers("time", 2),
-        "common time [s]": _numbers("common_time", 2),
-        "common path [m]": _numbers("common_path", 2),
-        "clearance [m]": _numbers("clearance", 3),
-        "steps within 0.25 m [%]": _percents("intrusion_025"),
-        "within 0.45 m [%]": _percents("intrusion_045"),
-        "time to collision [s]": _numbers("time_to_collision", 2),
-        "acceleration [m/s2]": _numbers("acceleration", 2),
-        "jerk [m/s3]": _numbers("jerk", 1),
-    }
-
-
-def _percents(*keys: str) -> Reader:
-    """Return a reader of the share at nested keys, in percent; figures of earlier versions may lack it."""
-
-    def read(score: Figures) -> str:
-        found: Any = score
-        for key in keys:
-            found = (found or {}).get(key)
-        return _percent(found)
-
-    return read
-
-
-def _numbers(key: str, digits: int) -> Reader:
-    """Return a reader of a number with so many decimals."""
-    return lambda score: _number(score.get(key), digits)
+def _cells(column: Mapping[str, Any], scores: Sequence[Figures]) -> list[str]:
+    """Return the cells of a column, one for each method; figures of earlier versions may lack it."""
+    values = [reduce(lambda found, key: (found or {}).get(key), column["place"], score) for score in scores]
+    if "occurring" in column and not any(values):
+        return [DASH] * len(values)
+    if "interval" in column:
+        return [_interval(value) for value in values]
+    return [_number(value, column["digits"]) if "digits" in column else _percent(value) for value in values]
 
 
 def _notes(record: SuiteRecord, name: str) -> list[str]:

@@ -221,8 +221,8 @@ class FramePainter:
             first += row.shape[1]
         return records.RasterSource(
             self.plan.scans,
-            records.DrawnModel(*(getattr(model, name) for name in records.DrawnModel._fields)),
-            records.DrawnState(*(getattr(state, name) for name in records.DrawnState._fields)),
+            model,
+            state,
             records.Readings(self.plan.angles, ranges, speeds, self._explored),
             records.Past(*self._reader.trails.tables()),
             records.Prints(

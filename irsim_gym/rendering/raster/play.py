@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Ints
+from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.raster.areas import add_line, add_polygon
 from irsim_gym.rendering.raster.beams import load_beams, paint_hits, paint_scan
 from irsim_gym.rendering.raster.figures import (
@@ -25,44 +26,11 @@ from irsim_gym.rendering.raster.figures import (
     set_place,
 )
 from irsim_gym.rendering.raster.masks import paint_fog, paint_image, paint_mask
-from irsim_gym.rendering.raster.records import (
-    AREA,
-    AT_BODY,
-    AT_GOAL,
-    EDGE,
-    FIELD,
-    FOG,
-    FOOTPRINT,
-    GHOSTS,
-    GOAL_CIRCLE,
-    GOAL_LABEL,
-    GOAL_MARKS,
-    HEADING,
-    HITS,
-    IMAGE,
-    IMPACT,
-    LABEL,
-    OTHER,
-    PATH,
-    PLOT,
-    SCAN,
-    SHADOW,
-    SHAPE,
-    WHOLE,
-    DrawnModel,
-    DrawnState,
-    Look,
-    Past,
-    Prints,
-    RasterCanvas,
-    RasterOutline,
-    RasterSource,
-    Scratch,
-)
+from irsim_gym.rendering.raster.records import Look, Past, Prints, RasterCanvas, RasterOutline, RasterSource, Scratch
 from irsim_gym.rendering.raster.sheets import paint
 from irsim_gym.rendering.raster.ways import add_way, paint_outline
 from irsim_gym.simulator.world.model import ROBOT, STATE
-from irsim_gym.simulator.world.names import kernel, row_of
+from irsim_gym.simulator.world.names import Model, State, kernel, row_of
 
 LABEL_GAP = 0.08
 """Gap between a body and the label above it [m]."""
@@ -92,32 +60,32 @@ def draw_items(
             if b >= 0 and not model.present[w, b]:
                 continue
             canvas = RasterCanvas(picture, scratch.sheet, box)
-            if kind in (SCAN, HITS):
+            if kind in (records.SCAN, records.HITS):
                 _draw_scan(canvas, item, source, w, f, view, scratch)
-            elif kind in (GHOSTS, PATH):
+            elif kind in (records.GHOSTS, records.PATH):
                 _draw_past(canvas, item, source, w, view, scratch)
-            elif kind in (GOAL_CIRCLE, GOAL_MARKS):
+            elif kind in (records.GOAL_CIRCLE, records.GOAL_MARKS):
                 if model.has_goal[b]:
                     _draw_goal(canvas, item, source, w, view, scratch)
-            elif kind == SHAPE:
+            elif kind == records.SHAPE:
                 _draw_shape(canvas, item, source, w, view, scratch)
-            elif kind == FOG:
+            elif kind == records.FOG:
                 frame = scratch.colour
                 columns, rows = readings.explored.shape[1], readings.explored.shape[2]
                 frame[0], frame[1] = look.bounds[0], look.bounds[1]
                 frame[2], frame[3] = (look.bounds[2] - frame[0]) / columns, (look.bounds[3] - frame[1]) / rows
-                paint_fog(picture, box, readings.explored[w], scratch.cells, frame, view, item.colours[AREA])
-            elif kind in (LABEL, GOAL_LABEL):
-                if kind == LABEL or model.has_goal[b]:
+                paint_fog(picture, box, readings.explored[w], scratch.cells, frame, view, item.colours[records.AREA])
+            elif kind in (records.LABEL, records.GOAL_LABEL):
+                if kind == records.LABEL or model.has_goal[b]:
                     _draw_label(picture, item, source, w, f, look, scratch)
-            elif kind == FIELD:
+            elif kind == records.FIELD:
                 paint_field(picture, scratch.sheet, box, scratch.points, item, state.pose[w, b], view)
             else:
                 _draw_body(canvas, item, source, w, view, scratch)
 
 
 @kernel
-def _find_struck(w: int, model: DrawnModel, state: DrawnState, scratch: Scratch) -> None:
+def _find_struck(w: int, model: Model, state: State, scratch: Scratch) -> None:
     """Mark the bodies that take part in a robot's collision."""
     n_bodies = scratch.struck.shape[0]
     for b in range(n_bodies):
@@ -138,7 +106,7 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
     segments, discs = state.segments[w], state.discs[w]
-    if kind in (HEADING, IMAGE):
+    if kind in (records.HEADING, records.IMAGE):
         segments = model.local_segments[row_of(model.local_segments, w)]
         discs = model.local_discs[row_of(model.local_discs, w)]
         heading = state.pose[w, b, 2]
@@ -148,23 +116,24 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
     else:
         set_place(place, view, (0.0, 0.0, 0.0))
     outline = RasterOutline(segments, segment_rows, discs, disc_rows)
-    if kind == FOOTPRINT:
+    if kind == records.FOOTPRINT:
         paint_footprint(canvas, scratch, item, outline, model.solid[b])
-    elif kind == HEADING:
+    elif kind == records.HEADING:
         count = load_mark(scratch.points, item, outline, scratch.colour)
         place_points(scratch.points, count, place)
         add_polygon(scratch.sheet, box, scratch.points, 0, count)
-        paint(picture, scratch.sheet, box, item.colours[AREA], False)
-    elif kind == SHADOW and (disc_rows[1] > 0 or (segment_rows[1] > 0 and model.solid[b])):
+        paint(picture, scratch.sheet, box, item.colours[records.AREA], False)
+    elif kind == records.SHADOW and (disc_rows[1] > 0 or (segment_rows[1] > 0 and model.solid[b])):
         place[2], place[5] = place[2] + item.x, place[5] + item.y
-        inks, line = (item.colours[AREA], item.colours[EDGE]), (item.width, item.style, item.snapped)
+        inks, line = (item.colours[records.AREA], item.colours[records.EDGE]), (item.width, item.style, item.snapped)
         paint_outline(canvas, scratch.points, outline, place, inks, line)
-    elif kind == IMPACT and scratch.struck[b]:
+    elif kind == records.IMPACT and scratch.struck[b]:
         scratch.colour[3] = 0.0
-        for width, colour in ((item.other_width, item.colours[OTHER]), (item.width, item.colours[EDGE])):
+        inks = item.colours
+        for width, colour in ((item.other_width, inks[records.OTHER]), (item.width, inks[records.EDGE])):
             line = width, item.style, item.snapped
             paint_outline(canvas, scratch.points, outline, place, (scratch.colour, colour), line)
-    elif kind == IMAGE and extent(scratch.colour, outline):
+    elif kind == records.IMAGE and extent(scratch.colour, outline):
         points, low = scratch.points, scratch.colour
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = low[LEFT], low[LOW], low[RIGHT], low[LOW]
         points[2, 0], points[2, 1] = low[LEFT], low[HIGH]
@@ -184,7 +153,7 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         if not _was_there(past, w, step, item):
             continue
         pose = past.poses[w, step % n_slots, item.row]
-        if item.kind == PATH:
+        if item.kind == records.PATH:
             scratch.points[count, 0], scratch.points[count, 1] = pose[0], pose[1]
             count += 1
         else:
@@ -194,7 +163,7 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
             segments = model.local_segments[row_of(model.local_segments, w)]
             discs = model.local_discs[row_of(model.local_discs, w)]
             paint_ghost(canvas, scratch, item, RasterOutline(segments, segment_rows, discs, disc_rows), model.solid[b])
-    if item.kind == PATH:
+    if item.kind == records.PATH:
         paint_path(canvas.picture, scratch.sheet, canvas.box, scratch.points, item, count, view, scratch.colour)
 
 
@@ -229,7 +198,7 @@ def _draw_scan(
     if speeds.shape[0] > 0:
         speeds = speeds[scan.first :]
     load_beams(points, scan, source.state.pose[w, scan.body], readings.angles, ranges, 0, view)
-    if item.kind == SCAN:
+    if item.kind == records.SCAN:
         paint_scan(canvas, points, item, scan, ranges, speeds, scratch.colour)
     else:
         paint_hits(canvas, points, item, scan, ranges, speeds, scratch.colour, source.prints)
@@ -241,16 +210,16 @@ def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
     model, state, prints = source.model, source.state, source.prints
     b, goal = item.body, state.goal[w, item.body]
     threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
-    if item.kind == GOAL_CIRCLE:
+    if item.kind == records.GOAL_CIRCLE:
         arrived = state.arrived[w, b]
         paint_goal(canvas, item, goal, threshold, arrived, view, scratch.colour)
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
-            paint_mark(canvas.picture, canvas.box, prints, item.every, x, y, view, item.colours[OTHER])
+            paint_mark(canvas.picture, canvas.box, prints, item.every, x, y, view, item.colours[records.OTHER])
         x, y = goal[0], goal[1]
         for mask in range(item.row, item.row + 2):
-            paint_mark(canvas.picture, canvas.box, prints, mask, x, y, view, item.colours[EDGE])
+            paint_mark(canvas.picture, canvas.box, prints, mask, x, y, view, item.colours[records.EDGE])
 
 
 @kernel
@@ -260,20 +229,20 @@ def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, v
     model, state, prints = source.model, source.state, source.prints
     b, points = item.body, scratch.points
     pose, heading = state.pose[w, b], 0.0
-    if item.form == AT_GOAL:
+    if item.form == records.AT_GOAL:
         pose = state.goal[w, b]
         if not model.has_goal[b] or (item.turns and (model.arrive_mode[b] != STATE or np.isnan(pose[2]))):
             return
-    if item.turns or item.form == AT_BODY:
+    if item.turns or item.form == records.AT_BODY:
         heading = pose[2]
     set_place(scratch.place, view, (pose[0], pose[1], heading))
     load_shape(points, item, prints.corners, model.goal_threshold[row_of(model.goal_threshold, w), b], scratch.place)
     if item.filled:
         add_polygon(sheet, box, points, 0, item.length)
-        paint(picture, sheet, box, item.colours[AREA], False)
+        paint(picture, sheet, box, item.colours[records.AREA], False)
     if item.width > 0.0:
         add_way(sheet, box, points, item.length, (item.width, item.style, 0.0), item.snapped, True)
-        paint(picture, sheet, box, item.colours[EDGE], False)
+        paint(picture, sheet, box, item.colours[records.EDGE], False)
 
 
 @kernel
@@ -285,7 +254,7 @@ def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int,
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
     outline = RasterOutline(state.segments[w], segment_rows, state.discs[w], disc_rows)
-    if item.kind == GOAL_LABEL:  # above the goal is its own flag
+    if item.kind == records.GOAL_LABEL:  # above the goal is its own flag
         below = model.goal_threshold[row_of(model.goal_threshold, w), b] + height
         x, y = state.goal[w, b, 0], state.goal[w, b, 1] - below
     elif item.in_metres:
@@ -295,13 +264,12 @@ def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int,
         # The text is about 0.7 times as wide as its height times its number of letters.
         if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, source, look, view):
             y = box[LOW] - height
-    shown = look.boxes[f, PLOT]
+    shown = look.boxes[f, records.PLOT]
     column, row = view[0] + view[2] * x, view[1] - view[2] * y
     if shown[0] <= column <= shown[2] and shown[1] <= row <= shown[3]:
         left, base = int(np.floor(column - item.half + 0.5)), int(np.floor(row - item.foot + 0.5))
-        paint_mask(
-            picture, look.boxes[f, WHOLE], prints.masks, prints.mask_rows, item.row, left, base, item.colours[AREA]
-        )
+        whole, ink = look.boxes[f, records.WHOLE], item.colours[records.AREA]
+        paint_mask(picture, whole, prints.masks, prints.mask_rows, item.row, left, base, ink)
 
 
 @kernel
@@ -336,7 +304,7 @@ def draw_heads(
     """
     for f in frames:
         for i in range(0 if f == 0 else ends[f - 1], ends[f]):
-            ink, box = inks[words[i, 3]], boxes[f, WHOLE]
+            ink, box = inks[words[i, 3]], boxes[f, records.WHOLE]
             paint_mask(pictures[f], box, prints.masks, prints.mask_rows, words[i, 0], words[i, 1], words[i, 2], ink)
 
 
@@ -362,7 +330,7 @@ def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, lo
             x, y = bounds[0] if i in (0, 3) else bounds[2], bounds[1] if i < 2 else bounds[3]
             column, row = np.floor(view[0] + view[2] * x + 0.5), np.floor(view[1] - view[2] * y + 0.5)
             points[i, 0], points[i, 1] = column + shift, row + shift
-        box = look.boxes[f, PLOT]
+        box = look.boxes[f, records.PLOT]
         if width > 0.0:
             add_line(scratch.sheet, box, points, 0, 4, width, True, True)
         else:

@@ -9,25 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.base.kernels.structs import record_type
+from irsim_gym.simulator.world.model import Model
+from irsim_gym.simulator.world.state import State
 
-(
-    FOOTPRINT,
-    SHADOW,
-    HEADING,
-    FIELD,
-    GHOSTS,
-    GOAL_CIRCLE,
-    GOAL_MARKS,
-    PATH,
-    SCAN,
-    HITS,
-    IMPACT,
-    LABEL,
-    GOAL_LABEL,
-    IMAGE,
-    FOG,
-    SHAPE,
-) = range(16)
+FOOTPRINT, SHADOW, HEADING, FIELD, GHOSTS, GOAL_CIRCLE, GOAL_MARKS, PATH = range(8)
+SCAN, HITS, IMPACT, LABEL, GOAL_LABEL, IMAGE, FOG, SHAPE = range(8, 16)
 """Kinds of items."""
 WEDGE, WINDSCREEN, ARROW = 0, 1, 2
 """Marks that show a heading."""
@@ -40,58 +27,19 @@ WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
 AREA, EDGE, OTHER = 0, 1, 2
 """Rows of an item's colours: of its area, of its edge, and of whatever else it has."""
 
-ITEM = np.dtype(
-    (
-        np.record,
-        [
-            ("kind", np.int64),
-            ("body", np.int64),
-            ("row", np.int64),
-            ("box", np.int64),
-            ("style", np.int64),
-            ("form", np.int64),
-            ("every", np.int64),
-            ("length", np.int64),
-            ("snapped", np.bool_),
-            ("turns", np.bool_),
-            ("filled", np.bool_),
-            ("in_metres", np.bool_),
-            ("colours", np.float64, (3, 4)),
-            ("width", np.float64),
-            ("other_width", np.float64),
-            ("x", np.float64),
-            ("y", np.float64),
-            ("half", np.float64),
-            ("foot", np.float64),
-            ("filled_radius", np.float64),
-        ],
-    )
+ITEM = record_type(
+    "width other_width x y half foot filled_radius",
+    **dict.fromkeys(("kind", "body", "row", "box", "style", "form", "every", "length"), np.int64),
+    **dict.fromkeys(("snapped", "turns", "filled", "in_metres"), np.bool_),
+    colours=np.dtype((np.float64, (3, 4))),
 )
 """One item to draw; lengths in pixels unless ``in_metres``, colours [0, 255] with an opacity [0, 1]."""
 
-BEAMS = np.dtype(
-    (
-        np.record,
-        [
-            ("body", np.int64),
-            ("first", np.int64),
-            ("count", np.int64),
-            ("x", np.float64),
-            ("y", np.float64),
-            ("heading", np.float64),
-            ("range_min", np.float64),
-            ("range_max", np.float64),
-            ("surrounds", np.bool_),
-            ("coloured", np.bool_),
-            ("full_speed", np.float64),
-            ("mark", np.float64),
-            ("mark_edge", np.float64),
-            ("rest", np.float64, (4,)),
-            ("away", np.float64, (4,)),
-            ("nearer", np.float64, (4,)),
-            ("rim", np.float64, (4,)),
-        ],
-    )
+BEAMS = record_type(
+    "x y heading range_min range_max full_speed mark mark_edge",
+    **dict.fromkeys(("body", "first", "count"), np.int64),
+    **dict.fromkeys(("surrounds", "coloured"), np.bool_),
+    **dict.fromkeys(("rest", "away", "nearer", "rim"), np.dtype((np.float64, 4))),
 )
 """One sensor: its body, its beams in the tables of readings, its pose on the body, and the colours of velocities."""
 
@@ -132,40 +80,6 @@ class RasterOutline(NamedTuple):
     segment_rows: tuple[int, int]
     discs: Floats
     disc_rows: tuple[int, int]
-
-
-class DrawnModel(NamedTuple):
-    """Arrays of ``Model``."""
-
-    role: Ints
-    solid: Flags
-    drive: Ints
-    has_goal: Flags
-    goal_threshold: Floats
-    arrive_mode: Ints
-    segment_start: Ints
-    segment_count: Ints
-    local_segments: Floats
-    disc_start: Ints
-    disc_count: Ints
-    local_discs: Floats
-    present: Flags
-    waypoints: Floats
-    waypoint_count: Ints
-
-
-class DrawnState(NamedTuple):
-    """Arrays of ``State``."""
-
-    pose: Floats
-    twist: Floats
-    segments: Floats
-    discs: Floats
-    goal: Floats
-    waypoint: Ints
-    arrived: Flags
-    collided: Flags
-    hit: Ints
 
 
 class Readings(NamedTuple):
@@ -230,8 +144,8 @@ class RasterSource(NamedTuple):
     """
 
     scans: Any
-    model: DrawnModel
-    state: DrawnState
+    model: Model
+    state: State
     readings: Readings
     past: Past
     prints: Prints

@@ -57,17 +57,6 @@ class Range:
     def _written(self, number: float) -> Any:
         return number if self.schedule is None else f"{LINEAR}{number!r}"
 
-    def to_parameter(self, value: object) -> Any:
-        """Return the trial's parameter that yields a value.
-
-        Raises:
-            ValueError: If the value is not in the range.
-        """
-        number: float = type(self.low)(str(value).removeprefix(LINEAR))
-        if not self.low <= number <= self.high or str(value).startswith(LINEAR) != (self.schedule is not None):
-            raise ValueError(f"{value} is not in the range")
-        return number
-
 
 @dataclass(frozen=True)
 class Choices:
@@ -87,14 +76,6 @@ class Choices:
     def draw(self, name: str, trial: Any) -> Any:
         """Let a trial of Optuna draw one of the values."""
         return self.values[self.labels.index(trial.suggest_categorical(name, self.labels))]
-
-    def to_parameter(self, value: object) -> Any:
-        """Return the trial's parameter that yields a value.
-
-        Raises:
-            ValueError: If the value is not among the choices.
-        """
-        return self.labels[self.values.index(value)]
 
 
 @dataclass(frozen=True)
@@ -117,19 +98,6 @@ class SearchSpace:
         """Return the parameters of a trial for each combination of lists; the last axis changes fastest."""
         lists = {name_of(axis): domain.labels for axis, domain in self.axes.items() if isinstance(domain, Choices)}
         return [dict(zip(lists, point, strict=True)) for point in itertools.product(*lists.values())]
-
-    def to_parameters(self, current: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-        """Return the trial's parameters that yield the current values, and the names of those outside the space."""
-        parameters, outside = {}, []
-        for axis, domain in self.axes.items():
-            value: Any = current
-            for key in ".".join(axis).split("."):
-                value = value.get(key) if isinstance(value, Mapping) else None
-            try:
-                parameters[name_of(axis)] = domain.to_parameter(1.0 if axis[0] == "rewards" else value)
-            except ValueError:
-                outside.append(name_of(axis))
-        return parameters, outside
 
 
 def name_of(axis: Axis) -> str:

@@ -2,7 +2,6 @@
 
 import json
 import math
-import shlex
 import signal
 import sys
 from collections.abc import Sequence
@@ -39,8 +38,6 @@ SEARCHED = 40
 """Number of trials of a search, if none is given."""
 FINISHED_FIRST, FIRST_PRUNED = 5, 3
 """Number of trials that finish before any is pruned, and the first checkpoint at which a trial can be pruned."""
-CONFIRMED = 5
-"""Number of seeds that confirm the best settings. The best seed of many trials may have been lucky."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +125,7 @@ def run_tuning(
         text = "stopped at once; finished trials and the newest checkpoint are kept"
         with sole_writer(tuning.folder), ctrl_c_as_error(text):
             _begin(tuning, settings, names, overwrite)
-            _enqueue(tuning, settings, n_trials, points)
+            _enqueue(tuning, n_trials, points)
             _run_all(tuning, workers)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. To continue, run the same command.", stop.signal) from None
@@ -148,21 +145,6 @@ def _show(tuning: Tuning, n_trials: int) -> None:
         raise IrsimGymError(f"{left} trials have not ended, as a process was killed: run the same command again")
     results.show_trials(ended, tuning.request.scenario)
     print(f"trials: {tuning.folder / TRIALS}; table: {tuning.folder / results.TABLE}")
-    if results.best_of(ended) is not None:
-        print(f"to confirm the best by {CONFIRMED} other seeds, with further options as here:")
-        print(_confirm_command(tuning, ended))
-
-
-def _confirm_command(tuning: Tuning, trials: Sequence[Any]) -> str:
-    """Return the command, for a shell, that trains other seeds than those of the trials with the best settings."""
-    trial = results.best_of(trials)
-    best, scenario = Run(tuning.trial_folder(trial)).settings(), trial.params.get("scenario", tuning.request.scenario)
-    seed = 1 + max(one.params.get("seed", tuning.request.seed) for one in trials)
-    task, files = tuning.folder / results.BEST_TASK, ["--hyperparameters", tuning.folder / results.BEST]
-    files += ["--task", task] if task.is_file() else [] if best.task is None else ["--task", best.task]
-    drawn = [word for name, value in best.parameters.items() for word in ("--set", f"{name}={value}")]
-    words = ["--seed", seed, "--seeds", CONFIRMED, "--algorithm", best.algorithm, *files, *drawn]
-    return shlex.join(["irsim-gym", "train", scenario, *map(str, words)])
 
 
 def _begin(tuning: Tuning, settings: Settings, scenarios: Sequence[str], overwrite: bool) -> None:
@@ -196,28 +178,21 @@ def _begin(tuning: Tuning, settings: Settings, scenarios: Sequence[str], overwri
         write_json(path, now)
 
 
-def _enqueue(tuning: Tuning, settings: Settings, n_trials: int, points: Sequence[dict[str, Any]]) -> None:
+def _enqueue(tuning: Tuning, n_trials: int, points: Sequence[dict[str, Any]]) -> None:
     """Enqueue the trials to do by their numbers: with the values of the grid, those drawn before, or none yet.
 
     Optuna's ``GridSampler`` gives processes side by side the same values, and knows no trials that are repeated.
     """
     from optuna.trial import TrialState
 
-    study, console, file = tuning.study(), Console(stderr=True), tuning.space.file
+    study = tuning.study()
     open_trials = study.get_trials(deepcopy=False, states=(TrialState.RUNNING, TrialState.WAITING))
     values = dict(enumerate(points)) | {one.user_attrs["trial"]: one.params for one in open_trials if one.params}
     for trial in open_trials:
         study._storage.set_trial_state_values(trial._trial_id, TrialState.FAIL)
     ended = {trial.user_attrs["trial"] for trial in results.ended_trials(study)}
-    if not ended and not values:
-        own = {"hyperparameters": settings.hyperparameters.to_plain(), "parameters": settings.parameters}
-        current = {"scenario": tuning.request.scenario, "seeds": settings.seed, **own}
-        values[0], outside = tuning.space.to_parameters(current)
-        if outside:
-            missing = f"{file} does not contain the current values of {', '.join(outside)}"
-            console.print(f"{missing}: the first trial draws them", **PLAIN)
     left = [number for number in range(n_trials) if number not in ended]
-    console.print(f"{n_trials} trials, {len(left)} of them to do, in {tuning.folder}", **PLAIN)
+    Console(stderr=True).print(f"{n_trials} trials, {len(left)} of them to do, in {tuning.folder}", **PLAIN)
     for number in left:
         study.enqueue_trial(values.get(number, {}), user_attrs={"trial": number})
 

@@ -19,7 +19,7 @@ COLUMNS = ("trial", "success", "ending")
 its latest success or NaN, and how it ended: ``finished``, ``pruned at N``, ``refused: WHY`` or ``failed: WHY``."""
 FINISHED = "finished"
 SHOWN = 10
-"""Number of rows in the printed table, besides that of the first trial."""
+"""Number of rows in the printed table."""
 
 
 def ended_trials(study: Any) -> list[Any]:
@@ -67,7 +67,7 @@ def write_trials(folder: Path, trials: Sequence[Any], best: Path | None) -> None
 
 
 def show_trials(trials: Sequence[Any], title: str) -> None:
-    """Print the best trials and the first one, which has the original settings if the search space contains them.
+    """Print the best trials.
 
     Trials that differ in the seed alone share a row, with the median of their success and its range.
     """
@@ -75,7 +75,7 @@ def show_trials(trials: Sequence[Any], title: str) -> None:
     names = [name for name in texts if name != "seed" and len(texts[name]) > 1]
     n_pruned = sum(trial.user_attrs["ending"].startswith("pruned") for trial in trials)
     rows = []
-    for group in (group for i, group in enumerate(ranked(trials)) if i < SHOWN or group[0] is trials[0]):
+    for group in ranked(trials)[:SHOWN]:
         scores = [100.0 * score for score in _scores(group)]
         spread = f" [{min(scores):.1f}, {max(scores):.1f}]" if len(scores) > 1 else ""
         numbers = ", ".join(str(trial.user_attrs["trial"]) for trial in group)
