@@ -133,14 +133,9 @@ def export_for_robot(
     elif is_own:
         results = _known_results(loaded) or results
     hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
+    form = _form(played, graph, samples, period)
     contract = RobotContract(
-        policy=name,
-        irsim_gym=__version__,
-        hashes=hashes,
-        scenario=_scenario_form(asked),
-        predict=predict,
-        results=results,
-        **_form(played, graph, samples, period),
+        policy=name, hashes=hashes, scenario=_scenario_form(asked), predict=predict, results=results, **form
     )
     _write(folder, contract, graph, samples, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
@@ -231,7 +226,7 @@ def _check_difference(compared: ComparedPolicy, name: str) -> None:
 
 
 def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], period: float) -> dict[str, Any]:
-    """Return what a contract says of the robot, its scan, its goal, its times, and the tensors of the graph."""
+    """Return what a contract says of the version, the robot, its scan, its goal, its times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
     steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
@@ -244,6 +239,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         if name not in ("command", "level")
     }
     return {
+        "irsim_gym": __version__,
         "period": period,
         "periods": (float(model.step_time[0]),) * 2,
         "stop": Stops(scan_age=age, odometry_age=age, bodies_age=age if "bodies" in inputs else None, lost_beams=LOST),
