@@ -226,7 +226,7 @@ def _check_difference(compared: ComparedPolicy, name: str) -> None:
 
 
 def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], period: float) -> dict[str, Any]:
-    """Return what a contract says of the version, the robot, its scan, its goal, its times, and the tensors of the graph."""
+    """Return what a contract says of the version, the robot, its scan, goal and times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
     steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
