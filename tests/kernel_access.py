@@ -87,7 +87,11 @@ def kernels() -> dict[tuple[str, str], Kernel]:
         here = [node for node in tree.body if isinstance(node, ast.FunctionDef) and _is_kernel(node)]
         names |= {node.name: (module, node.name) for node in here}
         for node in here:
-            given = {one.arg for one in node.args.args if one.annotation and ast.unparse(one.annotation) in structs}
+            given = {
+                one.arg
+                for one in node.args.args
+                if one.annotation and ast.unparse(one.annotation).split(".")[-1] in structs
+            }
             found[module, node.name] = Kernel(file, node, names, given)
     _propagate(found)
     return found
@@ -206,7 +210,10 @@ class _Look(ast.NodeVisitor):
         self._note(self._roots.get(node.id), reads=True)
 
     def visit_Call(self, node: ast.Call) -> None:
-        key = self._kernel.names.get(node.func.id) if isinstance(node.func, ast.Name) else None
+        module, _, name = ast.unparse(node.func).rpartition(".")
+        key = self._kernel.names.get(module or name)
+        if module and key is not None:
+            key = (".".join(key), name)
         called = self._found.get(key) if key else None
         if called is None:
             self.generic_visit(node)

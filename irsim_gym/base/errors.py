@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import copyreg
 import difflib
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 __all__ = ["BehaviorError", "ChangedScenarioWarning", "IgnoredKeyWarning", "IrsimGymError", "KindError"]
 __all__ += ["MissingExtraError", "MissingScenarioError", "NoEffectWarning", "NoKeyboardWarning", "NoWayError"]
@@ -17,8 +18,15 @@ __all__ += ["UnknownParameterError", "UnknownPerceptionWarning", "UnreadableFile
 __all__ += ["WaitingRobotsWarning"]
 
 
+def _pickled(error: Exception) -> tuple[Any, ...]:
+    """Return how an error is made again from its message and attributes, whatever its ``__init__`` takes."""
+    return copyreg.__newobj__, (type(error), *error.args), vars(error)  # type: ignore[attr-defined]
+
+
 class IrsimGymError(Exception):
     """Base of every error raised on purpose by this package."""
+
+    __reduce__ = _pickled
 
 
 @dataclass(frozen=True, order=True)
@@ -51,9 +59,6 @@ class ScenarioError(IrsimGymError, ValueError):
         self.advice = advice
         super().__init__(self._text())
 
-    def __reduce__(self) -> tuple[type[ScenarioError], tuple[str, tuple[Problem, ...], str]]:
-        return type(self), (self.file, self.problems, self.advice)
-
     def _text(self) -> str:
         head = f"{several(len(self.problems), 'problem')} in {self.file}"
         return "\n".join([listing(head, self.file, self.problems), *filter(None, [self.advice])])
@@ -68,14 +73,12 @@ class ScenarioWarning(UserWarning):
     """
 
     HEAD: ClassVar[str] = "seldom meant in"
+    __reduce__ = _pickled
 
     def __init__(self, file: str, problems: Sequence[Problem]) -> None:
         self.file = file
         self.problems = tuple(problems)
         super().__init__(listing(f"{self.HEAD} {file}:", file, self.problems))
-
-    def __reduce__(self) -> tuple[type[ScenarioWarning], tuple[str, tuple[Problem, ...]]]:
-        return type(self), (self.file, self.problems)
 
 
 class IgnoredKeyWarning(ScenarioWarning):
@@ -130,9 +133,6 @@ class UnreadableFileError(IrsimGymError, ValueError):
         self.file, self.kind, self.reason = file, kind, reason
         super().__init__(f"{file} is no {kind}: {reason}")
 
-    def __reduce__(self) -> tuple[type[UnreadableFileError], tuple[str, str, str]]:
-        return type(self), (self.file, self.kind, self.reason)
-
 
 class SeveralProblemsError(IrsimGymError):
     """Several arguments cannot be used; the message lists what is wrong with each.
@@ -144,9 +144,6 @@ class SeveralProblemsError(IrsimGymError):
     def __init__(self, problems: Sequence[IrsimGymError]) -> None:
         self.problems = tuple(problems)
         super().__init__("\n".join(map(str, self.problems)))
-
-    def __reduce__(self) -> tuple[type[SeveralProblemsError], tuple[tuple[IrsimGymError, ...]]]:
-        return type(self), (self.problems,)
 
 
 def report_together(*checks: Callable[[], object]) -> None:
@@ -197,9 +194,6 @@ class UnknownParameterError(UnknownNameError):
         self.name = name
         super().__init__(message)
 
-    def __reduce__(self) -> tuple[type[UnknownParameterError], tuple[str, str]]:
-        return type(self), (self.name, str(self))
-
 
 class UnknownKeywordError(UnknownNameError, TypeError):
     """A keyword argument that is neither an argument of an environment nor a parameter of its scenario.
@@ -234,9 +228,6 @@ class OptionError(IrsimGymError, ValueError):
     def __init__(self, key: str, message: str) -> None:
         self.key = key
         super().__init__(message)
-
-    def __reduce__(self) -> tuple[type[OptionError], tuple[str, str]]:
-        return type(self), (self.key, str(self))
 
 
 class KindError(IrsimGymError, ValueError):

@@ -41,15 +41,8 @@ def list_shipped() -> None:
 
 @app.command()
 def check(
-    files: Annotated[
-        list[str],
-        typer.Argument(
-            help="Scenario files, shipped names or environment ids.", autocompletion=cli_completion.scenarios
-        ),
-    ],
-    team: Annotated[
-        bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
-    ] = False,
+    files: Annotated[list[str], typer.Argument(help=opt.HELP["check files"], autocompletion=cli_completion.scenarios)],
+    team: Annotated[bool, typer.Option("--team", help=opt.HELP["check team"])] = False,
     task: opt.Task = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
@@ -73,18 +66,9 @@ def check(
 def describe(
     scenario: opt.Scenario,
     task: opt.Task = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "--picture",
-            help="Draw the observed sectors into this .png, .pdf or .svg file, and replace it if it exists.",
-        ),
-    ] = None,
-    team: Annotated[
-        bool, typer.Option("--team", help="Describe the team: all robots learn (or those that the task names).")
-    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help=opt.HELP["describe as_json"])] = False,
+    out: Annotated[Path | None, typer.Option("--out", "--picture", help=opt.HELP["describe out"])] = None,
+    team: Annotated[bool, typer.Option("--team", help=opt.HELP["describe team"])] = False,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -108,33 +92,24 @@ app.command()(fit)
 def evaluate(
     scenario: opt.Scenario,
     policies: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of "
-            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training.",
-            autocompletion=cli_completion.policies,
-        ),
+        list[str] | None, typer.Argument(help=opt.HELP["evaluate policies"], autocompletion=cli_completion.policies)
     ] = None,
     levels: opt.Levels = 1000,
     split: opt.Split = "test",
     task: opt.Task = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Folder for the results (default: runs/evaluation-SCENARIO[-team]-SPLIT, numbered)."),
-    ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
-    references: Annotated[
-        bool, typer.Option(help="Add the references random and dash; for teams, also rvo and orca.")
-    ] = True,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["evaluate out"])] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["evaluate overwrite"])] = False,
+    references: Annotated[bool, typer.Option(help=opt.HELP["evaluate references"])] = True,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.cli.work.commands import run_evaluation
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
     run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
@@ -146,27 +121,18 @@ app.command()(arena)
 def record(
     scenario: opt.Scenario,
     policies: Annotated[
-        list[str],
-        typer.Argument(
-            help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.",
-            autocompletion=cli_completion.policies,
-        ),
+        list[str], typer.Argument(help=opt.HELP["record policies"], autocompletion=cli_completion.policies)
     ],
-    level: Annotated[
-        list[int] | None,
-        typer.Option(min=0, max=opt.LAST_LEVEL, help="Number of a level; may be repeated (default: 0)."),
-    ] = None,
+    level: Annotated[list[int] | None, typer.Option(min=0, max=opt.LAST_LEVEL, help=opt.HELP["record level"])] = None,
     split: opt.Split = "test",
     task: opt.Task = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on, numbered)."),
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["record out"])] = None,
     overwrite: opt.ReplaceFile = False,
-    html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
-    sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
+    html: Annotated[bool, typer.Option("--html", help=opt.HELP["record html"])] = False,
+    sheet: Annotated[bool, typer.Option("--sheet", help=opt.HELP["record sheet"])] = False,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -179,14 +145,14 @@ def record(
     kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet)) if wanted]
     if len(kinds) > 1:
         raise IrsimGymError("--html and --sheet exclude each other: call record once for each")
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 
 @app.command()
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder of the demonstration.")] = Path("runs/demo"),
-    scenario: Annotated[str, typer.Option(help="Scenario to learn.")] = "cluttered_room",
+    out: Annotated[Path, typer.Option(help=opt.HELP["demo out"])] = Path("runs/demo"),
+    scenario: Annotated[str, typer.Option(help=opt.HELP["demo scenario"])] = "cluttered_room",
     steps: opt.Steps = None,
     levels: opt.Levels = 1000,
     seed: opt.Seed = 0,
@@ -206,24 +172,19 @@ def rollout(
     split: opt.Split = "dev",
     task: opt.Task = None,
     out: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--out",
-            "--frames",
-            "--record",
-            help="File to write: a film (.mp4, .gif) or demonstrations (.npz); may be repeated.",
-        ),
+        list[Path] | None, typer.Option("--out", "--frames", "--record", help=opt.HELP["rollout out"])
     ] = None,
     overwrite: opt.ReplaceFile = False,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Run a policy on a few levels and print how they ended."""
     from irsim_gym.cli.work.commands import run_rollout
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     run_rollout(asked, policy or "dash", levels=levels, split=split, out=out or [], overwrite=overwrite)
 
 
@@ -235,16 +196,16 @@ app.command()(new)
 def play(
     scenario: opt.Scenario,
     policy: opt.Watched = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "--record", help="Write demonstrations to this .npz file; append if it exists."),
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "--record", help=opt.HELP["play out"])] = None,
     task: opt.Task = None,
-    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help="First level.")] = 0,
+    level: Annotated[
+        int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help=opt.HELP["play level"])
+    ] = 0,
     split: opt.Split = "train",
-    robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
-    speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
+    robot: Annotated[str | None, typer.Option(help=opt.HELP["play robot"])] = None,
+    speed: Annotated[float, typer.Option(min=0.05, max=20.0, help=opt.HELP["play speed"])] = 1.0,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -252,7 +213,7 @@ def play(
     from irsim_gym.cli.play.manual_play import PlaySettings
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 
-    parameters = read_parameters(given)
+    parameters = read_parameters(given, perturb)
     settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, policy, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
@@ -263,13 +224,10 @@ def play(
 @app.command()
 def draw(
     scenario: opt.Scenario,
-    level: Annotated[int, typer.Option(min=0, max=opt.LAST_LEVEL, help="Number of the level.")] = 0,
+    level: Annotated[int, typer.Option(min=0, max=opt.LAST_LEVEL, help=opt.HELP["draw level"])] = 0,
     split: opt.Split = "dev",
     task: opt.Task = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="File to write or replace: .png, .pdf, .svg, or .yaml for ROS (default: SCENARIO.png)."),
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["draw out"])] = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -282,10 +240,7 @@ def draw(
 
 @app.command()
 def warmup(
-    scenarios: Annotated[
-        list[str] | None,
-        typer.Argument(help="Scenarios, benchmarks or tiers of the suite (default: all in configs/scenarios)."),
-    ] = None,
+    scenarios: Annotated[list[str] | None, typer.Argument(help=opt.HELP["warmup scenarios"])] = None,
     task: opt.Task = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -329,7 +284,7 @@ def _print_version(wanted: bool) -> None:
 @app.callback()
 def _general(
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help=opt.HELP["_general version"])
     ] = False,
 ) -> None:
     """Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them."""

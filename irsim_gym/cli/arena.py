@@ -14,22 +14,17 @@ from irsim_gym.cli.tools import scenario_request
 def arena(
     scenario: opt.Scenario,
     policies: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="Folders of runs, policy.zip files, random, behaviors such as dash, rvo, sfm, orca.",
-            autocompletion=policies_that_begin,
-        ),
+        list[str] | None, typer.Argument(help=opt.HELP["arena policies"], autocompletion=policies_that_begin)
     ] = None,
     levels: opt.Levels = 1000,
     split: opt.Split = "test",
     task: opt.Task = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the results (default: runs/arena-SCENARIO[-team]-SPLIT, numbered).")
-    ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
-    replays: Annotated[int, typer.Option(min=0, help="Maximum number of episodes that the page can play.")] = 200,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["arena out"])] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["arena overwrite"])] = False,
+    replays: Annotated[int, typer.Option(min=0, help=opt.HELP["arena replays"])] = 200,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -38,7 +33,7 @@ def arena(
     from irsim_gym.evaluation.arena.contest import arena as play
     from irsim_gym.evaluation.saved_policies.policy_places import cure_of
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     if not policies:
         raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
     asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "arena")

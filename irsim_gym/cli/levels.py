@@ -72,9 +72,7 @@ levels.add_typer(imports, name="import")
 
 
 @imports.command()
-def barn(
-    path: Annotated[Path, typer.Argument(help="Folder of world_N.world files, or an .npz of cylinders.")], out: Out
-) -> None:
+def barn(path: Annotated[Path, typer.Argument(help=opt.HELP["barn path"])], out: Out) -> None:
     """Convert the worlds of the BARN challenge into levels of the benchmark `barn`: `irsim-gym evaluate OUT dwa`."""
     from irsim_gym.evaluation.levels.barn import import_barn
     from irsim_gym.evaluation.levels.level_commands import write_levels
@@ -83,7 +81,7 @@ def barn(
 
 
 @imports.command()
-def jaxnav(path: Annotated[Path, typer.Argument(help="An .npz with cells, starts and goals.")], out: Out) -> None:
+def jaxnav(path: Annotated[Path, typer.Argument(help=opt.HELP["jaxnav path"])], out: Out) -> None:
     """Convert levels of JaxNav. `agents/jaxnav_pickle.py` takes the arrays out of its pickles."""
     from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
     from irsim_gym.evaluation.levels.level_commands import write_levels
@@ -94,9 +92,9 @@ def jaxnav(path: Annotated[Path, typer.Argument(help="An .npz with cells, starts
 @levels.command()
 def show(
     scenario: Certified,
-    out: Annotated[Path | None, typer.Option(help="Picture to write, .png (default: SCENARIO-levels.png).")] = None,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["show out"])] = None,
     split: opt.Split = "test",
-    number: Annotated[int, typer.Option(min=4, max=100, help="Number of levels in the picture.")] = 16,
+    number: Annotated[int, typer.Option(min=4, max=100, help=opt.HELP["show number"])] = 16,
     count: Count = 1000,
     task: opt.Task = None,
     team: opt.Team = False,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from irsim_gym.base.extras import require
-from irsim_gym.cli.options import Imports, Levels
+from irsim_gym.cli.options import HELP, Imports, Levels
 
 policies = typer.Typer(help="The shipped policies: list them, show their cards, export policies.", no_args_is_help=True)
 
@@ -21,8 +21,8 @@ def list_policies() -> None:
 
 @policies.command("show")
 def show_policy(
-    policy: Annotated[str, typer.Argument(help="Name of a shipped policy, or an exported .npz file.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print the card as JSON.")] = False,
+    policy: Annotated[str, typer.Argument(help=HELP["show_policy policy"])],
+    as_json: Annotated[bool, typer.Option("--json", help=HELP["show_policy as_json"])] = False,
 ) -> None:
     """Print the card of a policy: task, observation, network, training, results, weaknesses."""
     from irsim_gym.evaluation.saved_policies.shelf_tables import print_card
@@ -32,21 +32,13 @@ def show_policy(
 
 @policies.command("export")
 def export_policy(
-    source: Annotated[str, typer.Argument(metavar="RUN", help="A run's folder, a checkpoint or a policy.zip.")],
-    name: Annotated[str, typer.Argument(help="Name of the policy.")],
-    out: Annotated[Path, typer.Option(help="Folder for NAME.npz and NAME.json.")] = Path(),
-    results: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Take the card's results from this summary.json of evaluate or file of agents/results, instead of "
-            "playing test levels; may be repeated."
-        ),
-    ] = None,
+    source: Annotated[str, typer.Argument(metavar="RUN", help=HELP["export_policy source"])],
+    name: Annotated[str, typer.Argument(help=HELP["export_policy name"])],
+    out: Annotated[Path, typer.Option(help=HELP["export_policy out"])] = Path(),
+    results: Annotated[list[Path] | None, typer.Option(help=HELP["export_policy results"])] = None,
     levels: Levels = 1000,
-    weakness: Annotated[
-        list[str] | None, typer.Option(help="A sentence on what the policy does badly; may be repeated.")
-    ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace files of that name.")] = False,
+    weakness: Annotated[list[str] | None, typer.Option(help=HELP["export_policy weakness"])] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help=HELP["export_policy overwrite"])] = False,
     modules: Imports = None,
 ) -> None:
     """Write a trained policy as a small file of numbers, with a card. Loading it needs no PyTorch and runs no code."""

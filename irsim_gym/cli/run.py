@@ -8,22 +8,15 @@ import typer
 
 from irsim_gym.base.errors import IrsimGymError, report_together
 from irsim_gym.cli.completion import scenarios
-from irsim_gym.cli.options import Given, Imports, Lenient, ReplaceFile
+from irsim_gym.cli.options import HELP, Given, Imports, Lenient, ReplaceFile
 from irsim_gym.cli.tools import read_parameters
 
 
 def run_by_itself(
-    scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.", autocompletion=scenarios)],
-    steps: Annotated[
-        int, typer.Option(min=1, help="Maximum number of steps; the run ends when all robots have arrived or collided.")
-    ] = 500,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the level.")] = 0,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "--film", help="Write a film to this .mp4 or .gif file, or a replay page to this .html file."
-        ),
-    ] = None,
+    scenario: Annotated[str, typer.Argument(help=HELP["run_by_itself scenario"], autocompletion=scenarios)],
+    steps: Annotated[int, typer.Option(min=1, help=HELP["run_by_itself steps"])] = 500,
+    seed: Annotated[int, typer.Option(min=0, help=HELP["run_by_itself seed"])] = 0,
+    out: Annotated[Path | None, typer.Option("--out", "--film", help=HELP["run_by_itself out"])] = None,
     overwrite: ReplaceFile = False,
     given: Given = None,
     lenient: Lenient = False,

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from irsim_gym.cli.options import Imports
+from irsim_gym.cli.options import HELP, Imports
 from irsim_gym.cli.tools import print_options
 
 
-def new(file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write, .yaml.")]) -> None:
+def new(file: Annotated[Path, typer.Argument(metavar="FILE", help=HELP["new file"])]) -> None:
     """Write a commented scenario to start from."""
     from irsim_gym.scenario.specs.library import write_template
 
@@ -18,13 +18,7 @@ def new(file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write
 
 
 def options(
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            help="Family such as reward, section or kind such as rvo, or a Markdown file whose tables to update."
-        ),
-    ] = None,
-    modules: Imports = None,
+    name: Annotated[str | None, typer.Argument(help=HELP["options name"])] = None, modules: Imports = None
 ) -> None:
     """Print the kinds of a family, the options of one kind or of all, or update the tables of a Markdown page."""
     from irsim_gym.scenario.reference.option_tables import markdown, rewritten

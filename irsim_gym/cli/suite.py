@@ -7,15 +7,13 @@ import typer
 
 from irsim_gym.base.errors import IrsimGymError, report_together
 from irsim_gym.base.outside_files import reading
-from irsim_gym.cli.options import Imports, Levels, Split
+from irsim_gym.cli.options import HELP, Imports, Levels, Split
 
 suite = typer.Typer(help="The benchmark suite: list it, play policies on it, print tables.", no_args_is_help=True)
 
 
 @suite.command("list")
-def list_suite(
-    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks (default: all).")] = None,
-) -> None:
+def list_suite(names: Annotated[list[str] | None, typer.Argument(help=HELP["list_suite names"])] = None) -> None:
     """List benchmarks: id, tiers, what each tests, and its reference results."""
     from irsim_gym.evaluation.suite.listing import print_suite
 
@@ -24,16 +22,12 @@ def list_suite(
 
 @suite.command("run")
 def run_suite(
-    names: Annotated[
-        str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help="Tiers or benchmarks, separated by commas.")
-    ],
-    policies: Annotated[
-        list[str], typer.Argument(help="Policies as in evaluate; NAME=POLICY,POLICY,... for the seeds of one training.")
-    ],
+    names: Annotated[str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help=HELP["run_suite names"])],
+    policies: Annotated[list[str], typer.Argument(help=HELP["run_suite policies"])],
     levels: Levels = 1000,
     split: Split = "test",
-    out: Annotated[Path | None, typer.Option(help="Folder for rows and summary (default: runs/suite-NAMES).")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
+    out: Annotated[Path | None, typer.Option(help=HELP["run_suite out"])] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help=HELP["run_suite overwrite"])] = False,
     modules: Imports = None,
 ) -> None:
     """Play policies on benchmarks and print the table. The same command continues an interrupted run."""
@@ -61,7 +55,7 @@ def run_suite(
 
 
 @suite.command("table")
-def print_table(folder: Annotated[Path, typer.Argument(help="Folder of a run of the suite.")]) -> None:
+def print_table(folder: Annotated[Path, typer.Argument(help=HELP["print_table folder"])]) -> None:
     """Print the tables of a run, with the conditions of its results."""
     from irsim_gym.evaluation.suite.scores import score_suite
     from irsim_gym.evaluation.suite.suite_record import RECORD, SUMMARY, read_record

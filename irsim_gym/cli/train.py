@@ -78,32 +78,26 @@ def train(
 
 def tune(
     scenario: Annotated[
-        list[str], typer.Argument(metavar="SCENARIO...", help="Scenario of the trials, or several.", show_default=False)
+        list[str], typer.Argument(metavar="SCENARIO...", help=opt.HELP["tune scenario"], show_default=False)
     ],
-    trials: Annotated[
-        int | None, typer.Option(min=1, help="Number of trials with those in the folder (default: 40, or the grid).")
-    ] = None,
-    space: Annotated[
-        Path | None, typer.Option(help="YAML file of the search space (default: the shipped one of the algorithm).")
-    ] = None,
-    grid: Annotated[bool, typer.Option("--grid", help="Train all combinations of the lists in the space.")] = False,
+    trials: Annotated[int | None, typer.Option(min=1, help=opt.HELP["tune trials"])] = None,
+    space: Annotated[Path | None, typer.Option(help=opt.HELP["tune space"])] = None,
+    grid: Annotated[bool, typer.Option("--grid", help=opt.HELP["tune grid"])] = False,
     algorithm: opt.Algorithm = None,
     seed: opt.Seed = 0,
     steps: opt.Steps = None,
     task: opt.Task = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder of the study (default: runs/tune-RUN, RUN as the folder of train).")
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["tune out"])] = None,
     hyperparameters: opt.Hyperparameters = None,
     changes: opt.Changes = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the study in the folder.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["tune overwrite"])] = False,
     device: opt.Device = None,
-    dev_levels: Annotated[int, typer.Option(min=1, help="Number of dev levels to score each checkpoint on.")] = 300,
+    dev_levels: Annotated[int, typer.Option(min=1, help=opt.HELP["tune dev_levels"])] = 300,
     team: opt.TeamMode = None,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
-    workers: Annotated[int, typer.Option(min=1, max=10_000, help="Trials at a time.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=10_000, help=opt.HELP["tune workers"])] = 1,
 ) -> None:
     """Search with Optuna, or through a grid, for hyper-parameters, weights of rewards, parameters, seeds, scenarios.
 

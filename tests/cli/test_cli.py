@@ -316,6 +316,22 @@ def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pyte
     assert "--level" in capsys.readouterr().err
 
 
+def test_learners_are_disturbed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    slips = ("--perturb", "slip:ahead=0.5", "--perturb", "latency:time=0.1")
+    assert run(monkeypatch, "evaluate", "empty_goal", "dash", "--levels", 3, "--out", "found", *slips) == 0
+    assert "misplaced" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "found" / "summary.json").read_text())
+    assert summary["conditions"]["parameters"] == {"disturbances": "slip:ahead=0.5; latency:time=0.1"}
+    dash = next(one for one in summary["policies"] if one["policy"] == "dash")
+    assert (dash["success"]["count"], dash["misplaced"]["count"]) == (0, 3)
+    assert dash["end_distance"] > 0.5
+    assert run(monkeypatch, "rollout", "empty_goal", "--perturb", "latncy:time=1") == 1
+    assert "did you mean 'latency'?" in capsys.readouterr().err
+
+
 def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
     demos = tmp_path / "demos.npz"

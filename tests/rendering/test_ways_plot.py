@@ -16,7 +16,7 @@ from irsim_gym.rendering.figures.ways_marks import DrawnWay, colour_of
 from irsim_gym.rendering.figures.ways_plot import WaysPanel, draw_ways, plot_ways
 from irsim_gym.rendering.looks.fonts import label
 from irsim_gym.rendering.scene.scene import MapView
-from irsim_gym.training.curves.seed_summary import draw_curves
+from irsim_gym.training.curves.learning_curve import draw_curves
 
 
 def test_density_is_the_share_of_levels() -> None:

@@ -144,10 +144,12 @@ def test_what_there_is_not() -> None:
         load_hyperparameters("ppoo", "x")
     with pytest.raises(ScenarioError, match="no such file"):
         load_hyperparameters("ppo", "x", file=Path("none.yaml"))
-    with pytest.raises(IrsimGymError, match=r"must be episode or respawn, got 'epsode' \(did you mean 'episode'\?"):
+    with pytest.raises(IrsimGymError, match=r"must be 'episode' or 'respawn', got 'epsode' \(did you mean 'episode'\?"):
         load_hyperparameters("ppo", "x", overrides={"team": "epsode"})
     with pytest.raises(IrsimGymError, match="activation"):
-        Hyperparameters(1, 1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}).algorithm_arguments()
+        Hyperparameters(
+            n_timesteps=1, n_envs=1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}
+        ).algorithm_arguments()
     if not cuda():
         with pytest.raises(IrsimGymError, match=r"device cuda: PyTorch \S+ finds none here"):
             resolve_device("cuda")

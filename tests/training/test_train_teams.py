@@ -120,5 +120,5 @@ def test_the_command_line_trains_a_team(
 
 
 def test_a_mode_that_does_not_exist(tmp_path: Path) -> None:
-    with pytest.raises(IrsimGymError, match="team must be episode or respawn"):
+    with pytest.raises(IrsimGymError, match="team must be 'episode' or 'respawn'"):
         load_hyperparameters("ppo", "irsim_gym/empty_goal-v0", overrides={"team": "lifelong"})

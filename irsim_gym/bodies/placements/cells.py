@@ -8,17 +8,8 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import CellMap, CellMaps, Flags, Floats, Ints, Point
 from irsim_gym.base.rng import integer, uniform
-from irsim_gym.bodies.placements.free_space import (
-    WayGrids,
-    confirm_ways,
-    has_way_of_length,
-    is_goal_free,
-    is_start_free,
-    leg_start,
-    length_option,
-    length_problems,
-    way_grids,
-)
+from irsim_gym.bodies.placements import free_space
+from irsim_gym.bodies.placements.free_space import WayGrids
 from irsim_gym.bodies.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.paths.grid import Grid
@@ -61,8 +52,8 @@ class CellPlacement:
     ensures_way: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True
 
-    min_way_length: float = length_option("min_way_length")
-    max_way_length: float | None = length_option("max_way_length")
+    min_way_length: float = free_space.length_option("min_way_length")
+    max_way_length: float | None = free_space.length_option("max_way_length")
     goals: int = goals_option()
 
     @property
@@ -72,7 +63,7 @@ class CellPlacement:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
-        yield from length_problems(self.min_way_length, self.max_way_length)
+        yield from free_space.length_problems(self.min_way_length, self.max_way_length)
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> str | None:
@@ -103,7 +94,7 @@ class CellPlacement:
                 found=np.zeros((n_slots, n_cells), np.int64),
                 seen=np.zeros((n_slots, n_cells), np.bool_),
             ),
-            way_grids(grids, n_slots, n_bodies, limits.tolist()),
+            free_space.way_grids(grids, n_slots, n_bodies, limits.tolist()),
         )
         return None
 
@@ -119,7 +110,7 @@ class CellPlacement:
         """Set ``failed`` where bodies that were placed later block a member's way, or make it too long."""
         tables, grids = group.tables
         grids = grids.of_slot(shard.slot)
-        confirm_ways(shard.worlds, group.members, tables.limits, grids, model, state, model.cells, failed)
+        free_space.confirm_ways(shard.worlds, group.members, tables.limits, grids, model, state, model.cells, failed)
 
 
 @kernel
@@ -154,7 +145,7 @@ def draw_in_cells(
                 start = take(free, n_free, w, state)
                 put_in_cell(here, start, w, state, state.pose[w, b])
                 place_outline(model, state, w, b)
-                if not is_start_free(w, b, tables.everyone, 0.0, model, state, cells):
+                if not free_space.is_start_free(w, b, tables.everyone, 0.0, model, state, cells):
                     continue
                 # A start without reachable goals is given up, and the next free cell is drawn.
                 state.placed[w, b] = not model.has_goal[b] or draw_goals(w, slot, b, tables, grids, model, state, cells)
@@ -175,12 +166,13 @@ def draw_goals(
     """
     here, found, seen = map_of(cells, w), tables.found[slot], tables.seen[slot]
     for k in range(model.drawn_goals[b]):
-        n_found, is_drawn = find_reached(here, cell_at(here, leg_start(w, b, k, model, state)), found, seen), False
+        begin = cell_at(here, free_space.leg_start(w, b, k, model, state))
+        n_found, is_drawn = find_reached(here, begin, found, seen), False
         while n_found > 0 and not is_drawn:
             n_found -= 1
             put_in_cell(here, take(found, n_found, w, state), w, state, model.waypoints[w, b, k])
-            is_drawn = is_goal_free(w, b, k, 0.0, model, state, cells) and (
-                not tables.needs_way or has_way_of_length(w, b, k, tables.limits, grids, model, state, cells)
+            is_drawn = free_space.is_goal_free(w, b, k, 0.0, model, state, cells) and (
+                not tables.needs_way or free_space.has_way_of_length(w, b, k, tables.limits, grids, model, state, cells)
             )
         if not is_drawn:
             return False

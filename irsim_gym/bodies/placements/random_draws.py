@@ -4,15 +4,8 @@ from dataclasses import dataclass
 
 from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.base.rng import uniform
-from irsim_gym.bodies.placements.free_space import (
-    WayGrids,
-    has_way_of_length,
-    is_goal_free,
-    is_spaced,
-    is_start_free,
-    kept_goals,
-    leg_start,
-)
+from irsim_gym.bodies.placements import free_space
+from irsim_gym.bodies.placements.free_space import WayGrids
 from irsim_gym.simulator.geometry.buckets import bucket_of, gather_nearby, put
 from irsim_gym.simulator.world.names import Model, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import place_outline
@@ -84,7 +77,7 @@ def draw_members(
                     not model.has_goal[b] or draw_goal(w, b, 0, tables, model, state, cells)
                 )
                 if placed[w, b] and tables.needs_way and model.has_goal[b]:
-                    placed[w, b] = has_way_of_length(w, b, 0, tables.limits, grids, model, state, cells)
+                    placed[w, b] = free_space.has_way_of_length(w, b, 0, tables.limits, grids, model, state, cells)
                 if placed[w, b]:
                     break
             for k in range(1, model.drawn_goals[b]):
@@ -144,10 +137,10 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
             within = max(tables.min_distance, own + clearance + frame.reach)
             count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
             peers, others = found[:count], found[:count]
-        if not is_spaced(pose, b, peers, tables.is_member, tables.min_distance, model.present[w], placed):
+        if not free_space.is_spaced(pose, b, peers, tables.is_member, tables.min_distance, model.present[w], placed):
             continue
         place_outline(model, state, w, b)
-        if is_start_free(w, b, others, tables.clearance, model, state, cells):
+        if free_space.is_start_free(w, b, others, tables.clearance, model, state, cells):
             return True
     return False
 
@@ -166,7 +159,7 @@ def draw_next_goal(
     for _ in range(PATH_TRIES):
         if not draw_goal(w, b, k, tables, model, state, cells):
             return False
-        if not tables.needs_way or has_way_of_length(w, b, k, tables.limits, grids, model, state, cells):
+        if not tables.needs_way or free_space.has_way_of_length(w, b, k, tables.limits, grids, model, state, cells):
             return True
     return False
 
@@ -181,7 +174,7 @@ def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: S
     Writes: model (waypoints), state (random).
     """
     goal, least, most = model.waypoints[w, b, k], tables.min_goal_distance, tables.limits[1]
-    x, y = leg_start(w, b, k, model, state)
+    x, y = free_space.leg_start(w, b, k, model, state)
     for _ in range(GOAL_TRIES):
         for axis in range(3):
             goal[axis] = uniform(state.random, w, tables.goal_low[axis], tables.goal_high[axis])
@@ -190,7 +183,7 @@ def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: S
             continue
         if not is_goal_spaced(w, b, k, tables, model, state):
             continue
-        if is_goal_free(w, b, k, tables.clearance, model, state, cells):
+        if free_space.is_goal_free(w, b, k, tables.clearance, model, state, cells):
             return True
     return False
 
@@ -207,7 +200,7 @@ def is_goal_spaced(w: int, b: int, k: int, tables: DrawTables, model: Model, sta
     for q in tables.members:
         if q == b or not model.present[w, q] or not state.placed[w, q]:
             continue
-        for i in range(kept_goals(w, q, model)):
+        for i in range(free_space.kept_goals(w, q, model)):
             dx, dy = goals[q, i, 0] - x, goals[q, i, 1] - y
             if dx * dx + dy * dy < least * least:
                 return False

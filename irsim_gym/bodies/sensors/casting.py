@@ -3,23 +3,9 @@
 import numpy as np
 
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row, mount
+from irsim_gym.simulator.geometry import ray_chunks
 from irsim_gym.simulator.geometry.polygons import contains_point
-from irsim_gym.simulator.geometry.ray_chunks import (
-    AWAY,
-    BLOCK,
-    CHUNK,
-    Eye,
-    Fan,
-    clear_depths,
-    lay_beams,
-    list_kept,
-    prepare_discs,
-    prepare_segments,
-    raise_by_discs,
-    raise_by_segments,
-    span_discs,
-    span_segments,
-)
+from irsim_gym.simulator.geometry.ray_chunks import AWAY, BLOCK, CHUNK, Eye, Fan
 from irsim_gym.simulator.geometry.rays import inverse_depth_disc, inverse_depth_segment
 from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, State, kernel, row_of
 
@@ -72,9 +58,9 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
             own, far, row = tables.members[k], tables.range_max[k], beam_row(w, k, tables)
             eye = mount(here[own], state.direction[w, own], tables.offset[k])
             if row != laid:
-                lay_beams(tables.beams_x[row], tables.beams_y[row], rays)
+                ray_chunks.lay_beams(tables.beams_x[row], tables.beams_y[row], rays)
                 laid = row
-            clear_depths(rays)
+            ray_chunks.clear_depths(rays)
             n_sides, n_rounds = 0, 0
             for b in range(there.shape[0]):
                 dx, dy, within = here[b, 0] - eye.x, here[b, 1] - eye.y, far + reaches[b]
@@ -133,12 +119,12 @@ def cast_chunk(
     fan = Fan(inverse.shape[0], np.float32(tables.first), np.float32(tables.density))
     for j in range(n_rounds, whole_lanes):
         discs.x[j], discs.radius[j] = 1.0, 0.0
-    n_edges = prepare_segments(n_sides, eye, far, ends, tables.limits[slot], sides)
-    n_around = prepare_discs(whole_lanes, eye, discs, rounds)
-    span_segments(n_sides, fan, sides)
-    span_discs(n_rounds, fan, rounds)
-    raise_by_segments(list_kept(n_sides, sides), sides, rays)
-    raise_by_discs(list_kept(n_rounds, rounds), rounds, rays)
+    n_edges = ray_chunks.prepare_segments(n_sides, eye, far, ends, tables.limits[slot], sides)
+    n_around = ray_chunks.prepare_discs(whole_lanes, eye, discs, rounds)
+    ray_chunks.span_segments(n_sides, fan, sides)
+    ray_chunks.span_discs(n_rounds, fan, rounds)
+    ray_chunks.raise_by_segments(ray_chunks.list_kept(n_sides, sides), sides, rays)
+    ray_chunks.raise_by_discs(ray_chunks.list_kept(n_rounds, rounds), rounds, rays)
     # The rare cases in which the fast formulas fail: segments seen edge-on, and discs around the sensor.
     if n_edges + n_around > 0:
         beams_x, beams_y = tables.beams_x[row], tables.beams_y[row]

@@ -285,11 +285,7 @@ def run_record(
     checks = partial(check_output, out, kind), partial(check_free, out, overwrite)
     check_inputs(asked, *checks, policies=policies, split=split)
     asked = as_trained(asked, policies)
-    names = {"replay": "replay.html", "film": "film.mp4"}
-    path = out or free_file(Path("runs") / names.get(kind, f"{kind}.png"), overwrite)
-    if kind == "replay":
-        print(record_html(asked, policies, levels, path, split=split))
-    elif kind == "film":
-        print(record_film(asked, policies, levels, path, split=split))
-    else:
-        print(record_sheet(asked, policies, levels, path, split=split))
+    names = {"replay": "replay.html", "film": "film.mp4", "sheet": "sheet.png"}
+    path = out or free_file(Path("runs") / names[kind], overwrite)
+    write = {"replay": record_html, "film": record_film, "sheet": record_sheet}[kind]
+    print(write(asked, policies, levels, path, split=split))

@@ -31,14 +31,8 @@ class Explained:
         return self.worlds.mirror()
 
 
-class OneWorld:
-    """An environment of one world, whose present moment can be read.
-
-    Attributes:
-        worlds: The world, a batch of one.
-    """
-
-    worlds: Worlds
+class OneWorld(Explained):
+    """An environment of one world, whose present moment can be read."""
 
     @property
     def robots(self) -> Bodies:

@@ -11,7 +11,7 @@ from gymnasium.error import ResetNeeded
 
 from irsim_gym.base.arraytypes import Bytes, Flags
 from irsim_gym.envs.described.moment import BodyMoment
-from irsim_gym.envs.gymnasium.explained import Explained, OneWorld
+from irsim_gym.envs.gymnasium.explained import OneWorld
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.envs.parts.infos import Infos
 from irsim_gym.envs.parts.limits import ScenarioSpec, agreed_limit, outer_limit, scenario_spec
@@ -23,7 +23,7 @@ from irsim_gym.tasks.definition.task import checked_limit
 from irsim_gym.tasks.episodes.levels import CHAIN
 
 
-class WorldEnv(Explained, OneWorld, gymnasium.Env[Observation, Any]):
+class WorldEnv(OneWorld, gymnasium.Env[Observation, Any]):
     """A scenario in which one robot learns.
 
     ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` continues with the next level of the chain

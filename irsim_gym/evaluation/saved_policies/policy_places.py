@@ -37,9 +37,6 @@ class UnknownPolicyError(IrsimGymError):
         super().__init__(f"{problem}\n{cure_of([source]) if cure is None else cure}")
         self.source, self.problem = source, problem
 
-    def __reduce__(self) -> tuple[type[UnknownPolicyError], tuple[str | Path, str, str]]:
-        return type(self), (self.source, self.problem, str(self).removeprefix(f"{self.problem}\n"))
-
 
 def known_names() -> tuple[str, ...]:
     """Return the names of behaviours and of shipped policies."""

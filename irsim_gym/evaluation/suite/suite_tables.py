@@ -1,7 +1,6 @@
 """The tables of a run of the suite, in Markdown."""
 
 from collections.abc import Mapping, Sequence
-from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +102,9 @@ def _needs(record: SuiteRecord, member: str, method: str) -> str:
 
 def _cells(column: Mapping[str, Any], scores: Sequence[Figures]) -> list[str]:
     """Return the cells of a column, one for each method; figures of earlier versions may lack it."""
-    values = [reduce(lambda found, key: (found or {}).get(key), column["place"], score) for score in scores]
+    values: list[Any] = list(scores)
+    for key in column["place"]:
+        values = [(value or {}).get(key) for value in values]
     if "occurring" in column and not any(values):
         return [DASH] * len(values)
     if "interval" in column:

@@ -22,20 +22,8 @@ from irsim_gym.rendering.figures.figure_images import body_image, fog_image, map
 from irsim_gym.rendering.looks import fonts, theme
 from irsim_gym.rendering.looks.colours import colour
 from irsim_gym.rendering.raster.figures import APART, FADE_STEPS, FAINTEST
-from irsim_gym.rendering.scene import vocabulary
+from irsim_gym.rendering.scene import primitives, vocabulary
 from irsim_gym.rendering.scene.frame_layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
-from irsim_gym.rendering.scene.primitives import (
-    Beams,
-    Cover,
-    Figure,
-    Ink,
-    Pen,
-    Picture,
-    Primitive,
-    Shape,
-    SpeedInks,
-    Words,
-)
 from irsim_gym.rendering.scene.scene import DrawnBody, GoalView, LabelView, ScanView, Scene, TrailView
 from irsim_gym.rendering.scene.shapes import placed
 
@@ -108,30 +96,30 @@ class SceneArtists:
         for primitive in _free(scene):
             yield from self._placed(primitive, scene)
 
-    def _of_body(self, primitive: Primitive, view: DrawnBody) -> Drawn:
+    def _of_body(self, primitive: primitives.Primitive, view: DrawnBody) -> Drawn:
         """Yield the artists of a primitive in a body's frame; trails and labels have views of their own."""
         match primitive:
-            case Picture() if view.image is not None:
+            case primitives.Picture() if view.image is not None:
                 yield primitive.layer, primitive.rank, body_image(self._axes, view.image)
-            case Figure(past=None):
+            case primitives.Figure(past=None):
                 x, y, heading = view.pose
                 pose = np.array([[x, y, heading + (view.turn if primitive.turned else 0.0)]])
                 yield from self._figure(primitive._replace(places=pose))
 
-    def _placed(self, primitive: Primitive, scene: Scene) -> Drawn:
+    def _placed(self, primitive: primitives.Primitive, scene: Scene) -> Drawn:
         """Yield the artists of a primitive in the world frame."""
         match primitive:
-            case Figure():
+            case primitives.Figure():
                 yield from self._figure(primitive)
-            case Words() if primitive.places is not None:
+            case primitives.Words() if primitive.places is not None:
                 x, y = primitive.places[0].tolist()
                 ink, level = primitive.ink, "center" if primitive.level == "middle" else primitive.level
                 look = {"ha": primitive.align, "va": level, "size": primitive.size}
                 yield from self._text(primitive, x, y, primitive.text, color=ink.colour, alpha=ink.opacity, **look)
-            case Cover() if scene.fog is not None:
+            case primitives.Cover() if scene.fog is not None:
                 yield primitive.layer, primitive.rank, fog_image(self._axes, scene.fog)
 
-    def _figure(self, figure: Figure) -> Drawn:
+    def _figure(self, figure: primitives.Figure) -> Drawn:
         """Yield the artists of a shape at its places."""
         shape, shift = figure.shape, figure.shift * self._metre
         places = np.zeros((1, 2)) if figure.places is None else figure.places
@@ -143,7 +131,7 @@ class SceneArtists:
             radius = float(shape.discs[0, 2]) / self._metre if shape.discs is not None and len(shape.discs) else 0.0
             yield figure.layer, figure.rank, self._patch(self._path(shape, pose), faded(figure.pen, radius))
 
-    def _path(self, shape: Shape, pose: Floats) -> Path:
+    def _path(self, shape: primitives.Shape, pose: Floats) -> Path:
         """Return a shape at a pose [m, m, rad] as a path."""
         parts = []
         for number in range(max(len(shape.chains), len(shape.offsets))):
@@ -160,7 +148,7 @@ class SceneArtists:
             parts.append(_sector(*shape.sector, pose))
         return Path.make_compound_path(*parts)
 
-    def _patch(self, path: Path, pen: Pen) -> PathPatch:
+    def _patch(self, path: Path, pen: primitives.Pen) -> PathPatch:
         """Return a path drawn with a pen."""
         width = max(pen.width / self._metre, vocabulary.THINNEST_BAND) if pen.in_metres else pen.width
         has_edge = pen.edge is not None and width > 0.0
@@ -177,7 +165,7 @@ class SceneArtists:
         patch.set_transform(self._axes.transData)
         return patch
 
-    def _dots(self, places: Floats, radius: float, pen: Pen, colours: object = None) -> PathCollection:
+    def _dots(self, places: Floats, radius: float, pen: primitives.Pen, colours: object = None) -> PathCollection:
         """Return discs of a radius [point] at some places [m], with the pen's colour or one colour each."""
         circle, data = Path.unit_circle(), self._axes.transData
         dots = PathCollection([circle], [radius**2], offsets=places, offset_transform=data)
@@ -187,7 +175,7 @@ class SceneArtists:
         dots.set_transform(IdentityTransform())
         return dots
 
-    def _beams(self, beams: Beams, view: ScanView) -> Drawn:
+    def _beams(self, beams: primitives.Beams, view: ScanView) -> Drawn:
         """Yield the artists of one form of a scan."""
         chosen = {"all": np.ones_like(view.hits), "hits": view.hits, "valid": view.valid, "free": ~view.valid}
         which, layer, rank = chosen[beams.which], beams.layer, beams.rank
@@ -238,17 +226,17 @@ class SceneArtists:
             yield from self._text(words, view.x, view.y, words.text, path_effects=around, **look)
         yield from self._text(words, view.x, view.y, words.text, alpha=words.ink.opacity, **look)
 
-    def _text(self, words: Words, x: float, y: float, text: str, **look: object) -> Drawn:
+    def _text(self, words: primitives.Words, x: float, y: float, text: str, **look: object) -> Drawn:
         """Yield a text if its place is visible."""
         if self._layout.contains(x, y):
             letters, face = fonts.families(text)
             yield words.layer, words.rank, Text(x, y, letters, **{**TEXT, **face, **look})
 
 
-def _free(scene: Scene) -> Iterator[Primitive]:
+def _free(scene: Scene) -> Iterator[primitives.Primitive]:
     """Yield the primitives in the world frame: goals, fog, marks, and the outcome."""
     for view in scene.goals:
-        yield from (part for part in vocabulary.goal(view) if not isinstance(part, Words))
+        yield from (part for part in vocabulary.goal(view) if not isinstance(part, primitives.Words))
     if scene.fog is not None:
         yield vocabulary.fog(scene.fog)
     for mark in scene.overlay.marks:
@@ -257,21 +245,21 @@ def _free(scene: Scene) -> Iterator[Primitive]:
         yield from vocabulary.outcome(theme.status_colour(scene.status), scene.bounds)
 
 
-def rgba(ink: Ink) -> tuple[float, float, float, float]:
+def rgba(ink: primitives.Ink) -> tuple[float, float, float, float]:
     """Return a colour in matplotlib's form."""
     red, green, blue, opacity = colour(ink.colour, min(ink.opacity, 1.0))
     share = ink.brightness / 255.0
     return red * share, green * share, blue * share, opacity
 
 
-def faded(pen: Pen, radius: float) -> Pen:
+def faded(pen: primitives.Pen, radius: float) -> primitives.Pen:
     """Return a pen for a disc of a radius [point]; the fill of a large disc gets fainter with its area."""
     if pen.fill is None or not radius > pen.filled_radius > 0.0:
         return pen
     return pen._replace(fill=pen.fill._replace(opacity=pen.fill.opacity * (pen.filled_radius / radius) ** 2))
 
 
-def speed_colours(inks: SpeedInks, speeds: Floats) -> Floats:
+def speed_colours(inks: primitives.SpeedInks, speeds: Floats) -> Floats:
     """Return the colours of radial velocities ``(n,)``: red, green, blue, opacity, shape ``(n, 4)``."""
     share = np.minimum(np.abs(speeds) / inks.full_speed, 1.0)[:, None]
     ends = np.where(speeds[:, None] >= 0.0, rgba(inks.away), rgba(inks.nearer))

@@ -10,16 +10,7 @@ from matplotlib.collections import LineCollection, PatchCollection, PolyCollecti
 from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.patches import Circle
 
-from irsim_gym.rendering.figures.ways_marks import (
-    DrawnWay,
-    colour_of,
-    draw_ends,
-    draw_lines,
-    draw_starts_and_goals,
-    rank_of,
-    show_world,
-    words_of,
-)
+from irsim_gym.rendering.figures import ways_marks
 from irsim_gym.rendering.looks import theme
 from irsim_gym.rendering.scene.scene import DrawnBody, MapView
 
@@ -42,7 +33,7 @@ class DrawnLevel:
 
     number: int
     time: float
-    ways: Sequence[DrawnWay]
+    ways: Sequence[ways_marks.DrawnWay]
     fixed: Sequence[DrawnBody]
     moving: Sequence[DrawnBody]
     agents: Sequence[int]
@@ -51,12 +42,12 @@ class DrawnLevel:
     @property
     def outcome(self) -> str:
         """Outcome of the level: success if all agents arrived, else that of its agents' which is last in ``ORDER``."""
-        return max((way.outcome for way in self.ways), key=rank_of)
+        return max((way.outcome for way in self.ways), key=ways_marks.rank_of)
 
     def __str__(self) -> str:
         """Return the outcome as text: ``collision, 3.2 s``; for several agents, the number that arrived."""
         arrived = sum(way.outcome == "success" for way in self.ways)
-        words = words_of(self.outcome) if len(self.ways) == 1 else f"{arrived} of {len(self.ways)} arrive"
+        words = ways_marks.words_of(self.outcome) if len(self.ways) == 1 else f"{arrived} of {len(self.ways)} arrive"
         return f"{words}, {self.time:.1f} s"
 
 
@@ -88,7 +79,7 @@ def worth_showing(levels: Sequence[DrawnLevel], count: int) -> list[DrawnLevel]:
 
 def draw_level(axes: Axes, level: DrawnLevel, bounds: Sequence[float]) -> None:
     """Draw a level, with its number and outcome above."""
-    show_world(axes, bounds)
+    ways_marks.show_world(axes, bounds)
     if level.map is not None:
         draw_map(axes, level.map, STANDING)
     outcomes = dict(zip(level.agents, (way.outcome for way in level.ways), strict=True))
@@ -96,14 +87,14 @@ def draw_level(axes: Axes, level: DrawnLevel, bounds: Sequence[float]) -> None:
     _draw_bodies(axes, [view for view in level.moving if view.body not in outcomes], MOVING, 1.0)
     for view in level.moving:
         if view.body in outcomes:
-            _draw_bodies(axes, [view], colour_of(outcomes[view.body]), 0.35)
-    draw_lines(axes, level.ways, 1.0, 1.2)
-    draw_starts_and_goals(axes, level.ways, 22.0)
-    draw_ends(axes, level.ways, 22.0)
+            _draw_bodies(axes, [view], ways_marks.colour_of(outcomes[view.body]), 0.35)
+    ways_marks.draw_lines(axes, level.ways, 1.0, 1.2)
+    ways_marks.draw_starts_and_goals(axes, level.ways, 22.0)
+    ways_marks.draw_ends(axes, level.ways, 22.0)
     look: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom"}
     look |= {"family": theme.FONT, "fontsize": 7.5}
     axes.annotate(f"level {level.number}", (0.0, 1.0), (0.0, 12.0), color=theme.INK, **look)
-    axes.annotate(str(level), (0.0, 1.0), (0.0, 1.0), color=colour_of(level.outcome), **look)
+    axes.annotate(str(level), (0.0, 1.0), (0.0, 1.0), color=ways_marks.colour_of(level.outcome), **look)
 
 
 def draw_map(axes: Axes, view: MapView, tone: str, zorder: float = 0.0, **look: Any) -> None:

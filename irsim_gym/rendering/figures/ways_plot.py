@@ -12,21 +12,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.figure import Figure
 
+from irsim_gym.rendering.figures import ways_marks
 from irsim_gym.rendering.figures.figure import READABLE
 from irsim_gym.rendering.figures.ways_density import Density
 from irsim_gym.rendering.figures.ways_levels import DrawnLevel, draw_level
-from irsim_gym.rendering.figures.ways_marks import (
-    BEYOND,
-    ORDER,
-    DrawnWay,
-    draw_ends,
-    draw_lines,
-    draw_starts_and_goals,
-    legend,
-    paler,
-    show_world,
-    words_of,
-)
+from irsim_gym.rendering.figures.ways_marks import BEYOND, ORDER, DrawnWay
 from irsim_gym.rendering.frames.card import number_text
 from irsim_gym.rendering.looks import fonts, theme
 from irsim_gym.rendering.looks.files import whole_file
@@ -155,7 +145,7 @@ def draw_ways(
 def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: str) -> Figure:
     """Return the figure of ``draw_ways``."""
     plan = WaysPlan(density.bounds, panels)
-    entries = legend(outcome for panel in panels for outcome in panel.counts)
+    entries = ways_marks.legend(outcome for panel in panels for outcome in panel.counts)
     room = plan.width - LEFT - RIGHT
     lines = textwrap.wrap(note, max(int(room / LETTER), 20))
     columns = max(min(len(entries), int(room / ENTRY)), 1)
@@ -190,11 +180,11 @@ def _draw_panel(axes: Axes, panel: WaysPanel, density: Density) -> None:
     shown = [way for way in whole if way.outcome == "success"][:FEW]
     shown += [way for way in whole if way.outcome != "success"][:FEW]
     failed = [way for way in panel.ways if way.outcome != "success"]
-    draw_lines(axes, shown, 0.8)
+    ways_marks.draw_lines(axes, shown, 0.8)
     if not panel.levels:
-        draw_starts_and_goals(axes, shown, 12.0)
-    draw_ends(axes, failed, 26.0 * max(paler(len(failed)), 0.5))
-    show_world(axes, density.bounds)
+        ways_marks.draw_starts_and_goals(axes, shown, 12.0)
+    ways_marks.draw_ends(axes, failed, 26.0 * max(ways_marks.paler(len(failed)), 0.5))
+    ways_marks.show_world(axes, density.bounds)
     _write(axes, panel)
     _add_ticks(axes, density.bounds)
 
@@ -205,7 +195,7 @@ def _write(axes: Axes, panel: WaysPanel) -> None:
     axes.set_title(title, loc="left", fontsize=9, color=theme.INK, pad=15, **face)
     axes.text(0.0, 1.012, panel.success, transform=axes.transAxes, fontsize=8, color=theme.INK, family=theme.FONT)
     counts = ", ".join(
-        f"{words_of(outcome)} {panel.counts[outcome]:,}" for outcome in ORDER if panel.counts.get(outcome)
+        f"{ways_marks.words_of(outcome)} {panel.counts[outcome]:,}" for outcome in ORDER if panel.counts.get(outcome)
     )
     axes.set_xlabel(counts, fontsize=7.5, color=theme.INK, family=theme.FONT, loc="left")
 

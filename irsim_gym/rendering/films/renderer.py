@@ -12,7 +12,7 @@ from irsim_gym.base.arraytypes import Bytes, Flags
 from irsim_gym.rendering.frames.frame_painter import FramePainter, Share
 from irsim_gym.rendering.looks.styles import TOP
 from irsim_gym.rendering.scene.frame_layout import Layout, Limits, lay_out
-from irsim_gym.rendering.scene.reader import SceneReader
+from irsim_gym.rendering.scene.reader import DrawnSimulation, SceneReader
 from irsim_gym.rendering.scene.scene import DrawnBody, Scene
 from irsim_gym.simulator.readings.marks import Overlay
 from irsim_gym.simulator.readings.trails import Trails
@@ -56,12 +56,12 @@ class Renderer:
         share: Share | None = None,
     ) -> None:
         plot = scenario.world.plot
-        self._reader = SceneReader(scenario, model, state, sensors, learners, trails, explored)
+        self._drawn = DrawnSimulation(scenario, model, state, sensors, learners, explored)
+        self._reader = SceneReader(self._drawn, trails)
         shown = {"axis": not plot.no_axis, "title": bool(plot.show_title), "tight": plot.tight}
         self._whole = lay_out(model.bounds, size or plot.figure_pixels, **shown)
         self._looked_at: Limits | None = None
-        self._scenario, self._model, self._state, self._sensors = scenario, model, state, sensors
-        self._learners, self._explored, self._share = learners, explored, share
+        self._share = share
         self._painter: FramePainter | None = None
 
     @property
@@ -137,7 +137,7 @@ class Renderer:
         chosen, given = np.array(worlds, np.int64), list(statuses) or [""] * len(worlds)
         if len(given) != len(chosen):
             raise ValueError(f"as many statuses as worlds: {len(chosen)}, got {len(given)}")
-        state, reader = self._state, self._reader
+        state, reader = self._drawn.state, self._reader
         for world in dict.fromkeys(chosen.tolist()):
             self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         overlays = [reader.overlay(world) for world in chosen.tolist()]
@@ -156,7 +156,7 @@ class Renderer:
         """
         from irsim_gym.rendering.figures.figure import Frame, save_figure
 
-        plot, scene = self._scenario.world.plot, self._reader.read(world, status)
+        plot, scene = self._drawn.scenario.world.plot, self._reader.read(world, status)
         around = Frame(plot.title is not None, not plot.no_axis, bool(plot.show_title))
         save_figure(scene, self.seen(world), around, path, plot.saved_figure, dots_per_inch)
 
@@ -167,18 +167,7 @@ class Renderer:
     def _painter_for(self, lowest: float) -> FramePainter:
         """Return the painter, or a new one if a mark lies below the ground of the present one."""
         if self._painter is None or lowest < self._painter.plan.covered:
-            self._painter = FramePainter(
-                self._scenario,
-                self._model,
-                self._state,
-                self._sensors,
-                self._learners,
-                self._reader,
-                self._explored,
-                self._share,
-                self._whole,
-                lowest,
-            )
+            self._painter = FramePainter(self._drawn, self._reader, self._share, self._whole, lowest)
         return self._painter
 
     def __getstate__(self) -> dict[str, Any]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.base.arraytypes import Bytes, Floats, Ints
 from irsim_gym.rendering.frames.card import Card, Head, plot_box, world_box
 from irsim_gym.rendering.frames.letters import Masks
 from irsim_gym.rendering.frames.mark_painter import MarkPainter, marks_by_layer
@@ -21,15 +21,10 @@ from irsim_gym.rendering.raster.masks import paint_cells
 from irsim_gym.rendering.raster.play import draw_frames, draw_heads, draw_items
 from irsim_gym.rendering.raster.sheets import new_sheet
 from irsim_gym.rendering.scene.frame_layout import Layout
-from irsim_gym.rendering.scene.reader import SceneReader
+from irsim_gym.rendering.scene.reader import DrawnSimulation, SceneReader
 from irsim_gym.simulator.readings.marks import Overlay
 from irsim_gym.simulator.readings.trails import LONGEST
-from irsim_gym.simulator.world.group import Group, Shard
-from irsim_gym.simulator.world.model import Model
-from irsim_gym.simulator.world.state import State
-
-if TYPE_CHECKING:
-    from irsim_gym.scenario.specs.spec import Scenario
+from irsim_gym.simulator.world.group import Shard
 
 POINT = 100.0 / 72.0
 HALF_A_WALL = 1.1
@@ -43,13 +38,8 @@ class FramePainter:
     """Draws pictures of worlds; it is created for the first picture.
 
     Args:
-        scenario: The scenario.
-        model: Constants of the simulation.
-        state: Its present state.
-        sensors: Its sensor groups.
-        learners: Bodies whose goals and trajectories are drawn by default.
+        drawn: The simulation.
         reader: Reads the map and the trails.
-        explored: Cells of the world that its robots have seen, or None.
         share: Divides the work among threads, or None.
         layout: Layout of a frame.
         lowest: The lowest layer of marks over the worlds.
@@ -61,20 +51,10 @@ class FramePainter:
     """
 
     def __init__(
-        self,
-        scenario: Scenario,
-        model: Model,
-        state: State,
-        sensors: Sequence[Group],
-        learners: Collection[int],
-        reader: SceneReader,
-        explored: Flags | None,
-        share: Share | None,
-        layout: Layout,
-        lowest: float,
+        self, drawn: DrawnSimulation, reader: SceneReader, share: Share | None, layout: Layout, lowest: float
     ) -> None:
-        plot = scenario.world.plot
-        self._scenario, self._model, self._state, self._reader = scenario, model, state, reader
+        scenario, model, explored, plot = drawn.scenario, drawn.model, drawn.explored, drawn.scenario.world.plot
+        self._scenario, self._model, self._state, self._reader = scenario, model, drawn.state, reader
         self._share, self._layout = share, layout
         self._title = scenario.name if plot.title is None else plot.title
         self._clipped = plot.viewpoint is None or reader.center(0) is None
@@ -83,18 +63,7 @@ class FramePainter:
         self._images = Images(scenario, layout.scale)
         self._room = max(BACKDROP_BYTES // layout.width // layout.height // 3, 1)
         followed = [int(body) for body in reader.trails.bodies]
-        self.plan = Plan(
-            scenario,
-            model,
-            sensors,
-            learners,
-            followed,
-            self._images.number,
-            self._masks,
-            self.point,
-            fog=explored is not None,
-            lowest=lowest,
-        )
+        self.plan = Plan(drawn, followed, self._images.number, self._masks, self.point, lowest)
         self._image_scale = layout.scale
         self._card = Card(self._masks, self.point, not plot.no_axis)
         self._head = Head(self._masks, self.point, layout, titled=plot.title is not None) if plot.show_title else None

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,27 +11,16 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Flags, Floats
 from irsim_gym.rendering.frames.letters import Masks
 from irsim_gym.rendering.frames.stamps import dot_mask, flag_mask
-from irsim_gym.rendering.looks import theme
+from irsim_gym.rendering.looks import styles, theme
 from irsim_gym.rendering.looks.colours import CLEAR, Colour, colour, shade
-from irsim_gym.rendering.looks.styles import (
-    GROUND,
-    TOP,
-    BodyStyle,
-    ScanStyle,
-    body_style,
-    field_of_view,
-    is_omni,
-    scan_style,
-)
+from irsim_gym.rendering.looks.styles import GROUND, TOP, BodyStyle, ScanStyle
 from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.scene import vocabulary
 from irsim_gym.rendering.scene.primitives import Figure, Ink
+from irsim_gym.rendering.scene.reader import DrawnSimulation
 from irsim_gym.rendering.scene.scene import DrawnBody, Form, GoalView
 from irsim_gym.simulator.world.group import Group
-from irsim_gym.simulator.world.model import ACKERMANN, Model
-
-if TYPE_CHECKING:
-    from irsim_gym.scenario.specs.spec import Scenario
+from irsim_gym.simulator.world.model import ACKERMANN
 
 LINE_STYLES = {"solid": 0, "dashed": 1, "dashdot": 2, "dotted": 3}
 FORMS = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE, "linestring": records.CURVE}
@@ -62,44 +51,33 @@ class Plan:
 
     def __init__(
         self,
-        scenario: Scenario,
-        model: Model,
-        sensors: Sequence[Group],
-        learners: Collection[int],
+        drawn: DrawnSimulation,
         followed: Sequence[int],
         images: dict[int, int],
         masks: Masks,
         point: float,
-        *,
-        fog: bool,
-        lowest: float = TOP,
+        lowest: float,
     ) -> None:
+        model, learners, self._bodies = drawn.model, drawn.learners, drawn.scenario.bodies
         self._model, self._masks, self._point, self._images = model, masks, point, images
-        self._bodies = scenario.bodies
         self.corners: Floats = np.zeros((0, 6))
-        self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
-        self.groups = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
+        self._styles = [styles.body_style(body, learner=b in learners) for b, body in enumerate(self._bodies)]
+        self.groups = [group for group in drawn.sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self.has_speeds = any("radial_velocity" in group.arrays for group in self.groups)
         self.angles: Floats = np.zeros(0)
         self.scans: Rows = np.zeros(0, records.BEAMS)
         self.flagged: Flags = np.array([style.show_goal for style in self._styles], np.bool_)
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
-        if fog:
+        if drawn.explored is not None:
             live.append(((GROUND, RANKS["fog"], 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
         # What never moves is painted once for all pictures if nothing that is drawn anew, and no mark, lies below it.
         floor = min([lowest, *(key[0] for key, _ in live)])
         fixed = [b for b in self._ordered() if not model.movable[b]]
         live += [row for b in fixed if self._styles[b].order > floor for row in self._fixed_items(b)]
         self.live, self.layers = _table(live), np.array(sorted(key[0] for key, _ in live))
-        self.covered = max((self._styles[b].order for b in fixed if self._styles[b].order <= floor), default=-np.inf)
-        self.ground = _table(
-            [
-                ((0.0, *key[1:]), item)
-                for b in fixed
-                if self._styles[b].order <= floor
-                for key, item in self._fixed_items(b)
-            ]
-        )
+        below = [b for b in fixed if self._styles[b].order <= floor]
+        self.covered = max((self._styles[b].order for b in below), default=-np.inf)
+        self.ground = _table([((0.0, *key[1:]), item) for b in below for key, item in self._fixed_items(b)])
 
     def _ordered(self) -> list[int]:
         return sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
@@ -162,7 +140,7 @@ class Plan:
             red = [CLEAR, colour(theme.IMPACT, 1.0), colour(theme.IMPACT, 0.25)]
             item = self._item(records.IMPACT, body, colours=red, width=1.8, other_width=5.0, box=wall)
             yield (TOP, RANKS["impacts"], 0, float(model.movable[body])), item
-            field = field_of_view(self._bodies[body]) if style.show_field else None
+            field = styles.field_of_view(self._bodies[body]) if style.show_field else None
             if field is not None:
                 colours = [colour(name, style.field_alpha) for name in (style.field_colour, style.field_edge_colour)]
                 item = self._item(records.FIELD, body, colours=colours, width=0.9, x=field[0], y=field[1])
@@ -185,7 +163,7 @@ class Plan:
             x=length,
             y=width,
             box=records.WALLS,
-            turns=is_omni(self._bodies[body]),
+            turns=styles.is_omni(self._bodies[body]),
         )
 
     def _label(self, body: int, style: BodyStyle) -> Iterator[Item]:
@@ -296,7 +274,7 @@ class Plan:
         first, dot = 0, dot_mask(self._masks, 1.3 * self._point)
         for group in self.groups:
             for k, body in enumerate(group.members.tolist()):
-                style = scan_style(group.options[k])
+                style = styles.scan_style(group.options[k])
                 beam = self._beams(group, k, style, first)
                 angles.append(np.asarray(group.arrays["angles"], np.float64))
                 first += len(angles[-1])

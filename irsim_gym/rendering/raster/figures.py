@@ -6,22 +6,10 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Ints, Pose, Rays
 from irsim_gym.base.kernels import kernel
+from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.raster.areas import add_disc, add_line, add_polygon, paint_ring
 from irsim_gym.rendering.raster.masks import paint_mask
-from irsim_gym.rendering.raster.records import (
-    AREA,
-    ARROW,
-    CIRCLE,
-    CURVE,
-    EDGE,
-    OTHER,
-    RECTANGLE,
-    WINDSCREEN,
-    Prints,
-    RasterCanvas,
-    RasterOutline,
-    Scratch,
-)
+from irsim_gym.rendering.raster.records import Prints, RasterCanvas, RasterOutline, Scratch
 from irsim_gym.rendering.raster.sheets import paint
 from irsim_gym.rendering.raster.ways import add_way, paint_outline
 
@@ -66,7 +54,8 @@ def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: 
     """Paint a footprint; one with several parts has no edges where the parts overlap."""
     n_segments, n_discs = outline.segment_rows[1], outline.disc_rows[1]
     is_area = item.filled and (n_discs > 0 or (n_segments > 0 and solid))
-    area, edge, nothing = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER], scratch.colour
+    area, nothing = item.colours[records.AREA], scratch.colour
+    edge = item.colours[records.EDGE] if is_area else item.colours[records.OTHER]
     width = item.width if is_area else item.other_width
     nothing[3] = 0.0
     if not is_area:
@@ -82,7 +71,7 @@ def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: 
 @kernel
 def load_mark(points: Floats, item: Any, outline: RasterOutline, box: Floats) -> int:
     """Write the corners of the mark that shows a body's heading, in the body's frame [m]; return their number."""
-    if item.form == ARROW:
+    if item.form == records.ARROW:
         neck, shaft, half = 0.55 * item.x, 0.14 * item.y, 0.5 * item.y
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = 0.0, shaft, neck, shaft
         points[2, 0], points[2, 1], points[3, 0], points[3, 1] = neck, half, item.x, 0.0
@@ -91,7 +80,7 @@ def load_mark(points: Floats, item: Any, outline: RasterOutline, box: Floats) ->
         return 7
     if not extent(box, outline):
         return 0
-    if item.form == WINDSCREEN and outline.segment_rows[1] > 0:
+    if item.form == records.WINDSCREEN and outline.segment_rows[1] > 0:
         length, middle, half = box[RIGHT] - box[LEFT], 0.5 * (box[LOW] + box[HIGH]), 0.5 * (box[HIGH] - box[LOW])
         back, front = box[LEFT] + 0.56 * length, box[LEFT] + 0.74 * length
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = back, middle - 0.58 * half, front, middle - 0.76 * half
@@ -141,7 +130,7 @@ def load_around(points: Floats, form: int, outline: RasterOutline, box: Floats) 
     segments, segment_rows, discs, disc_rows = outline
     if not extent(box, outline):
         return False
-    if form == RECTANGLE:
+    if form == records.RECTANGLE:
         for i in range(4):
             points[i, 0] = box[LEFT] if i in (0, 3) else box[RIGHT]
             points[i, 1] = box[LOW] if i < 2 else box[HIGH]
@@ -161,28 +150,28 @@ def load_around(points: Floats, form: int, outline: RasterOutline, box: Floats) 
 @kernel
 def paint_ghost(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: RasterOutline, solid: bool) -> None:
     """Paint a past outline of a body, or a simpler shape around it."""
-    if item.form not in (CIRCLE, RECTANGLE):
-        paint_footprint(canvas, scratch, item, outline, solid and item.form != CURVE)
+    if item.form not in (records.CIRCLE, records.RECTANGLE):
+        paint_footprint(canvas, scratch, item, outline, solid and item.form != records.CURVE)
         return
     picture, sheet, box = canvas
     points, place = scratch.points, scratch.place
     if not load_around(points, item.form, outline, scratch.colour):
         return
-    if item.form == RECTANGLE:
+    if item.form == records.RECTANGLE:
         place_points(points, 4, place)
         if item.filled:
             add_polygon(sheet, box, points, 0, 4)
-            paint(picture, sheet, box, item.colours[AREA], False)
+            paint(picture, sheet, box, item.colours[records.AREA], False)
         add_way(sheet, box, points, 4, (item.width, item.style, 0.0), True, True)
     else:
         radius = points[1, 0] * place[6]
         place_points(points, 1, place)
         if item.filled:
             add_disc(sheet, box, points[0, 0], points[0, 1], radius, 1.0)
-            paint(picture, sheet, box, item.colours[AREA], False)
+            paint(picture, sheet, box, item.colours[records.AREA], False)
         add_disc(sheet, box, points[0, 0], points[0, 1], radius + 0.5 * item.width, 1.0)
         add_disc(sheet, box, points[0, 0], points[0, 1], radius - 0.5 * item.width, -1.0)
-    paint(picture, sheet, box, item.colours[EDGE], False)
+    paint(picture, sheet, box, item.colours[records.EDGE], False)
 
 
 @kernel
@@ -191,7 +180,7 @@ def paint_field(picture: Bytes, sheet: Rays, box: Ints, points: Floats, item: An
     x, y, radius = view[0] + view[2] * pose[0], view[1] - view[2] * pose[1], view[2] * item.y
     if item.x >= FULL_TURN:
         add_disc(sheet, box, x, y, radius, 1.0)
-        paint(picture, sheet, box, item.colours[AREA], False)
+        paint(picture, sheet, box, item.colours[records.AREA], False)
         add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
         add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
     else:
@@ -201,9 +190,9 @@ def paint_field(picture: Bytes, sheet: Rays, box: Ints, points: Floats, item: An
             angle = pose[2] + item.x * (i / (count - 1) - 0.5)
             points[i + 1, 0], points[i + 1, 1] = x + radius * np.cos(angle), y - radius * np.sin(angle)
         add_polygon(sheet, box, points, 0, count + 1)
-        paint(picture, sheet, box, item.colours[AREA], False)
+        paint(picture, sheet, box, item.colours[records.AREA], False)
         add_line(sheet, box, points, 0, count + 1, item.width, True, True)
-    paint(picture, sheet, box, item.colours[EDGE], False)
+    paint(picture, sheet, box, item.colours[records.EDGE], False)
 
 
 @kernel
@@ -227,14 +216,14 @@ def paint_path(
         before = after
     part, before, length = 0, 0, 0.0
     for channel in range(3):
-        colour[channel] = item.colours[EDGE][channel]
+        colour[channel] = item.colours[records.EDGE][channel]
     for step in range(1, steps + 1):
         after = step * (count - 1) // steps
         if after == before:
             continue
         share = part / (n_parts - 1.0) if n_parts > 1 else 0.0
         faintest = 1.0 if item.in_metres else FAINTEST
-        colour[3] = item.colours[EDGE][3] * (faintest + (1.0 - faintest) * share)
+        colour[3] = item.colours[records.EDGE][3] * (faintest + (1.0 - faintest) * share)
         # The run is copied behind all points, where ``add_way`` has room for dashes.
         for i in range(after - before + 1):
             points[count + i, 0], points[count + i, 1] = points[before + i, 0], points[before + i, 1]
@@ -276,10 +265,10 @@ def paint_goal(
     add_disc(sheet, box, x, y, radius, 1.0)
     faint = min(1.0, item.filled_radius / max(radius, 1e-9))
     for channel in range(4):
-        colour[channel] = item.colours[OTHER if arrived else AREA][channel]
+        colour[channel] = item.colours[records.OTHER if arrived else records.AREA][channel]
     colour[3] *= faint * faint
     paint(picture, sheet, box, colour, False)
-    paint_ring(canvas, x, y, radius, item.width, item.colours[EDGE])
+    paint_ring(canvas, x, y, radius, item.width, item.colours[records.EDGE])
 
 
 @kernel

@@ -5,26 +5,10 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Floats, Ints
-from irsim_gym.rendering.raster import records
+from irsim_gym.rendering.raster import figures, records
 from irsim_gym.rendering.raster.areas import add_line, add_polygon
 from irsim_gym.rendering.raster.beams import load_beams, paint_hits, paint_scan
-from irsim_gym.rendering.raster.figures import (
-    HIGH,
-    LEFT,
-    LOW,
-    RIGHT,
-    extent,
-    load_mark,
-    load_shape,
-    paint_field,
-    paint_footprint,
-    paint_ghost,
-    paint_goal,
-    paint_mark,
-    paint_path,
-    place_points,
-    set_place,
-)
+from irsim_gym.rendering.raster.figures import HIGH, LEFT, LOW, RIGHT
 from irsim_gym.rendering.raster.masks import paint_fog, paint_image, paint_mask
 from irsim_gym.rendering.raster.records import Look, Past, Prints, RasterCanvas, RasterOutline, RasterSource, Scratch
 from irsim_gym.rendering.raster.sheets import paint
@@ -79,14 +63,18 @@ def draw_items(
                 if kind == records.LABEL or model.has_goal[b]:
                     _draw_label(picture, item, source, w, f, look, scratch)
             elif kind == records.FIELD:
-                paint_field(picture, scratch.sheet, box, scratch.points, item, state.pose[w, b], view)
+                figures.paint_field(picture, scratch.sheet, box, scratch.points, item, state.pose[w, b], view)
             else:
                 _draw_body(canvas, item, source, w, view, scratch)
 
 
 @kernel
 def _find_struck(w: int, model: Model, state: State, scratch: Scratch) -> None:
-    """Mark the bodies that take part in a robot's collision."""
+    """Mark the bodies that take part in a robot's collision.
+
+    Reads: model (role), state (collided, hit).
+    Writes: scratch.
+    """
     n_bodies = scratch.struck.shape[0]
     for b in range(n_bodies):
         scratch.struck[b] = False
@@ -112,15 +100,15 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         heading = state.pose[w, b, 2]
         if item.turns and (state.twist[w, b, 0] != 0.0 or state.twist[w, b, 1] != 0.0):
             heading = np.arctan2(state.twist[w, b, 1], state.twist[w, b, 0])
-        set_place(place, view, (state.pose[w, b, 0], state.pose[w, b, 1], heading))
+        figures.set_place(place, view, (state.pose[w, b, 0], state.pose[w, b, 1], heading))
     else:
-        set_place(place, view, (0.0, 0.0, 0.0))
+        figures.set_place(place, view, (0.0, 0.0, 0.0))
     outline = RasterOutline(segments, segment_rows, discs, disc_rows)
     if kind == records.FOOTPRINT:
-        paint_footprint(canvas, scratch, item, outline, model.solid[b])
+        figures.paint_footprint(canvas, scratch, item, outline, model.solid[b])
     elif kind == records.HEADING:
-        count = load_mark(scratch.points, item, outline, scratch.colour)
-        place_points(scratch.points, count, place)
+        count = figures.load_mark(scratch.points, item, outline, scratch.colour)
+        figures.place_points(scratch.points, count, place)
         add_polygon(scratch.sheet, box, scratch.points, 0, count)
         paint(picture, scratch.sheet, box, item.colours[records.AREA], False)
     elif kind == records.SHADOW and (disc_rows[1] > 0 or (segment_rows[1] > 0 and model.solid[b])):
@@ -133,11 +121,11 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         for width, colour in ((item.other_width, inks[records.OTHER]), (item.width, inks[records.EDGE])):
             line = width, item.style, item.snapped
             paint_outline(canvas, scratch.points, outline, place, (scratch.colour, colour), line)
-    elif kind == records.IMAGE and extent(scratch.colour, outline):
+    elif kind == records.IMAGE and figures.extent(scratch.colour, outline):
         points, low = scratch.points, scratch.colour
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = low[LEFT], low[LOW], low[RIGHT], low[LOW]
         points[2, 0], points[2, 1] = low[LEFT], low[HIGH]
-        place_points(points, 3, place)
+        figures.place_points(points, 3, place)
         for i in range(1, 3):
             points[i, 0], points[i, 1] = points[i, 0] - points[0, 0], points[i, 1] - points[0, 1]
         paint_image(picture, box, prints.pixels, prints.image_rows, item.row, points[0], points[1], points[2])
@@ -159,12 +147,13 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         else:
             segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
             disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
-            set_place(scratch.place, view, (pose[0], pose[1], pose[2]))
+            figures.set_place(scratch.place, view, (pose[0], pose[1], pose[2]))
             segments = model.local_segments[row_of(model.local_segments, w)]
             discs = model.local_discs[row_of(model.local_discs, w)]
-            paint_ghost(canvas, scratch, item, RasterOutline(segments, segment_rows, discs, disc_rows), model.solid[b])
+            outline = RasterOutline(segments, segment_rows, discs, disc_rows)
+            figures.paint_ghost(canvas, scratch, item, outline, model.solid[b])
     if item.kind == records.PATH:
-        paint_path(canvas.picture, scratch.sheet, canvas.box, scratch.points, item, count, view, scratch.colour)
+        figures.paint_path(canvas.picture, scratch.sheet, canvas.box, scratch.points, item, count, view, scratch.colour)
 
 
 @kernel
@@ -212,14 +201,14 @@ def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
     threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
     if item.kind == records.GOAL_CIRCLE:
         arrived = state.arrived[w, b]
-        paint_goal(canvas, item, goal, threshold, arrived, view, scratch.colour)
+        figures.paint_goal(canvas, item, goal, threshold, arrived, view, scratch.colour)
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
-            paint_mark(canvas.picture, canvas.box, prints, item.every, x, y, view, item.colours[records.OTHER])
+            figures.paint_mark(canvas.picture, canvas.box, prints, item.every, x, y, view, item.colours[records.OTHER])
         x, y = goal[0], goal[1]
         for mask in range(item.row, item.row + 2):
-            paint_mark(canvas.picture, canvas.box, prints, mask, x, y, view, item.colours[records.EDGE])
+            figures.paint_mark(canvas.picture, canvas.box, prints, mask, x, y, view, item.colours[records.EDGE])
 
 
 @kernel
@@ -235,8 +224,9 @@ def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, v
             return
     if item.turns or item.form == records.AT_BODY:
         heading = pose[2]
-    set_place(scratch.place, view, (pose[0], pose[1], heading))
-    load_shape(points, item, prints.corners, model.goal_threshold[row_of(model.goal_threshold, w), b], scratch.place)
+    figures.set_place(scratch.place, view, (pose[0], pose[1], heading))
+    threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
+    figures.load_shape(points, item, prints.corners, threshold, scratch.place)
     if item.filled:
         add_polygon(sheet, box, points, 0, item.length)
         paint(picture, sheet, box, item.colours[records.AREA], False)
@@ -259,7 +249,7 @@ def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int,
         x, y = state.goal[w, b, 0], state.goal[w, b, 1] - below
     elif item.in_metres:
         x, y = x + item.x, y + item.y
-    elif extent(box, outline):
+    elif figures.extent(box, outline):
         x, y = 0.5 * (box[LEFT] + box[RIGHT]), box[HIGH] + LABEL_GAP
         # The text is about 0.7 times as wide as its height times its number of letters.
         if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, source, look, view):

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Rays
-from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.simulator.world.model import Model
 from irsim_gym.simulator.world.state import State
 
@@ -27,20 +26,23 @@ WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
 AREA, EDGE, OTHER = 0, 1, 2
 """Rows of an item's colours: of its area, of its edge, and of whatever else it has."""
 
-ITEM = record_type(
-    "width other_width x y half foot filled_radius",
-    **dict.fromkeys(("kind", "body", "row", "box", "style", "form", "every", "length"), np.int64),
-    **dict.fromkeys(("snapped", "turns", "filled", "in_metres"), np.bool_),
-    colours=np.dtype((np.float64, (3, 4))),
-)
+
+def _fields(kind: Any, *names: str) -> list[tuple[str, Any]]:
+    return [(name, kind) for name in names]
+
+
+_COUNTS = _fields(np.int64, "kind", "body", "row", "box", "style", "form", "every", "length")
+_FLAGS = _fields(np.bool_, "snapped", "turns", "filled", "in_metres")
+_NUMBERS = _fields(np.float64, "width", "other_width", "x", "y", "half", "foot", "filled_radius")
+
+ITEM = np.dtype((np.record, [*_COUNTS, *_FLAGS, ("colours", np.float64, (3, 4)), *_NUMBERS]))
 """One item to draw; lengths in pixels unless ``in_metres``, colours [0, 255] with an opacity [0, 1]."""
 
-BEAMS = record_type(
-    "x y heading range_min range_max full_speed mark mark_edge",
-    **dict.fromkeys(("body", "first", "count"), np.int64),
-    **dict.fromkeys(("surrounds", "coloured"), np.bool_),
-    **dict.fromkeys(("rest", "away", "nearer", "rim"), np.dtype((np.float64, 4))),
-)
+_PLACES = [*_fields(np.int64, "body", "first", "count"), *_fields(np.bool_, "surrounds", "coloured")]
+_MEASURES = _fields(np.float64, "x", "y", "heading", "range_min", "range_max", "full_speed", "mark", "mark_edge")
+_INKS = _fields(np.dtype((np.float64, 4)), "rest", "away", "nearer", "rim")
+
+BEAMS = np.dtype((np.record, [*_PLACES, *_MEASURES, *_INKS]))
 """One sensor: its body, its beams in the tables of readings, its pose on the body, and the colours of velocities."""
 
 

@@ -7,15 +7,7 @@ from typing import Any
 
 from irsim_gym.base.outside_files import reading
 from irsim_gym.rendering.looks.files import whole_file
-from irsim_gym.rendering.replay.page_parts import (
-    deflated,
-    held,
-    held_data,
-    main_data,
-    page_part,
-    player_parts,
-    whole_page,
-)
+from irsim_gym.rendering.replay import page_parts
 from irsim_gym.rendering.replay.replay_data import Recording
 from irsim_gym.rendering.replay.replay_items import SharedItems
 from irsim_gym.rendering.scene import vocabulary
@@ -44,12 +36,12 @@ def save_html(path: str | Path, recordings: Sequence[Recording], title: str = ""
     if not recordings:
         raise ValueError("a replay needs an episode")
     data = _recorded(recordings, title)
-    parts = player_parts()
-    parts["script"] += f"\n{page_part('start.js')}"
+    parts = page_parts.player_parts()
+    parts["script"] += f"\n{page_parts.page_part('start.js')}"
     parts |= {"title": html.escape(data["title"]), "kind": ' class="player"', "body": parts["player"]}
-    parts["data"] = held("data", deflated(data))
+    parts["data"] = page_parts.held("data", page_parts.deflated(data))
     with whole_file(target) as part:
-        part.write_text(whole_page(parts), encoding="utf-8")
+        part.write_text(page_parts.whole_page(parts), encoding="utf-8")
     return target
 
 
@@ -60,7 +52,7 @@ def read_html(path: str | Path) -> dict[str, Any]:
         UnreadableFileError: If the file is not such a page; it is a ValueError.
     """
     with reading(path, f"replay of version {VERSION}"):
-        return main_data(held_data(Path(path)), SCHEMA, VERSION)
+        return page_parts.main_data(page_parts.held_data(Path(path)), SCHEMA, VERSION)
 
 
 def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,30 +29,37 @@ PARTS, MOST_PARTS = 12, 4_000_000
 """Number of parts per side into which a cell is divided to show its disc, and maximum number of parts of a map."""
 
 
-class SceneReader:
-    """Makes scenes of one simulation.
+class DrawnSimulation(NamedTuple):
+    """What is drawn of a simulation.
 
-    Args:
-        scenario: The scenario, for names and plot options.
+    Attributes:
+        scenario: The scenario, for names, colours and plot options.
         model: Constants of the simulation.
         state: Its present state.
         sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
         learners: Bodies whose goals and trajectories are drawn by default.
-        trails: Past poses of the bodies ``trailing(scenario.bodies, learners)``; by default those at which scenes were
-            read.
         explored: Cells of the world that robots have seen, shape ``(n_worlds, n_columns, n_rows)``; None for no fog.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        model: Model,
-        state: State,
-        sensors: Sequence[Group],
-        learners: Collection[int] = (),
-        trails: Trails | None = None,
-        explored: Flags | None = None,
-    ) -> None:
+    scenario: Scenario
+    model: Model
+    state: State
+    sensors: Sequence[Group]
+    learners: Collection[int]
+    explored: Flags | None
+
+
+class SceneReader:
+    """Makes scenes of one simulation.
+
+    Args:
+        drawn: The simulation.
+        trails: Past poses of the bodies ``trailing(scenario.bodies, learners)``; by default those at which scenes were
+            read.
+    """
+
+    def __init__(self, drawn: DrawnSimulation, trails: Trails | None = None) -> None:
+        scenario, model, state, sensors, learners, self._explored = drawn
         self._model, self._state = model, state
         self._names = [body.name for body in scenario.bodies]
         self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
@@ -64,7 +71,6 @@ class SceneReader:
         self._title = scenario.name if scenario.world.plot.title is None else scenario.world.plot.title
         self._viewpoint = scenario.world.plot.viewpoint
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
-        self._explored = explored
         self._fog: tuple[int, FogView] | None = None
         self._overlays: dict[int, Overlay] = {}
         self._map: tuple[Flags, MapView] | None = None

@@ -10,9 +10,9 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.base.outside_files import json_object, reading
+from irsim_gym.base.outside_files import reading
 from irsim_gym.robot.bags.read import KIND, Bag, Event, lost_beams, seconds, twist
-from irsim_gym.robot.contract import RobotContract
+from irsim_gym.robot.contract import read_export
 from irsim_gym.robot.drive import Driver
 
 REGULAR = 0.2
@@ -64,10 +64,8 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
         UnreadableFileError: The folder is no export, or a message lacks what the driver reads.
         IrsimGymError: The bag lacks what the policy needs.
     """
-    with reading(folder / "contract.json", "contract of an export"):
-        contract = RobotContract.model_validate(json_object(folder / "contract.json"))
-    with reading(folder / "policy.onnx", "graph of an export"):
-        driver = Driver(folder / "contract.json", no_return)
+    contract, _ = read_export(folder)
+    driver = Driver(folder / "contract.json", no_return)
     if contract.bodies:
         raise IrsimGymError(f"{folder} needs other bodies, which bags do not hold")
     for role in ("scan", "odometry") if contract.scan else ("odometry",):

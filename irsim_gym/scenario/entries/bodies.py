@@ -14,6 +14,12 @@ from irsim_gym.scenario.specs.image_files import DEFAULT_CAR
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
 from irsim_gym.scenario.text.source import Place
 
+AS_WRITTEN = (
+    *("kinematics", "behavior", "group_behavior", "goal", "goal_threshold", "arrive_mode", "unobstructed"),
+    *("description", "plot", "seen_by", "speed_range", "unyielding", "party"),
+)
+"""Keys of an entry that are fields of its bodies, with the same values."""
+
 
 def make_bodies(entry: BodyEntry, index: int, first: int, group: int, report: Report) -> list[BodySpec]:
     """Return the bodies of an entry; an empty list if one of its values is invalid.
@@ -90,34 +96,23 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         role=role,
         entry=index,
         line=report.source.line(entry.raw.place),
-        kinematics=drive,
         shape=values["shape"] or FOOTPRINTS.entry("circle").kind(),
-        behavior=values["behavior"],
-        group_behavior=values["group_behavior"],
         sensors=values["sensors"] or (),
+        disturbances=values["disturbances"] or (),
         state=None if getattr(entry.placement, "gives_goal", False) and not is_given else _pose(values["state"]),
         steering=_padded(values["state"], 4, 0.0)[3],
-        goal=values["goal"],
         velocity=_padded(values["velocity"], size, 0.0),
         vel_min=_padded(values["vel_min"] or tuple(-speed for speed in fastest), size, -1.0),
         vel_max=_padded((*fastest, *(values["vel_max"] or ())[len(fastest) :]), size, 1.0),
         acce=_padded(values["acce"] or (), size, math.inf),
         angle_range=(low, low + 2.0 * math.pi),
-        goal_threshold=values["goal_threshold"],
-        arrive_mode=values["arrive_mode"],
         static=values["static"] or drive is None,
-        unobstructed=values["unobstructed"],
         group=own_group,
         group_name=values["group_name"] or f"{role}_{own_group}",
         color="",
-        description=values["description"],
         fov=fov,
         fov_radius=fov_radius,
-        plot=values["plot"],
-        seen_by=values["seen_by"],
-        speed_range=values["speed_range"],
-        unyielding=values["unyielding"],
-        party=values["party"],
+        **{key: values[key] for key in AS_WRITTEN},
     )
 
 

@@ -59,18 +59,13 @@ def cast_cells(
     x, y, heading = pose
     cosine, sine = np.cos(heading), np.sin(heading)
     across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
-    if cells.radius > 0.0:
+    # Blocks begin in a free cell of the map, and their cells are occupied all over, as discs need an exact test in each
+    # occupied cell. All other beams are cast one by one.
+    is_within = 0.0 <= across < columns and 0.0 <= up < rows
+    if cells.radius > 0.0 or not is_within or squares[0, int(across), int(up)] == 0:
         for k in range(ranges.shape[0]):
-            # Discs need an exact test in each occupied cell, which blocks cannot make: one beam at a time.
             along_x, along_y = cosine * beams_x[k] - sine * beams_y[k], sine * beams_x[k] + cosine * beams_y[k]
-            ranges[k] = np.float32(walk_to_disc(cells, x, y, along_x, along_y, np.float64(ranges[k])))
-        return
-    # Blocks begin in a free cell of the map. A sensor elsewhere casts its beams one by one.
-    if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
-        for k in range(ranges.shape[0]):
-            east = (cosine * beams_x[k] - sine * beams_y[k]) / cells.width
-            north = (sine * beams_x[k] + cosine * beams_y[k]) / cells.height
-            ranges[k] = np.float32(walk(squares, across, up, east, north, np.float64(ranges[k])))
+            ranges[k] = np.float32(walk(cells, x, y, along_x, along_y, np.float64(ranges[k])))
         return
     turn = (
         np.float32(cosine / cells.width), np.float32(sine / cells.width),
@@ -201,58 +196,10 @@ def end_block(begin: int, floats: Rays, ranges: Rays) -> None:
 
 
 @kernel
-def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: float) -> float:
-    """Return the time at which a moving point meets an occupied cell, at most ``far``.
+def walk(cells: CellMap, x: float, y: float, along_x: float, along_y: float, far: float) -> float:
+    """Return how far a point goes until it meets an occupied cell, or the disc in one, at most ``far`` [m].
 
-    A point that starts in occupied cells gets the time at which it leaves them.
-
-    Args:
-        squares: See ``CellMap``.
-        x: Position [cells].
-        y: Position [cells].
-        east: Velocity [cells per unit of time].
-        north: Velocity [cells per unit of time].
-        far: Longest time.
-    """
-    columns, rows = squares.shape[1], squares.shape[2]
-    slow_x = 1.0 / east if abs(east) > 1.0 / STEEP else STEEP
-    slow_y = 1.0 / north if abs(north) > 1.0 / STEEP else STEEP
-    time = entry(x, y, slow_x, slow_y, float(columns), float(rows))
-    if time >= far:
-        return far
-    step_x, step_y = 1 if east >= 0.0 else -1, 1 if north >= 0.0 else -1
-    quadrant = (0 if step_x > 0 else 1) + (0 if step_y > 0 else 2)
-    i = first_cell(x + time * east, step_x, columns)
-    j = first_cell(y + time * north, step_y, rows)
-    # From within occupied cells, the beam looks for the first free cell instead, one cell at a time.
-    inside = time == 0.0 and squares[0, i, j] == 0
-    while time < far:
-        free = int(squares[quadrant, i, j])
-        if (free == 0) != inside:
-            return time
-        reach = 1 if inside else free
-        to_i, to_j = i + step_x * reach, j + step_y * reach
-        # Cell to_i is the first one behind the square; a beam to the right meets its left border, and the other way
-        # round.
-        time_x = ((to_i if step_x > 0 else to_i + 1) - x) * slow_x
-        time_y = ((to_j if step_y > 0 else to_j + 1) - y) * slow_y
-        if time_x < time_y:
-            time = max(time, time_x)
-            along = int(np.floor(y + time * north))
-            # The row is kept between the one that the beam came from and the last one of the square.
-            i, j = to_i, min(max(along, j), to_j - 1) if step_y > 0 else max(min(along, j), to_j + 1)
-        else:
-            time = max(time, time_y)
-            along = int(np.floor(x + time * east))
-            j, i = to_j, min(max(along, i), to_i - 1) if step_x > 0 else max(min(along, i), to_i + 1)
-        if i < 0 or j < 0 or i >= columns or j >= rows:
-            return min(time, far) if inside else far
-    return far
-
-
-@kernel
-def walk_to_disc(cells: CellMap, x: float, y: float, along_x: float, along_y: float, far: float) -> float:
-    """Return how far a point goes until it meets the disc in an occupied cell, or leaves the one that it begins in [m].
+    From within occupied cells it goes until it leaves them; from within a disc, until it leaves that.
 
     Args:
         cells: The map.
@@ -274,27 +221,35 @@ def walk_to_disc(cells: CellMap, x: float, y: float, along_x: float, along_y: fl
     step_x, step_y = 1 if east >= 0.0 else -1, 1 if north >= 0.0 else -1
     quadrant = (0 if step_x > 0 else 1) + (0 if step_y > 0 else 2)
     i, j = first_cell(across + time * east, step_x, columns), first_cell(up + time * north, step_y, rows)
+    # From within occupied cells, the beam looks for the first free cell instead, one cell at a time.
+    inside = cells.radius == 0.0 and time == 0.0 and squares[0, i, j] == 0
     while time < far:
         free = int(squares[quadrant, i, j])
-        if free == 0:
-            # Cells without a hit are crossed like free ones, one at a time.
+        if cells.radius == 0.0:
+            if (free == 0) != inside:
+                return time
+        elif free == 0:
+            # Cells whose disc is not met are crossed like free ones, one at a time.
             hit = way_to_disc(cells, i, j, x, y, along_x, along_y)
             if hit < np.inf:
                 return min(hit, far)
-        reach = max(free, 1)
+        reach = 1 if inside else max(free, 1)
         to_i, to_j = i + step_x * reach, j + step_y * reach
+        # Cell to_i is the first one behind the square; a beam to the right meets its left border, and the other way
+        # round.
         time_x = ((to_i if step_x > 0 else to_i + 1) - across) * slow_x
         time_y = ((to_j if step_y > 0 else to_j + 1) - up) * slow_y
         if time_x < time_y:
             time = max(time, time_x)
             beside = int(np.floor(up + time * north))
+            # The row is kept between the one that the beam came from and the last one of the square.
             i, j = to_i, min(max(beside, j), to_j - 1) if step_y > 0 else max(min(beside, j), to_j + 1)
         else:
             time = max(time, time_y)
             beside = int(np.floor(across + time * east))
             j, i = to_j, min(max(beside, i), to_i - 1) if step_x > 0 else max(min(beside, i), to_i + 1)
         if i < 0 or j < 0 or i >= columns or j >= rows:
-            return far
+            return min(time, far) if inside else far
     return far
 
 

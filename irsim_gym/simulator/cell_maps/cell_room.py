@@ -7,8 +7,9 @@ exact search.
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMap, Floats, Point
+from irsim_gym.base.arraytypes import CellMap, Floats
 from irsim_gym.base.kernels import kernel
+from irsim_gym.simulator.geometry.segments import point_segment_distance2
 
 FARTHEST = 64
 """Maximum distance that is stored [cells]."""
@@ -33,15 +34,12 @@ def find_room(cells: CellMap, line: Floats) -> None:
     first = (1.0 - inset) * height
     for i in range(columns):
         # First pass, column by column: the vertical distance to the nearest occupied cell, from below and from above.
-        gap = far
-        for j in range(rows):
-            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
-            room[i, j] = gap
-        gap = far
-        for a in range(rows):
-            j = rows - 1 - a
-            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
-            room[i, j] = min(room[i, j], gap)
+        for down in range(2):
+            gap = far
+            for a in range(rows):
+                j = rows - 1 - a if down else a
+                gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
+                room[i, j] = min(room[i, j], gap) if down else gap
     # Second pass: the least of (horizontal, vertical) distances over all columns, nearest columns first. Both passes
     # give the exact Euclidean distance (Saito and Toriwaki 1994, "New algorithms for Euclidean distance
     # transformation").
@@ -84,10 +82,10 @@ def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
 
 
 @kernel
-def disc_gap2(cells: CellMap, i: int, j: int, point: Point) -> float:
-    """Return the squared distance [m2] of a point from the disc in a cell, 0 within it."""
-    dx, dy = cells.x + (i + 0.5) * cells.width - point[0], cells.y + (j + 0.5) * cells.height - point[1]
-    gap = max(np.sqrt(dx * dx + dy * dy) - cells.radius, 0.0)
+def segment_disc_distance2(cells: CellMap, i: int, j: int, ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the squared distance [m2] between the segment ab, which may be a point, and the disc in a cell."""
+    x, y = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+    gap = max(np.sqrt(point_segment_distance2(x, y, ax, ay, bx, by)) - cells.radius, 0.0)
     return float(gap * gap)
 
 
@@ -115,28 +113,18 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
             aside = max(cells.x + i * cells.width - x, x - (cells.x + (i + 1) * cells.width), 0.0)
             if aside * aside > bound:
                 break
-            j = own_j
-            while j < rows:
-                up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
+            for down in range(2):
                 # Squares of quadrant 0 skip free rows upwards, those of quadrant 2 downwards.
-                free, near = int(squares[0, i, j]), aside * aside + up * up
-                if free == 0 or near > bound:
-                    if cells.radius > 0.0 and near <= bound:
-                        near = disc_gap2(cells, i, j, (x, y))
-                    best = min(best, near) if near <= bound else best
-                    break
-                j += free
-            bound = min(best, bound)
-            j = own_j
-            while j >= 0:
-                up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
-                free, near = int(squares[2, i, j]), aside * aside + up * up
-                if free == 0 or near > bound:
-                    if cells.radius > 0.0 and near <= bound:
-                        near = disc_gap2(cells, i, j, (x, y))
-                    best = min(best, near) if near <= bound else best
-                    break
-                j -= free
-            bound = min(best, bound)
+                j = own_j
+                while 0 <= j < rows:
+                    up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
+                    free, near = int(squares[2 * down, i, j]), aside * aside + up * up
+                    if free == 0 or near > bound:
+                        if cells.radius > 0.0 and near <= bound:
+                            near = segment_disc_distance2(cells, i, j, x, y, x, y)
+                        best = min(best, near) if near <= bound else best
+                        break
+                    j += free - 2 * down * free
+                bound = min(best, bound)
             i += 1 - 2 * direction
     return best

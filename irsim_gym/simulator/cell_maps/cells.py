@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Bytes, CellMap, Flags, Point, Spans
 from irsim_gym.base.kernels import kernel
-from irsim_gym.simulator.cell_maps.cell_room import nearest_to_point2, room_about
+from irsim_gym.simulator.cell_maps.cell_room import nearest_to_point2, room_about, segment_disc_distance2
 from irsim_gym.simulator.geometry.polygons import holds_point
 from irsim_gym.simulator.geometry.segments import point_segment_distance2, side
 
@@ -170,14 +170,6 @@ def segment_box_distance2(
     best = min(best, gap_x * gap_x + gap_y * gap_y)
     gap_x, gap_y = max(left - bx, bx - right, 0.0), max(low - by, by - high, 0.0)
     return min(best, gap_x * gap_x + gap_y * gap_y)
-
-
-@kernel
-def segment_disc_distance2(cells: CellMap, i: int, j: int, ax: float, ay: float, bx: float, by: float) -> float:
-    """Return the squared distance [m2] between the segment ab, which may be a point, and the disc in a cell."""
-    x, y = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
-    gap = max(np.sqrt(point_segment_distance2(x, y, ax, ay, bx, by)) - cells.radius, 0.0)
-    return float(gap * gap)
 
 
 @kernel

@@ -63,6 +63,7 @@ class Simulation:
         """
         parts = self.parts
         groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
+        groups += tuple(parts.disturbances.groups)
         called = [*kinds, *(group.kind for group in groups)]
         is_fusable = self.fused and only_kernels(called)
         return self._recordings.add(function, called, is_fusable)
@@ -80,6 +81,12 @@ class Simulation:
     def explored(self) -> Flags | None:
         """What the robots have seen, shape ``(n_worlds, columns, rows)``; None unless the file asks (``fog_map``)."""
         return None if self.parts.fog is None else self.parts.fog.cells.explored
+
+    @property
+    def told(self) -> State:
+        """The state as robots know it: ``state`` itself, unless their odometry is disturbed."""
+        belief = self.parts.disturbances.belief
+        return self.state if belief is None else belief.state
 
     @property
     def sensors(self) -> list[Group]:

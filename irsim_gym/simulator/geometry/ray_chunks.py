@@ -54,16 +54,9 @@ def _columns(dtype: type[np.generic], *names: str) -> list[tuple[str, type[np.ge
 
 _SPANS = _columns(np.int32, "mark", "begin", "runs", "kept")
 
-SIDES = np.dtype(
-    (
-        np.record,
-        [
-            *_columns(np.float32, "normal_x", "normal_y", "place_x", "place_y", "slack"),
-            *_columns(np.float32, "ax", "ay", "bx", "by"),
-            *_SPANS,
-        ],
-    )
-)
+_NORMALS = _columns(np.float32, "normal_x", "normal_y", "place_x", "place_y", "slack")
+
+SIDES = np.dtype((np.record, [*_NORMALS, *_columns(np.float32, "ax", "ay", "bx", "by"), *_SPANS]))
 """What beams need to know of segments, in the sensor frame: n, q and slack [1/m], and both ends [m].
 
 ``mark`` is 1 for those that are kept, -1 for those that need the care of ``rays``, else 0; ``begin`` the first of the

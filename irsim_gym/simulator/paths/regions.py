@@ -85,21 +85,15 @@ def recall(known: Floats, obstacles: Obstacles, radius: float) -> float:
     blocks, pose = obstacles.blocks, obstacles.state.pose[obstacles.w]
     same = known[0, 0] != NEW and known[0, 1] == radius
     for b in range(blocks.shape[0]):
-        if not same:
-            break
-        if blocks[b]:
-            x, y, heading = pose[b, 0], pose[b, 1], pose[b, 2]
-            same = known[b + 1, 0] == 1.0 and known[b + 1, 1] == x and known[b + 1, 2] == y
-            same = same and known[b + 1, 3] == heading
-        else:
-            same = known[b + 1, 0] == 0.0
+        # The poses of bodies that block nothing do not count.
+        same = same and known[b + 1, 0] == blocks[b]
+        known[b + 1, 0] = blocks[b]
+        for axis in range(3):
+            same = same and (not blocks[b] or known[b + 1, 1 + axis] == pose[b, axis])
+            known[b + 1, 1 + axis] = pose[b, axis]
     if same:
         return float(known[0, 0])
     known[0, 0], known[0, 1] = SEEN, radius
-    for b in range(blocks.shape[0]):
-        known[b + 1, 0] = 1.0 if blocks[b] else 0.0
-        for axis in range(3):
-            known[b + 1, 1 + axis] = pose[b, axis]
     return NEW
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.simulator.contact import body_buckets, contact, swept
-from irsim_gym.simulator.step import arrival, command_limits, fog, outlines, patience
+from irsim_gym.simulator.step import arrival, command_limits, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.guide import decide
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel
@@ -51,13 +51,17 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
             decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)
-        command_limits.limit_velocity(shard.worlds, turn.movers, model, state)
+        asked = disturbances.asked(turn, model, state, shard)
+        command_limits.limit_velocity(shard.worlds, turn.movers, model, asked)
+        moved = disturbances.moved(turn, model, state, shard)
         for group in turn.kinematics:
-            group.kind.move(group, model, state, shard)
+            group.kind.move(group, model, moved, shard)
         outlines.place(turn.movers, model, state, shard)
         body_buckets.refresh(turn.movers, model, state, shard)
     if orders is not None:
         orders.show(state, shard)
+    if (belief := parts.disturbances.belief) is not None:
+        disturbances.believe(belief, model, state, shard)
     # The caller moves the bodies between steps: their outlines are still those of the old poses.
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
@@ -67,7 +71,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
     contact.find(parts.movers, model, state, shard, parts.sweep)
     if parts.patience is not None:
         patience.let_go(shard.worlds, parts.patience, model, state)
-    arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
+    check_arrival(parts, model, state, shard)
     sense(parts, model, state, shard)
     if parts.fog is not None:
         fog.reveal(parts.fog, model, state, shard)
@@ -75,7 +79,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
 
 
 def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: int, *, decides: bool) -> None:
-    """Move one body by step_time, as ``advance`` moves it; time, other bodies, flags and readings stay.
+    """Move one body by step_time, as ``advance`` moves it without disturbances; all else stays: time, flags, readings.
 
     Args:
         parts: Groups and index lists.
@@ -121,13 +125,25 @@ def find_flags(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Update contacts and arrivals from the present poses."""
     contact.find_static(parts.fixed, model, state, shard)
     contact.find(parts.movers, model, state, shard)
-    arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
+    check_arrival(parts, model, state, shard)
+
+
+def check_arrival(parts: Parts, model: Model, state: State, shard: Shard) -> None:
+    """Update distances to goals, and arrivals, which are what robots believe."""
+    if (belief := parts.disturbances.belief) is None:
+        arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
+    else:
+        arrival.check_arrival(shard.worlds, parts.goal_bodies, model, belief.state)
+        arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
 
 
 def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Take the readings of all sensors."""
+    seen = disturbances.seeing(parts.disturbances, parts.everyone, model, state, shard)
     for group in parts.sensors:
-        group.kind.sense(group, model, state, shard)
+        group.kind.sense(group, model, seen, shard)
+    for group in parts.disturbances.scans:
+        group.kind.disturb(group, model, state, shard)
 
 
 @kernel

@@ -17,6 +17,7 @@ from irsim_gym.base.arraytypes import (
     Spans,
     Words,
 )
+from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.simulator.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
@@ -31,18 +32,7 @@ NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 
 """How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
 
 
-WANDERING = np.dtype(
-    (
-        np.record,
-        [
-            ("radius", np.float64),
-            ("jitter", np.float64),
-            ("keeps_first", np.bool_),
-            ("interval", np.int64),
-            ("chance", np.float64),
-        ],
-    )
-)
+WANDERING = record_type("radius jitter chance", keeps_first=np.bool_, interval=np.int64)
 """Where the goals of a wandering body lie [m] (radius 0: between its bounds), whether its first one is given, and every
 how many steps it gives up its goal with the probability ``chance`` (0: never).
 """

@@ -8,25 +8,3 @@ from irsim_gym.simulator.world.group import Group, Shard
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, ROBOT, Model
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.simulator.world.state import State
-
-__all__ = [
-    "ACKERMANN",
-    "DIFFERENTIAL",
-    "OMNI_ANGULAR",
-    "OMNI_BODY",
-    "OMNI_WORLD",
-    "ROBOT",
-    "Flags",
-    "Floats",
-    "Group",
-    "Ints",
-    "Model",
-    "Rays",
-    "Shard",
-    "State",
-    "Struct",
-    "kernel",
-    "kind",
-    "option",
-    "row_of",
-]

@@ -1,18 +1,11 @@
 """Clearance: the cost of passing close to other bodies."""
 
-from typing import ClassVar
-
-from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Role, Shard, State, Term, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, RewardDefaults, Shard, State, Term, kernel, kind, option
 
 
 @kind
-class Clearance:
+class Clearance(RewardDefaults):
     """Cost of closeness: ``max(0, 1 - clearance / safe)^2``, times ``weight / max_steps``."""
-
-    role: ClassVar[Role] = "running"
-    outcome: ClassVar[Outcome] = Outcome.RUNNING
-    needs_goal: ClassVar[bool] = False
-    needs_ending: ClassVar[bool] = False
 
     weight: float = option(0.8, ge=0.0, meaning="Cost of an episode spent in contact.")
     safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which the cost is zero.")

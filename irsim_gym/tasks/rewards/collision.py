@@ -9,17 +9,15 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
 from irsim_gym.tasks.terms.outcome import COLLISION, HitKind, Outcome
-from irsim_gym.tasks.terms.term import Role, Term, forget
+from irsim_gym.tasks.terms.term import RewardDefaults, Role, Term, forget
 
 
 @kind
-class Collision:
+class Collision(RewardDefaults):
     """Penalty ``-weight`` in the step in which the agent begins to touch another body, or its episode ends by it."""
 
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.COLLISION
-    needs_goal: ClassVar[bool] = False
-    needs_ending: ClassVar[bool] = False
 
     # Less than an arrival pays (5): where a collision costs much more, policies learn to wait in front of narrow
     # gaps. It is still more than all running costs of an episode, as the audit of rewards requires.

@@ -3,17 +3,16 @@
 from typing import ClassVar
 
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome
-from irsim_gym.tasks.terms import EpisodeState, Model, Role, Shard, State, Term, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Model, RewardDefaults, Role, Shard, State, Term, kind, option
 from irsim_gym.tasks.terms.outcome import LEFT_WORLD, Outcome
 
 
 @kind
-class LeftWorldPenalty:
+class LeftWorldPenalty(RewardDefaults):
     """Penalty ``-weight``, once, when the episode ends outside the world's rectangle."""
 
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
-    needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = True
 
     weight: float = option(4.0, ge=0.0, meaning="Penalty for leaving the world.")

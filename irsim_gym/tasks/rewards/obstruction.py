@@ -8,12 +8,12 @@ from irsim_gym.base.arraytypes import Ints, Spans
 from irsim_gym.simulator.paths.grid import Grid, centre
 from irsim_gym.tasks.observations.goal.route import Route, RouteWays, entry, find_ways
 from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
-from irsim_gym.tasks.terms.outcome import RUNNING, Outcome
-from irsim_gym.tasks.terms.term import Bound, Role, Term, forget
+from irsim_gym.tasks.terms.outcome import RUNNING
+from irsim_gym.tasks.terms.term import Bound, RewardDefaults, Term, forget
 
 
 @kind
-class Obstruction:
+class Obstruction(RewardDefaults):
     """Cost of being in the way of another learner after an arrival (ending ``arrived`` with ``wait``).
 
     It is ``max(0, 1 - d / width)``, times ``weight / max_steps``, where d is the distance from the first ``ahead``
@@ -21,10 +21,7 @@ class Obstruction:
     in the observation ``route``.
     """
 
-    role: ClassVar[Role] = "running"
-    outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True
-    needs_ending: ClassVar[bool] = False
     after_arrival: ClassVar[bool] = True
 
     # With 10, one of three trainings in jaxnav_four ended with robots that stand still in the way of others.

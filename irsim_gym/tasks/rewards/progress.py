@@ -7,9 +7,9 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
-from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, Simulation, State, Struct, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
 from irsim_gym.tasks.terms.scaling import diagonal
-from irsim_gym.tasks.terms.term import Bound, Role, Term
+from irsim_gym.tasks.terms.term import Bound, RewardDefaults, Role, Term
 
 
 @dataclass
@@ -26,16 +26,14 @@ class Potentials(Struct):
 
 
 @kind
-class Progress:
+class Progress(RewardDefaults):
     """``weight`` times the progress towards the goal in the step, divided by the world's diagonal.
 
     Progress is measured to the goal before the step, so that a change of goal costs nothing.
     """
 
     role: ClassVar[Role] = "potential"
-    outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True
-    needs_ending: ClassVar[bool] = False
 
     weight: float = option(4.0, ge=0.0, meaning="Reward for progress of one diagonal of the world.")
     potential: Literal["euclidean", "geodesic"] = option(

@@ -1,18 +1,11 @@
 """Smoothness: the cost of changing the action."""
 
-from typing import ClassVar
-
-from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Outcome, Role, Shard, State, Term, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, RewardDefaults, Shard, State, Term, kernel, kind, option
 
 
 @kind
-class Smoothness:
+class Smoothness(RewardDefaults):
     """Cost of abrupt actions: ``|a_t - a_(t-1)|^2`` over its largest possible value, times ``weight / max_steps``."""
-
-    role: ClassVar[Role] = "running"
-    outcome: ClassVar[Outcome] = Outcome.RUNNING
-    needs_goal: ClassVar[bool] = False
-    needs_ending: ClassVar[bool] = False
 
     weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action jumps between its bounds.")
 

@@ -1,19 +1,12 @@
 """Time: the constant cost of each step."""
 
-from typing import ClassVar
-
 from irsim_gym.base.arraytypes import Floats, Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Role, Shard, State, Term, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Model, RewardDefaults, Shard, State, Term, kernel, kind, option
 
 
 @kind
-class Time:
+class Time(RewardDefaults):
     """Cost of time: ``-weight`` spread evenly over the steps of a full episode."""
-
-    role: ClassVar[Role] = "running"
-    outcome: ClassVar[Outcome] = Outcome.RUNNING
-    needs_goal: ClassVar[bool] = False
-    needs_ending: ClassVar[bool] = False
 
     weight: float = option(2.0, ge=0.0, meaning="Cost of a full episode; a step costs weight / max_steps.")
 

@@ -20,29 +20,5 @@ from irsim_gym.simulator.world.names import (
 from irsim_gym.tasks.terms.episode_state import EpisodeState
 from irsim_gym.tasks.terms.mirrored import IN_WORLD, Mirrored
 from irsim_gym.tasks.terms.outcome import Outcome
-from irsim_gym.tasks.terms.term import Bound, Needs, Role, Term
+from irsim_gym.tasks.terms.term import Bound, Needs, RewardDefaults, Role, Term
 from irsim_gym.tasks.terms.words import Columns
-
-__all__ = [
-    "IN_WORLD",
-    "Bound",
-    "Columns",
-    "EpisodeState",
-    "Floats",
-    "Ints",
-    "Mirrored",
-    "Model",
-    "Needs",
-    "Outcome",
-    "Rays",
-    "Role",
-    "Shard",
-    "Simulation",
-    "State",
-    "Struct",
-    "Term",
-    "kernel",
-    "kind",
-    "option",
-    "row_of",
-]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.simulator.engine import Shard, Simulation
 from irsim_gym.simulator.world.group import Group, records
-from irsim_gym.simulator.world.names import Model, State, Struct, kernel
+from irsim_gym.simulator.world.names import Model, State, Struct, kernel, kind
 from irsim_gym.tasks.terms.episode_state import EpisodeState
 from irsim_gym.tasks.terms.outcome import Ended, Outcome
 
@@ -214,6 +214,16 @@ class RewardKind(Protocol):
     @staticmethod
     def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write column ``term.column`` of ``episode.reward_term``."""
+
+
+@kind
+class RewardDefaults:
+    """What a reward of the package is unless it says otherwise: a cost that needs neither a goal nor an ending."""
+
+    role: ClassVar[Role] = "running"
+    outcome: ClassVar[Outcome] = Outcome.RUNNING
+    needs_goal: ClassVar[bool] = False
+    needs_ending: ClassVar[bool] = False
 
 
 def is_paid_on_the_way(reward: RewardKind) -> bool:

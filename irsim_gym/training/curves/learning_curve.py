@@ -3,7 +3,9 @@
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from irsim_gym.evaluation.protocol.tables import write_figure
@@ -45,21 +47,46 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     label = "robots that collide" if is_team else "collision"
     axes.plot(seconds, collision, color=FAILURE, lw=1.2, ls="--", label=label)
     for mark, side in ((95.0, "top"), (98.0, "bottom")):
-        axes.axhline(mark, color=GRID, lw=1.0, zorder=0)
         place = (1.005, mark)
         axes.annotate(f"{mark:.0f} %", place, xycoords=("axes fraction", "data"), fontsize=7, color=INK, va=side)
-    axes.set(
-        xlabel="training time [s]",
-        ylabel="levels, robots [%]" if is_team else "levels [%]",
-        ylim=(0.0, 100.5),
-        xlim=(0.0, None),
-    )
+    _set_axes(axes, "levels, robots [%]" if is_team else "levels [%]", 0.0)
     words, face = fonts.families("\n".join(textwrap.wrap(title, LINE)), bold=True)
     figure.suptitle(words, x=0.01, ha="left", fontsize=10, color=INK, **face)
     axes.set_title(_last(points[-1]), loc="left", fontsize=8.5, color=INK)
     figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=8)
-    axes.spines[["top", "right"]].set_visible(False)
     write_figure(path, figure)
+
+
+def draw_curves(path: Path, title: str, seeds: Sequence[dict[str, Any]], success: str) -> None:
+    """Draw the learning curves of all seeds over the training time.
+
+    Args:
+        path: PNG file to write.
+        seeds: Name of each ``run``, and its ``curve``, as ``draw_curve`` takes the points of one.
+        success: What the success is that of.
+    """
+    from irsim_gym.rendering.looks import fonts
+
+    figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
+    axes = figure.add_subplot()
+    for seed in seeds:
+        seconds = [point["training_seconds"] for point in seed["curve"]]
+        shares = [100 * point["success"] for point in seed["curve"]]
+        axes.plot(seconds, shares, lw=1.4, marker="o", ms=2.5, label=fonts.label(seed["run"]))
+    worst = 100 * min(point["success"] for seed in seeds for point in seed["curve"])
+    levels = seeds[0]["curve"][-1]["levels"]
+    _set_axes(axes, f"{success} on {levels:,.0f} dev levels [%]", max(0.0, worst // 10 * 10 - 10))
+    axes.set_title(title, loc="left", fontsize=10, parse_math=False)
+    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    write_figure(path, figure)
+
+
+def _set_axes(axes: Axes, shares: str, lowest: float) -> None:
+    """Name the axes of training time and of shares, and mark 95 % and 98 %."""
+    for mark in (95, 98):
+        axes.axhline(mark, color=GRID, lw=1.0, zorder=0)
+    axes.set(xlabel="training time [s]", ylabel=shares, ylim=(lowest, 100.5), xlim=(0.0, None))
+    axes.spines[["top", "right"]].set_visible(False)
 
 
 def successes(point: dict[str, float]) -> dict[str, float]:

@@ -9,7 +9,7 @@ from typing import Any
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.outside_files import json_object, reading
 from irsim_gym.evaluation.measures.statistics import interquartile_mean
-from irsim_gym.evaluation.protocol.tables import write_figure, write_json
+from irsim_gym.evaluation.protocol.tables import write_json
 from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints
 from irsim_gym.training.settings.run import Run
 
@@ -208,33 +208,11 @@ def write_seeds(folder: Path, name: str, summary: Figures, *, called: str | None
         summary: Summary of ``summarize_seeds``.
         called: Name in the title of the figure; None for ``name``.
     """
+    from irsim_gym.training.curves.learning_curve import draw_curves
+
     write_json(folder / f"{name}.json", summary)
     seeds = summary["seeds"]
     is_team = "median_test_csr" in summary
     algorithm = seeds[0]["settings"]["algorithm"].upper()
     title = f"{called or name}: {algorithm}, {len(seeds)} seed{'s' * (len(seeds) > 1)}"
     draw_curves(folder / f"{name}.png", title, seeds, "all robots arrive" if is_team else "success")
-
-
-def draw_curves(path: Path, title: str, seeds: Sequence[Figures], success: str) -> None:
-    """Draw the learning curves of all seeds over the training time."""
-    from matplotlib.figure import Figure
-
-    from irsim_gym.rendering.looks.fonts import label
-
-    figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
-    axes = figure.add_subplot()
-    for seed in seeds:
-        seconds = [point["training_seconds"] for point in seed["curve"]]
-        shares = [100 * point["success"] for point in seed["curve"]]
-        axes.plot(seconds, shares, lw=1.4, marker="o", ms=2.5, label=label(seed["run"]))
-    for mark in (95, 98):
-        axes.axhline(mark, color="#d9dee3", lw=1, zorder=0)
-    worst = 100 * min(point["success"] for seed in seeds for point in seed["curve"])
-    levels = seeds[0]["curve"][-1]["levels"]
-    axes.set(xlabel="training time [s]", ylabel=f"{success} on {levels:,.0f} dev levels [%]")
-    axes.set(ylim=(max(0.0, worst // 10 * 10 - 10), 100.5), xlim=(0, None))
-    axes.set_title(title, loc="left", fontsize=10, parse_math=False)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=8, loc="lower right")
-    write_figure(path, figure)

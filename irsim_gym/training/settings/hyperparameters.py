@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.base.errors import IrsimGymError, suggestion
+from irsim_gym.base.options import kind, option, option_fields
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
-from irsim_gym.training.settings.algorithm_options import ACTIVATIONS
+from irsim_gym.scenario.checking.validation import Report, build
+from irsim_gym.scenario.text.source import Source
+from irsim_gym.training.settings.algorithm_options import ACTIVATIONS, RunKeys
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters, read_hyperparameters
 
-TEAM_MODES = ("episode", "respawn")
 LEFT_OUT = ("curriculum",)
 """Keys in the settings of earlier runs that no longer are."""
 PACKAGE = Path(__file__).parents[2]
@@ -35,65 +37,35 @@ class Linear:
         return self.start * max(remaining, 0.0)
 
 
-@dataclass(frozen=True)
-class Hyperparameters:
-    """Hyper-parameters of a run.
+@kind
+class Hyperparameters(RunKeys):
+    """Hyper-parameters of a run: our own keys, see ``RunKeys``, and the arguments of the algorithm, as plain data.
 
-    Attributes:
-        n_timesteps: Steps of the whole run, over all worlds and robots, including robots that wait.
-        n_envs: Number of worlds in the batch.
-        until: Success on ``dev`` levels [%] at which a checkpoint ends the run; None to take all steps.
-        team: Team mode: robots whose episode has ended wait for their world, ``"episode"``, or restart,
-            ``"respawn"``; see ``envs.sb3.vec_env.make_multi_agent_vec_env``. None for a single learner.
-        mirror: Whether left and right are exchanged in half of the rows of a rollout, see ``sb3.MirrorCallback``.
-        clone: Policy that the actor imitates before the training, see ``cloning.clone_behavior``; None for none.
-        clone_levels: Number of levels that the imitated policy plays.
-        clone_epochs: Number of passes over its observations and actions.
-        torch_threads: Number of threads of PyTorch.
-        checkpoint_every: Number of steps between checkpoints.
-        reward_scale: Factor on the rewards that the algorithm gets.
-        normalize: Arguments of ``VecNormalize``; None to use no ``VecNormalize``.
-        device: Device of the networks: ``"cpu"``, ``"auto"``, ``"cuda"``, ``"cuda:1"`` or ``"mps"``.
-        arguments: Arguments of the algorithm, as plain data.
+    ``normalize`` holds the arguments of ``VecNormalize``; None for no ``VecNormalize``. ``clone`` is the policy that
+    the actor imitates before the training, see ``cloning.clone_behavior``. For ``mirror`` see ``sb3.MirrorCallback``,
+    for ``team`` see ``envs.sb3.teams.make_multi_agent_vec_env``.
     """
 
-    n_timesteps: int
-    n_envs: int
-    until: float | None = None
-    team: str | None = None
-    mirror: bool = False
-    clone: str | None = None
-    clone_levels: int = 2000
-    clone_epochs: int = 8
-    torch_threads: int = 1
-    checkpoint_every: int = 100_000
-    reward_scale: float = 1.0
-    normalize: Mapping[str, Any] | None = None
-    device: str = "cpu"
-    arguments: Mapping[str, Any] = field(default_factory=dict)
+    arguments: Mapping[str, Any] = option({}, meaning="Arguments of the algorithm.")
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Hyperparameters:
         """Make hyper-parameters from a flat mapping, as in the YAML file.
 
         Raises:
-            IrsimGymError: If a required key is missing, or the team mode is unknown.
+            IrsimGymError: If a required key is missing, or one of our own has an invalid value.
         """
-        own = {f.name for f in dataclasses.fields(cls)} - {"arguments"}
-        data = {name: value for name, value in data.items() if name not in LEFT_OUT}
-        missing = {"n_timesteps", "n_envs"} - data.keys()
-        if missing:
-            raise IrsimGymError(f"hyper-parameters lack {', '.join(sorted(missing))}")
-        values = {name: data[name] for name in own & data.keys()}
-        if (team := values.get("team")) not in (None, *TEAM_MODES):
-            near = suggestion(str(team), TEAM_MODES)
-            raise IrsimGymError(f"team must be {' or '.join(TEAM_MODES)}, got {team!r}{near}")
+        own = option_fields(RunKeys)
+        values = {name: value for name, value in data.items() if name in own}
+        report = Report(Source("hyper-parameters", values))
+        wanted = build(cls, values, (), report, skip=("normalize", "arguments"))
+        if wanted is None:
+            problems = "; ".join(f"{problem.path} {problem.message}" for problem in report.problems)
+            raise IrsimGymError(f"hyper-parameters: {problems}")
         normalize = values.get("normalize")
-        if normalize is True:
-            values["normalize"] = {}
-        elif not normalize and not isinstance(normalize, Mapping):
-            values["normalize"] = None
-        return cls(**values, arguments={name: value for name, value in data.items() if name not in own})
+        normalize = {} if normalize is True else normalize if isinstance(normalize, Mapping) else None
+        arguments = {name: value for name, value in data.items() if name not in own and name not in LEFT_OUT}
+        return dataclasses.replace(wanted, normalize=normalize, arguments=arguments)
 
     def to_plain(self) -> dict[str, Any]:
         """Return the hyper-parameters as the flat mapping that ``from_plain`` reads."""

@@ -149,7 +149,7 @@ class Run(RunFolder):
         """
         with reading(self.config, CONFIG_KIND):
             made = Settings.from_plain(json_object(self.config)["settings"])
-            for part in (made.hyperparameters, *made.mixture, *([] if made.engine is None else [made.engine])):
+            for part in (*made.mixture, *([] if made.engine is None else [made.engine])):
                 checked(part)
             return checked(made)
 

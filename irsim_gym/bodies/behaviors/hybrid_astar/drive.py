@@ -3,14 +3,7 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Record
-from irsim_gym.bodies.behaviors.hybrid_astar.follow import (
-    OnWay,
-    PoseMotion,
-    command_along,
-    left_in_gear,
-    offset_from,
-    place_near,
-)
+from irsim_gym.bodies.behaviors.hybrid_astar import follow
 from irsim_gym.bodies.behaviors.hybrid_astar.plan import TIGHT, find_poses, shape_of
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, PoseWay
 from irsim_gym.bodies.behaviors.pursuit.motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
@@ -49,7 +42,7 @@ def stops_in_time(
     shape: PoseShape,
     moving: Moving,
     way: PoseWay,
-    place: OnWay,
+    place: follow.OnWay,
     part: float,
     drift: float,
     room: float,
@@ -67,18 +60,18 @@ def stops_in_time(
         room: So far from obstacles it has to stay [m].
     """
     pose, velocity = moving.pose, moving.velocity
-    now = PoseMotion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
+    now = follow.PoseMotion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
     # The first step at the given share of the speed, all others braking.
     for _ in range(MOST_STEPS):
-        first, second, third = command_along(way, place, moving, now, part)
+        first, second, third = follow.command_along(way, place, moving, now, part)
         one, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
         three = executed(moving, 2, third, now.three)
         x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, three)
-        now = PoseMotion((x, y, heading), steering, one, two, three)
+        now = follow.PoseMotion((x, y, heading), steering, one, two, three)
         if room_at_pose(obstacles, shape, now.pose, KEPT) < room:
             return False
-        place, part = place_near(way, place, now.pose), 0.0
-        if offset_from(way, place, now.pose) > drift:
+        place, part = follow.place_near(way, place, now.pose), 0.0
+        if follow.offset_from(way, place, now.pose) > drift:
             return False
         if is_at_rest(moving, one, two, three):
             # Still braking after so many steps, and clear so far.
@@ -144,16 +137,16 @@ def go_on(
     """
     w = standing.w
     way, pose = way_of(tables, w, m), (moving.pose[0], moving.pose[1], moving.pose[2])
-    place = place_near(way, OnWay(tables.piece[w, m], tables.share[w, m]), pose)
-    if left_in_gear(way, place) < CLOSE and place.piece + 1 < way.n_pieces:
+    place = follow.place_near(way, follow.OnWay(tables.piece[w, m], tables.share[w, m]), pose)
+    if follow.left_in_gear(way, place) < CLOSE and place.piece + 1 < way.n_pieces:
         # At the end of a gear, the body goes on with the next one; place_near never leaves a gear by itself.
-        place = place_near(way, OnWay(place.piece + 1, 0.0), pose)
+        place = follow.place_near(way, follow.OnWay(place.piece + 1, 0.0), pose)
     tables.piece[w, m], tables.share[w, m] = place.piece, place.share
     velocity = moving.velocity
-    now = PoseMotion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
-    offset = offset_from(way, place, pose)
-    if offset > ASTRAY or (place.piece + 1 >= way.n_pieces and left_in_gear(way, place) < CLOSE):
-        return False, command_along(way, place, moving, now, 0.0)
+    now = follow.PoseMotion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
+    offset = follow.offset_from(way, place, pose)
+    if offset > ASTRAY or (place.piece + 1 >= way.n_pieces and follow.left_in_gear(way, place) < CLOSE):
+        return False, follow.command_along(way, place, moving, now, 0.0)
     # A body that is off its way, or close to something, already must only not make it worse.
     part, drift, room = 1.0, max(DRIFT, offset), min(TIGHT * room_at_pose(everything, shape, pose, KEPT), KEPT)
     for k in range(PARTS + 1):
@@ -161,9 +154,9 @@ def go_on(
         if k == PARTS:
             drift = np.inf
         if stops_in_time(everything, shape, moving, way, place, part, drift, room):
-            return True, command_along(way, place, moving, now, part)
+            return True, follow.command_along(way, place, moving, now, part)
         part *= 0.5 if k < PARTS - 1 else 1.0
     # What stands blocks the way for good, so that it is planned anew; for what moves, the body waits.
     stands = is_at_rest(moving, velocity[0], velocity[1], velocity[2])
     is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part, drift, room)
-    return not is_blocked, command_along(way, place, moving, now, 0.0)
+    return not is_blocked, follow.command_along(way, place, moving, now, 0.0)

@@ -11,21 +11,10 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Pose, Record, Records
 from irsim_gym.base.kernels import kernel
+from irsim_gym.bodies.behaviors.hybrid_astar import queue
 from irsim_gym.bodies.behaviors.hybrid_astar.costs import Aim, aim_gap, cost_without_obstacles, seconds_of
 from irsim_gym.bodies.behaviors.hybrid_astar.last import lay_last
 from irsim_gym.bodies.behaviors.hybrid_astar.moves import N_HEADINGS, pose_after
-from irsim_gym.bodies.behaviors.hybrid_astar.queue import (
-    GAVE_UP,
-    MOST_CLOSED,
-    NOBODY,
-    UNKNOWN,
-    PoseNodes,
-    close_cell,
-    is_closed,
-    note_pose,
-    pop,
-    push,
-)
 from irsim_gym.simulator.cell_paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.simulator.paths.clearance import Obstacles
 from irsim_gym.simulator.paths.geodesic import field_at
@@ -140,7 +129,7 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
 
 
 @kernel
-def move_to(task: PoseTask, nodes: PoseNodes, node: int) -> Record:
+def move_to(task: PoseTask, nodes: queue.PoseNodes, node: int) -> Record:
     """Return the move that leads to a pose.
 
     Writes: task.
@@ -155,7 +144,7 @@ def move_to(task: PoseTask, nodes: PoseNodes, node: int) -> Record:
 
 
 @kernel
-def look_at(task: PoseTask, nodes: PoseNodes, node: int) -> bool:
+def look_at(task: PoseTask, nodes: queue.PoseNodes, node: int) -> bool:
     """Return whether the move that leads to a pose is free; its cost grows by how near to obstacles it is.
 
     Writes: nodes.
@@ -171,7 +160,7 @@ def look_at(task: PoseTask, nodes: PoseNodes, node: int) -> bool:
 
 
 @kernel
-def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
+def search_poses(task: PoseTask, start: Pose, nodes: queue.PoseNodes) -> int:
     """Return the number of a pose at the goal, from which ``nodes.parent`` leads back to the start.
 
     It is ``NOBODY`` if there is no way, and ``GAVE_UP`` if none was found before the memory was full.
@@ -183,44 +172,44 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
         start: Where the body is.
         nodes: Memory; written.
     """
-    nodes.closed[:] = NOBODY
-    note_pose(nodes, 0, start, 0.0, NOBODY, NOBODY)
+    nodes.closed[:] = queue.NOBODY
+    queue.note_pose(nodes, 0, start, 0.0, queue.NOBODY, queue.NOBODY)
     nodes.room[0] = room_at_pose(task.obstacles, task.shape, start, 1.0)
     # count: poses in memory; size: entries in the queue.
-    count, size, n_closed = 1, push(nodes, 0, 0.0, 0), 0
-    while size > 0 and n_closed < MOST_CLOSED and count + task.moves.shape[0] < nodes.cost.shape[0]:
-        node = pop(nodes, size)
+    count, size, n_closed = 1, queue.push(nodes, 0, 0.0, 0), 0
+    while size > 0 and n_closed < queue.MOST_CLOSED and count + task.moves.shape[0] < nodes.cost.shape[0]:
+        node = queue.pop(nodes, size)
         size -= 1
         here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
         # A pose that a last move leads to may lie in a closed cell: it ends at the goal, not anywhere in the cell.
         cell, is_last = cell_of(task, here), nodes.move[node] == task.moves.shape[0]
-        if not is_last and is_closed(nodes.closed, cell):
+        if not is_last and queue.is_closed(nodes.closed, cell):
             continue
         # Only now is the move tested. If nearness to obstacles makes it cost more, it goes back into the queue.
-        if nodes.room[node] == UNKNOWN:
+        if nodes.room[node] == queue.UNKNOWN:
             cost = nodes.cost[node]
             if not look_at(task, nodes, node):
                 continue
             if nodes.cost[node] > cost:
-                size = push(nodes, size, nodes.cost[node] + GREED * cost_to_go(task, here), node)
+                size = queue.push(nodes, size, nodes.cost[node] + GREED * cost_to_go(task, here), node)
                 continue
         if aim_gap(task.aim, here) < task.aim.radius:
             return int(node)
         if not is_last:
-            close_cell(nodes.closed, cell)
+            queue.close_cell(nodes.closed, cell)
             n_closed += 1
             count, size = expand(task, nodes, node, count, size)
         # Also after a last move: a body that has arrived at the position may still have to turn to the heading.
         if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
             there = pose_after(here, (task.last.ahead, task.last.left, task.last.turn), 1.0)
-            note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
-            size = push(nodes, size, nodes.cost[count] + GREED * cost_to_go(task, there), count)
+            queue.note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
+            size = queue.push(nodes, size, nodes.cost[count] + GREED * cost_to_go(task, there), count)
             count += 1
-    return NOBODY if size == 0 else GAVE_UP
+    return queue.NOBODY if size == 0 else queue.GAVE_UP
 
 
 @kernel
-def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -> tuple[int, int]:
+def expand(task: PoseTask, nodes: queue.PoseNodes, node: int, count: int, size: int) -> tuple[int, int]:
     """Put the poses to which a body can move from a pose into the queue; return the new counts of poses and queue.
 
     Writes: nodes.
@@ -228,20 +217,20 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
     here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
     # The start has no move before it.
     gear, turn = 0, 0.0
-    if nodes.move[node] != NOBODY:
+    if nodes.move[node] != queue.NOBODY:
         gear, turn = task.moves[nodes.move[node]].gear, task.moves[nodes.move[node]].turn
     for k in range(task.moves.shape[0]):
         move = task.moves[k]
         there = pose_after(here, (move.ahead, move.left, move.turn), 1.0)
         cell = cell_of(task, there)
-        if cell < 0 or is_closed(nodes.closed, cell):
+        if cell < 0 or queue.is_closed(nodes.closed, cell):
             continue
         # Untested: the move may still turn out to be blocked.
         rest = cost_to_go(task, there)
         if not rest < np.inf:
             continue
         cost = nodes.cost[node] + seconds_of(task.options, move, gear, turn)
-        note_pose(nodes, count, there, cost, node, k)
-        size = push(nodes, size, cost + GREED * rest, count)
+        queue.note_pose(nodes, count, there, cost, node, k)
+        size = queue.push(nodes, size, cost + GREED * rest, count)
         count += 1
     return count, size

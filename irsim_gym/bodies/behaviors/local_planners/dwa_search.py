@@ -5,17 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.bodies.behaviors.local_planners.rollouts import (
-    LANES,
-    Twist,
-    command_window,
-    find_nearest,
-    gap_at,
-    lay_poses,
-    place_at,
-    spread_over,
-    twist_of,
-)
+from irsim_gym.bodies.behaviors.local_planners import rollouts
 from irsim_gym.bodies.behaviors.local_planners.task import (
     CLOSE,
     LETHAL,
@@ -79,7 +69,7 @@ def decide_dwa(
             m, command = tables.ways.row[b], state.command[w, b]
             note_move(turns, w, m, state.pose[w, b], options.oscillation_distance)
             task = task_of(w, b, see_hits(scan, w, k, options, tables.hits), options, model, state, tables)
-            low, high = command_window(model, state, w, b, 0), command_window(model, state, w, b, 1)
+            low, high = rollouts.command_window(model, state, w, b, 0), rollouts.command_window(model, state, w, b, 1)
             window = (low[0], low[1], high[0], high[1])
             limits = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
             command[0], command[1] = best_command(
@@ -169,12 +159,12 @@ def best_command(
         # Otherwise a body that avoids obstacles strongly turns to and fro before gaps for ever.
         if i == n_first and abs(turned) == BOTH and best < np.inf:
             break
-        one = spread_over(low, high, i, n_first) if i < n_first else 0.0
+        one = rollouts.spread_over(low, high, i, n_first) if i < n_first else 0.0
         # Standing turns are that last row for a differential drive, and impossible for a car.
         if rolls and one == 0.0 and i < n_first:
             continue
         for j in range(n_second):
-            two = spread_over(least, most, j, n_second)
+            two = rollouts.spread_over(least, most, j, n_second)
             if i == n_first and (too_slow(two, least, most, options.min_turn_rate) or turns_back(two, turned)):
                 continue
             needed = options.free_time
@@ -183,7 +173,7 @@ def best_command(
                 turning = 0.0 if drive == ACKERMANN else stop_time(two, limits[1])
                 # The command is executed for a step before braking can begin.
                 needed = step + max(stop_time(one, limits[0]), turning)
-            cost = way_cost(task, options, twist_of(task.wheels, one, two), needed, tables)
+            cost = way_cost(task, options, rollouts.twist_of(task.wheels, one, two), needed, tables)
             if cost < best:
                 best, first, second = cost, one, two
     return first, second
@@ -215,7 +205,7 @@ def stop_time(speed: float, deceleration: float) -> float:
 
 
 @kernel
-def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables: LocalTables) -> float:
+def way_cost(task: LocalTask, options: Any, twist: rollouts.Twist, needed: float, tables: LocalTables) -> float:
     """Return what a way costs, infinite if it is not free as long as needed [s].
 
     Reads: tables (hits, poses, way).
@@ -227,12 +217,12 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
     speed = np.sqrt(twist[0] * twist[0] + twist[1] * twist[1])
     # Pose i is where the body is after i + 1 steps of granularity. CLOSE keeps rounding from adding one more.
     for i in range(int(np.ceil(max(horizon, needed) / step - CLOSE))):
-        k = i % LANES
+        k = i % rollouts.LANES
         # Poses are computed and compared with the hits LANES at a time.
         if k == 0:
-            lay_poses(twist, i, step, poses)
-            find_nearest(tables.hits, task.n_hits, poses)
-        gap = gap_at(task.outline, task.reach, limit, tables.hits, task.n_hits, poses, k)
+            rollouts.lay_poses(twist, i, step, poses)
+            rollouts.find_nearest(tables.hits, task.n_hits, poses)
+        gap = rollouts.gap_at(task.outline, task.reach, limit, tables.hits, task.n_hits, poses, k)
         if gap < task.bearable:
             # The last free pose is the one before, at the time i * step: too early to stop.
             if i * step < needed - CLOSE:
@@ -251,7 +241,7 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
             # An early arrival is credited with the distance that it could still have driven.
             saved = (horizon - end) * speed
             break
-    x, y, cosine, sine = place_at(twist, end)
+    x, y, cosine, sine = rollouts.place_at(twist, end)
     # The end is measured ahead of a body that rolls: there, where it points changes the distance from the path.
     x, y = x + task.forward * cosine, y + task.forward * sine
     # Projecting onto no more of the path than the arc is long keeps it from skipping to a later part of the path.

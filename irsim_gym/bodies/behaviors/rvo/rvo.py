@@ -5,16 +5,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Records, Vector
+from irsim_gym.bodies.behaviors.rvo import velocity_obstacles
 from irsim_gym.bodies.behaviors.rvo.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.bodies.behaviors.rvo.penalty import least_penalty
-from irsim_gym.bodies.behaviors.rvo.velocity_obstacles import (
-    CONE,
-    PITCH,
-    disc_cones,
-    lay_samples,
-    side_cones,
-    write_samples,
-)
 from irsim_gym.bodies.behaviors.shared.map_parts import most_map_discs, most_map_walls
 from irsim_gym.bodies.behaviors.shared.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN, Ego, Surroundings, look_around
@@ -63,7 +56,7 @@ class Rvo(RenewsGoals):
         group.tables = [
             RvoTables(
                 seen=Surroundings.reserve(model, n_rounds, n_sides, n_discs),
-                cones=np.zeros(n_cones, CONE),
+                cones=np.zeros(n_cones, velocity_obstacles.CONE),
                 spans=np.zeros(n_cones, SPAN),
                 rows=np.zeros(1, ROWS),
                 samples=np.zeros((2, n_samples)),
@@ -82,7 +75,7 @@ def _most_samples(params: Any) -> int:
     """Return an upper bound of the number of velocities that any member samples along an axis."""
     # Samples lie between -min(acce, vmax) and min(acce, vmax) about the velocity at most; 3 for both ends and rounding.
     widest = np.minimum(params["acce"], np.maximum(params["vxmax"], params["vymax"])).max()
-    return int(2.0 * widest / PITCH) + 3
+    return int(2.0 * widest / velocity_obstacles.PITCH) + 3
 
 
 def free_velocity(options: Rvo, ego: Ego, wanted: Vector, rounds: Records, sides: Floats) -> Vector:
@@ -99,7 +92,7 @@ def free_velocity(options: Rvo, ego: Ego, wanted: Vector, rounds: Records, sides
     n_cones, n_samples = len(rounds) + len(sides), _most_samples(params)
     tables = RvoTables(
         seen=Surroundings(none, none, rounds, sides, np.zeros((0, 3))),
-        cones=np.zeros(n_cones, CONE),
+        cones=np.zeros(n_cones, velocity_obstacles.CONE),
         spans=np.zeros(n_cones, SPAN),
         rows=np.zeros(1, ROWS),
         samples=np.zeros((2, n_samples)),
@@ -153,18 +146,18 @@ def choose_velocity(
     Writes: tables (cones, order, rows, samples, seen, spans).
     """
     mode, cones = options.mode, tables.cones
-    along_x = lay_samples(ego.vx, options["acce"], min(options.vxmax, most), wanted[0])
-    along_y = lay_samples(ego.vy, options["acce"], min(options.vymax, most), wanted[1])
+    along_x = velocity_obstacles.lay_samples(ego.vx, options["acce"], min(options.vxmax, most), wanted[0])
+    along_y = velocity_obstacles.lay_samples(ego.vy, options["acce"], min(options.vymax, most), wanted[1])
     # Cones of discs come first, with the numbers of their discs; those of walls are appended and always exact.
-    n_cones = side_cones(ego, sides, cones, rounds.shape[0])
+    n_cones = velocity_obstacles.side_cones(ego, sides, cones, rounds.shape[0])
     rough_cones(mode, ego, rounds, cones)
     best = nearest_free(mode, ego, n_cones, along_x, along_y, tables)
     if best >= 0:
         i, j = best // along_y.n, best % along_y.n
         return along_x.first + i * along_x.step, along_y.first + j * along_y.step
     # Every sample is in a cone: now all cones have to be exact, and `touch_way` of every disc is needed.
-    write_samples(along_x, tables.samples[0], tables.order[0])
-    write_samples(along_y, tables.samples[1], tables.order[1])
-    disc_cones(mode, ego, rounds, cones)
+    velocity_obstacles.write_samples(along_x, tables.samples[0], tables.order[0])
+    velocity_obstacles.write_samples(along_y, tables.samples[1], tables.order[1])
+    velocity_obstacles.disc_cones(mode, ego, rounds, cones)
     best = least_penalty(ego, options.factor, rounds, sides, along_x, along_y, tables)
     return tables.samples[0, best // along_y.n], tables.samples[1, best % along_y.n]

@@ -9,28 +9,9 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Vector
+from irsim_gym.bodies.behaviors.shared import surroundings
 from irsim_gym.bodies.behaviors.shared.steering import Turning, to_command
-from irsim_gym.bodies.behaviors.shared.surroundings import (
-    ALL_ROLES,
-    MARGIN,
-    ROUND,
-    STANDING,
-    centroid_of,
-    find_around,
-    is_far,
-    is_map_seen,
-    is_seen,
-    look_of,
-)
-from irsim_gym.bodies.behaviors.social_force.walls import (
-    FADED,
-    TOUCHING,
-    SocialTables,
-    nearest_point,
-    push_of_lines,
-    push_of_map,
-    push_of_wall,
-)
+from irsim_gym.bodies.behaviors.social_force import walls
 from irsim_gym.simulator.geometry.overlap import point_outline_distance
 from irsim_gym.simulator.world.names import Model, State, kernel, row_of
 from irsim_gym.simulator.world.outline import outline_of
@@ -44,7 +25,7 @@ TURN_TOLERANCE, SLOW = 0.02, 0.02
 
 @kernel
 def planned_velocity(
-    model: Model, state: State, w: int, b: int, options: Any, wanted: Vector, extra: Vector, tables: SocialTables
+    model: Model, state: State, w: int, b: int, options: Any, wanted: Vector, extra: Vector, tables: walls.SocialTables
 ) -> Vector:
     """Return the velocity after one step under all forces [m/s], no faster than ``vmax`` or a drawn speed.
 
@@ -74,10 +55,10 @@ def planned_velocity(
     pull_x, pull_y = (wanted_x - vx) / options.relaxation_time, (wanted_y - vy) / options.relaxation_time
     others_x, others_y, walls_x, walls_y = push_of_bodies(model, state, w, b, options, tables)
     if tables.lines.shape[0] > 0:
-        fx, fy = push_of_lines(model, state, w, b, options, tables)
+        fx, fy = walls.push_of_lines(model, state, w, b, options, tables)
         walls_x, walls_y = walls_x + fx, walls_y + fy
-    if is_map_seen(model, w, options.target_roles):
-        fx, fy = push_of_map(model, state, w, b, options, tables)
+    if surroundings.is_map_seen(model, w, options.target_roles):
+        fx, fy = walls.push_of_map(model, state, w, b, options, tables)
         walls_x, walls_y = walls_x + fx, walls_y + fy
     ax = options.force_factor_desired * pull_x + options.force_factor_social * others_x
     ay = options.force_factor_desired * pull_y + options.force_factor_social * others_y
@@ -108,7 +89,7 @@ def follow(model: Model, state: State, w: int, b: int, velocity: Vector) -> None
 
 @kernel
 def push_of_bodies(
-    model: Model, state: State, w: int, b: int, options: Any, tables: SocialTables
+    model: Model, state: State, w: int, b: int, options: Any, tables: walls.SocialTables
 ) -> tuple[float, float, float, float]:
     """Return the push of moving bodies and discs (x, y), and that of standing bodies with sides (x, y).
 
@@ -122,30 +103,30 @@ def push_of_bodies(
     """
     pose, twist, sight, among = state.pose[w], state.twist[w], options.neighbor_threshold, tables.among
     x, y, vx, vy = pose[b, 0], pose[b, 1], twist[b, 0], twist[b, 1]
-    r = model.radius[row_of(model.radius, w), b] + MARGIN
+    r = model.radius[row_of(model.radius, w), b] + surroundings.MARGIN
     # Beyond this, exp(-gap / sigma) is below exp(-FADED).
-    reach = FADED * options.sigma_obstacle + r
+    reach = walls.FADED * options.sigma_obstacle + r
     most = max(sight, reach)
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
-    for k in range(find_around(model, state, w, b, most, tables.nearby)):
+    for k in range(surroundings.find_around(model, state, w, b, most, tables.nearby)):
         q = tables.nearby[k]
-        roles = ALL_ROLES if among[q] else options.target_roles
-        if is_far(model, state, w, b, q, most) or not is_seen(model, w, b, q, roles):
+        roles = surroundings.ALL_ROLES if among[q] else options.target_roles
+        if surroundings.is_far(model, state, w, b, q, most) or not surroundings.is_seen(model, w, b, q, roles):
             continue
         # Members see each other as discs about their origins, others as look_of says.
-        look = ROUND if among[q] else look_of(model, w, q)
-        if look == STANDING:
+        look = surroundings.ROUND if among[q] else surroundings.look_of(model, w, q)
+        if look == surroundings.STANDING:
             outline = outline_of(model, state, w, q)
             distance = point_outline_distance((x, y), outline)
             if distance <= reach:
-                cx, cy = nearest_point(x, y, outline)
-                fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
+                cx, cy = walls.nearest_point(x, y, outline)
+                fx, fy = walls.push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
                 # Inside of the outline, the way out leads towards its nearest point.
                 if distance == 0.0:
                     fx, fy = -fx, -fy
                 walls_x, walls_y = walls_x + fx, walls_y + fy
-        if look == ROUND:
-            px, py = (pose[q, 0], pose[q, 1]) if among[q] else centroid_of(model, state, w, q)
+        if look == surroundings.ROUND:
+            px, py = (pose[q, 0], pose[q, 1]) if among[q] else surroundings.centroid_of(model, state, w, q)
             if (x - px) * (x - px) + (y - py) * (y - py) < sight * sight:
                 ux, uy = vx - twist[q, 0], vy - twist[q, 1]
                 if options.interaction == CIRCULAR:
@@ -199,7 +180,7 @@ def push_of_disc(dx: float, dy: float, both: float, fading: float) -> Vector:
     This is the circular form of Helbing and Molnar (1995). Discs that overlap push each other harder.
     """
     distance = np.sqrt(dx * dx + dy * dy)
-    if distance < TOUCHING:
+    if distance < walls.TOUCHING:
         return 0.0, 0.0
     size = np.exp((both - distance) / fading)
     return -size * dx / distance, -size * dy / distance

@@ -10,10 +10,9 @@ from irsim_gym.simulator.cell_maps.cells import segment_cells_distance
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import span
-from irsim_gym.tasks.observations.scan.free_travel import directions, shorten, way_columns
-from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, RangeCode, code_problems, encode, range_code
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.mirrored import Mirrored, directions_exchanged
+from irsim_gym.tasks.observations.scan.free_travel import ObservesTravel, directions, shorten, way_columns
+from irsim_gym.tasks.observations.scan.ranges import encode, range_code
+from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
 from irsim_gym.tasks.terms.term import Bound, Needs, Term
 
 NEAR_ENOUGH = 0.01
@@ -48,7 +47,7 @@ class Directions(Struct):
 
 
 @kind
-class ExactFreeTravel(EncodesDepths):
+class ExactFreeTravel(ObservesTravel):
     """``free_travel`` for agents without a range sensor, computed from outlines and the map.
 
     It sees through walls and in all directions, but not bodies that are ``unobstructed``.
@@ -56,30 +55,17 @@ class ExactFreeTravel(EncodesDepths):
 
     needs: ClassVar[Needs] = ("bodies",)
 
-    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
-    margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-
-    problems = code_problems
-
     def arrays(self, simulation: Simulation, agents: Ints) -> Directions:
         """Return the directions in the body frame and the radii of the discs around the agents."""
         return Directions(*directions(self.directions), simulation.model.reach[:, agents].max(axis=0) + self.margin)
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the longest distance and of contact."""
-        low, high = np.full(self.directions, self.horizon, np.float32), np.zeros(self.directions, np.float32)
-        for values in (low, high):
-            encode(values, RangeCode.of(self, self.horizon))
-        return low, high
+        return self.coded_bounds(self.horizon, self.directions)
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, self.horizon)
-
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the directions from right to left."""
-        return directions_exchanged(self.directions)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

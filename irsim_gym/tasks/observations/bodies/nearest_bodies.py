@@ -10,14 +10,7 @@ from irsim_gym.simulator.cell_maps.cells import nearest_cell_point
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
-from irsim_gym.tasks.observations.scan.ranges import (
-    EncodesDepths,
-    RangeCode,
-    code_problems,
-    encoded,
-    encoded_graph,
-    range_code,
-)
+from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, State, Struct, Term, kernel, kind, option, row_of
 from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.mirrored import Mirrored, signed
@@ -116,7 +109,7 @@ class NearestBodies(EncodesDepths):
             value.most(-1.0).least(1.0).cast(np.float32)
             for value in (ahead, left, *(is_there.where(speed / self.speed, 0.0) for speed in motion))
         )
-        numbers = [ahead, left, encoded_graph(self, far, depth.cast(np.float32)), *motion]
+        numbers = [ahead, left, self.coded_graph(far, depth.cast(np.float32)), *motion]
         rows, width = robot.graph.join([number.spread(2) for number in numbers], axis=2), WIDTH * self.count
         return robot.graph.op("Reshape", [rows, robot.graph.constant(np.array([0, width]))], np.float32)
 

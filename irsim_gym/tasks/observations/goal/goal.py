@@ -6,6 +6,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Ints, Rays
 from irsim_gym.simulator.geometry.angles import turned
+from irsim_gym.tasks.observations.seen_map.way_columns import write_direction
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind, option
 from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.mirrored import Mirrored, signed
@@ -74,13 +75,8 @@ def write_goal(worlds: Ints, term: Bound, model: Model, state: State, episode: E
     for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
-            dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
-            d = np.sqrt(dx * dx + dy * dy)
-            ahead, side = 1.0, 0.0
-            if d > 0.0:
-                cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
-                ahead, side = (dx * cosine + dy * sine) / d, (dy * cosine - dx * sine) / d
-            episode.observation[w, a, column] = np.float32(min(d / full, 1.0))
-            episode.observation[w, a, column + 1] = np.float32(min(max(ahead, -1.0), 1.0))
-            episode.observation[w, a, column + 2] = np.float32(min(max(side, -1.0), 1.0))
-            episode.observation[w, a, column + 3] = np.float32(np.exp(-d / options.near))
+            row = episode.observation[w, a, column : column + 4]
+            here, there = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            d = write_direction(row[1:], here, turned(state.pose[w, b, 2], state.direction[w, b]), there)
+            row[0] = np.float32(min(d / full, 1.0))
+            row[3] = np.float32(np.exp(-d / options.near))

@@ -9,10 +9,8 @@ from irsim_gym.base.options import kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
     WITHOUT_SENSOR,
     EncodesDepths,
-    RangeCode,
     code_problems,
     encode,
-    encoded_graph,
     range_code,
     shared_sensors,
 )
@@ -53,7 +51,22 @@ class Ways(Struct):
 
 
 @kind
-class FreeTravel(EncodesDepths):
+class ObservesTravel(EncodesDepths):
+    """What observations of the way that a disc can travel have in common."""
+
+    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
+    margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
+
+    problems = code_problems
+
+    def mirrored(self, term: Term) -> Mirrored:
+        """Return the directions from right to left."""
+        return directions_exchanged(self.directions)
+
+
+@kind
+class FreeTravel(ObservesTravel):
     """Encoded distance that a disc around the agent can travel, in directions evenly spaced over a full turn.
 
     The obstacles are the points that the beams hit. Unlike in a pooled scan, a gap that is too narrow for the agent
@@ -62,12 +75,7 @@ class FreeTravel(EncodesDepths):
 
     needs: ClassVar[Needs] = ("scan",)
 
-    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
-    margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
-
-    problems = code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
         """Return live ranges, each agent's row in them, the beams in the body frame, the directions and the radii."""
@@ -90,19 +98,11 @@ class FreeTravel(EncodesDepths):
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the longest distance and of contact."""
-        far = float(term.arrays.far.max())
-        low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
-        for values in (low, high):
-            encode(values, RangeCode.of(self, far))
-        return low, high
+        return self.coded_bounds(float(term.arrays.far.max()), self.directions)
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
         return way_columns(self, term.arrays, agent, float(term.arrays.far[agent]))
-
-    def mirrored(self, term: Term) -> Mirrored:
-        """Return the directions from right to left."""
-        return directions_exchanged(self.directions)
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
@@ -117,7 +117,7 @@ class FreeTravel(EncodesDepths):
         way = (along - room.most(0.0).op("Sqrt")).most(0.0)
         is_hit = (robot.ranges < ways.sight[agent]).spread(2)
         lengths = (is_hit & (room > 0.0) & (along > 0.0)).where(way, far).smallest(1).least(far)
-        return encoded_graph(self, far, lengths)
+        return self.coded_graph(far, lengths)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -11,10 +11,8 @@ from irsim_gym.simulator.world.state import State
 from irsim_gym.tasks.observations.scan.ranges import (
     WITHOUT_SENSOR,
     EncodesDepths,
-    RangeCode,
     code_problems,
     encode,
-    encoded_graph,
     range_code,
     shared_sensors,
 )
@@ -100,12 +98,7 @@ class PastScans(EncodesDepths):
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the codes of the maximum depth and of contact."""
-        width = self.sectors * len(self.ago)
-        far = term.arrays.far.max()
-        low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
-        for values in (low, high):
-            encode(values, RangeCode.of(self, far))
-        return low, high
+        return self.coded_bounds(term.arrays.far.max(), self.sectors * len(self.ago))
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
@@ -146,7 +139,7 @@ class PastScans(EncodesDepths):
         ahead, left = moved_x + cosine * x - sine * y, moved_y + sine * x + cosine * y
         depth = ((ahead * ahead + left * left).op("Sqrt") - memory.reach[agent]).most(0.0).cast(np.float32)
         is_hit = (scan < far).spread(2) & sector_flags(ahead, left, self.sectors)
-        return encoded_graph(self, far, is_hit.where(depth.spread(2), far).smallest(1).least(far))
+        return self.coded_graph(far, is_hit.where(depth.spread(2), far).smallest(1).least(far))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -35,6 +35,20 @@ class EncodesDepths:
     )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (d + near) that becomes 0.")
 
+    def coded_bounds(self, far: float, width: int) -> tuple[Rays, Rays]:
+        """Return the codes of a distance [m] and of contact, shape ``(width,)`` each."""
+        low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
+        for values in (low, high):
+            encode(values, RangeCode.of(self, far))
+        return low, high
+
+    def coded_graph(self, far: float, depths: Value) -> Value:
+        """Return what ``encode`` makes of depths [m] of at most ``far``, of any shape, float32."""
+        code = RangeCode.of(self, far)
+        if code.number == INVERSE:
+            return (1.0 / (depths + code.near) - code.zero) / (np.float32(1.0) / code.near - code.zero)
+        return 1.0 - depths / code.far
+
 
 class RangeCode(NamedTuple):
     """How depths become numbers.
@@ -91,14 +105,6 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
     if len(groups) < len(found) or any(group is not groups[0] for group in groups):
         raise ValueError(f"observation '{name}': all learners need range sensors of one kind with the same beams")
     return groups[0], np.array([item[1] for item in found if item is not None], np.int64)
-
-
-def encoded_graph(options: Any, far: float, depths: Value) -> Value:
-    """Return what ``encode`` makes of depths [m], of any shape, float32."""
-    code = RangeCode.of(options, far)
-    if code.number == INVERSE:
-        return (1.0 / (depths + code.near) - code.zero) / (np.float32(1.0) / code.near - code.zero)
-    return 1.0 - depths / code.far
 
 
 @kernel(inlined=True)

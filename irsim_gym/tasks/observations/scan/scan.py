@@ -14,7 +14,6 @@ from irsim_gym.tasks.observations.scan.ranges import (
     code_problems,
     encode,
     encoded,
-    encoded_graph,
     range_code,
     shared_sensors,
 )
@@ -117,7 +116,7 @@ class Scan(EncodesDepths):
         # Sectors with fewer beams than others name their last one again.
         beams = np.minimum(first[:, None] + np.arange((last - first).max()), last[:, None] - 1)
         depths = (robot.ranges - sectors.extent[agent]).least(sectors.far[agent]).most(0.0)
-        return encoded_graph(self, sectors.far[agent], depths.take(beams).smallest(2))
+        return self.coded_graph(sectors.far[agent], depths.take(beams).smallest(2))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
