@@ -30,6 +30,7 @@ def export(
         str | None, typer.Option(help=opt.HELP["export scenario"], autocompletion=cli_completion.scenarios)
     ] = None,
     node: Annotated[str | None, typer.Option(help=opt.HELP["export node"])] = None,
+    bodies: Annotated[str | None, typer.Option(help=opt.HELP["export bodies"])] = None,
     levels: Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help=opt.HELP["export levels"])] = 50,
     task: Task = None,
     given: Given = None,
@@ -47,7 +48,9 @@ def export(
     if scenario is None and (given or task):
         raise IrsimGymError("--set and --task go with --scenario")
     asked = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(given))
-    made = export_for_robot(policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node)
+    made = export_for_robot(
+        policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node, bodies=bodies
+    )
     size = (made.folder / "policy.onnx").stat().st_size / 1000
     if made.contract.seen_map:
         print("not one file: way_on_seen_map, which perceive.py finds beside the graph")

@@ -70,6 +70,14 @@ class SeenMapForm(_Fixed):
     frees: bool = Field(description="Beams free what they pass, as where others moved in the training.")
 
 
+class BodiesForm(_Fixed):
+    """The other bodies, which the robot's own tracker gives: discs in the frame of the odometry."""
+
+    source: Literal["tracked"]
+    most: int = Field(description="Greatest number that it was tested with.")
+    moving: bool = Field(description="Bodies that stay where they are do not belong to them.")
+
+
 class RobotLimits(_Fixed):
     """The robot of the training."""
 
@@ -111,6 +119,7 @@ class Stops(_Fixed):
 
     scan_age: float = Field(description="[s]")
     odometry_age: float = Field(description="[s]")
+    bodies_age: float | None = Field(description="[s]; None for policies that need no other bodies.")
     lost_beams: float = Field(description="A share.")
 
 
@@ -135,6 +144,7 @@ class RobotContract(_Fixed):
     needs: Needs
     scan: Scanner | None
     seen_map: SeenMapForm | None = Field(description="None for policies without one: these are one file.")
+    bodies: BodiesForm | None = Field(description="None for policies that need no other bodies.")
     robot: RobotLimits
     period: float = Field(description="Time from one command to the next [s].")
     periods: Span = Field(description="Least and greatest period that the policy was played with [s].")

@@ -12,7 +12,7 @@ import numpy as np
 import onnxruntime
 
 SCANS = runpy.run_path(str(Path(__file__).with_name("scans.py")))
-KEYS = {"format", "hashes", "scan", "robot", "goal", "inputs", "states", "stop"}
+KEYS = {"format", "hashes", "scan", "robot", "bodies", "goal", "inputs", "states", "stop"}
 
 
 class Driver:
@@ -32,11 +32,11 @@ class Driver:
         self.session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
         self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
         self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
-        self.now = self.scan_time = self.pose_time = -np.inf
+        self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
         self.ranges = self.pose = self.way = self.map = nothing
-        self.velocity = np.zeros((1, len(self.contract["robot"]["low"])))
+        self.velocity, self.others = np.zeros((1, len(self.contract["robot"]["low"]))), np.zeros((1, 0, 5))
         self.states: dict[str, Any] = {}
         if self.contract["seen_map"]:
             self.map = runpy.run_path(str(Path(contract).with_name("perceive.py")))["SeenMap"](self.contract)
@@ -60,30 +60,35 @@ class Driver:
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
         found["x"], found["y"], found["turn"] = self.mount
         self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
-        self.scan_time = _seconds(msg.header.stamp)
+        self.scan_time = SCANS["seconds"](msg.header.stamp)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
         self.good_scans = 0 if self.scan_fault else self.good_scans + 1
 
     def odometry(self, msg: Any) -> None:
         """Take a nav_msgs/Odometry."""
-        self.pose, self.pose_time, self.frame = _pose(msg.pose.pose), _seconds(msg.header.stamp), msg.header.frame_id
+        self.pose, self.frame = SCANS["pose"](msg.pose.pose), msg.header.frame_id
+        self.pose_time = SCANS["seconds"](msg.header.stamp)
         robot, twist = self.contract["robot"], msg.twist.twist
         x, y, turn, before = twist.linear.x, twist.linear.y, twist.angular.z, self.velocity[0, 1]
         if robot["steers"]:  # the wheels of a car that stands are taken to stay where they were
             turn = np.arctan(turn * robot["wheelbase"] / x) if x else before
         self.velocity = np.array([{"omni": [x, y], "omni_angular": [x, y, turn]}.get(robot["drive"], [x, turn])], float)
 
+    def bodies(self, rows: Any, stamp: Any) -> None:
+        """Take other bodies: rows of x, y, vx, vy, radius in the frame of the odometry; rows of NaN are absent."""
+        self.others, self.bodies_time = np.array(rows, float).reshape(1, len(rows), 5), SCANS["seconds"](stamp)
+
     def goal(self, msg: Any) -> None:
         """Take a geometry_msgs/PoseStamped as the goal; a new place begins anew."""
-        found = _pose(msg.pose)
+        found = SCANS["pose"](msg.pose)
         if self.way is None or np.any(found[0, :2] != self.way[-1, :2]):
             self.forget("action", "pending")
         self.way, self.goal_frame = found, msg.header.frame_id
 
     def path(self, msg: Any) -> None:
         """Take a nav_msgs/Path: the goal is its point ``ahead`` metres on, at last its end."""
-        self.way = np.concatenate([_pose(one.pose) for one in msg.poses]) if msg.poses else None
+        self.way = np.concatenate([SCANS["pose"](one.pose) for one in msg.poses]) if msg.poses else None
         self.goal_frame = msg.header.frame_id
 
     def tick(self, now: float) -> tuple[Any, ...]:
@@ -99,8 +104,8 @@ class Driver:
         goal, waited = self.way[[beyond[0] if len(beyond) else -1]], np.array([[elapsed if elapsed < np.inf else 0.0]])
         values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": goal, "elapsed": waited}
         way = {"way_on_seen_map": self.map.way(self.ranges[0], self.pose[0], goal[0])[None]} if self.map else {}
-        known = {**values, **way, **self.states}.items()
-        given = {name: value for name, value in known if name in self.contract["inputs"]}
+        known = {**values, **way, **self.states, "bodies": self.others}
+        given = {name: known[name] for name in self.contract["inputs"]}
         found, *after = self.session.run(["command", *(f"{name}_next" for name in self.states)], given)
         command, robot = found[0].astype(float), self.contract["robot"]
         if not np.isfinite(command).all():
@@ -118,11 +123,13 @@ class Driver:
         return (*[0.0] * self.velocity.shape[1], reason)
 
     def _fault(self) -> str:
-        stop, scan_age, pose_age = self.contract["stop"], self.now - self.scan_time, self.now - self.pose_time
-        if "tested" in self.own and scan_age > stop["scan_age"]:
-            return "no scan yet" if self.ranges is None else f"the scan is {scan_age:.2f} s old"
-        if pose_age > stop["odometry_age"]:
-            return "no odometry yet" if self.pose is None else f"the odometry is {pose_age:.2f} s old"
+        times = [("scan is", self.scan_time, "tested" in self.own), ("odometry is", self.pose_time, True)]
+        for what, time, is_needed in [*times, ("bodies are", self.bodies_time, self.contract["bodies"])]:
+            name, age = what.split()[0], self.now - time
+            if is_needed and age > self.contract["stop"][f"{name}_age"]:
+                return f"the {what} {age:.2f} s old" if age < np.inf else f"no {name} yet"
+        if np.any(np.isfinite(self.others).any(axis=2) & ~np.isfinite(self.others).all(axis=2)):
+            return "the bodies are not finite"
         return self.scan_fault if all(np.isfinite([*self.pose[0], *self.velocity[0]])) else "the odometry is not finite"
 
     def _rest(self) -> str:
@@ -136,14 +143,3 @@ class Driver:
             return "the goal is not finite"
         off = self.map.fault(self.pose[0], self.way[-1]) if self.map else ""
         return "arrived" if np.sqrt(gap @ gap) < self.contract["goal"]["tolerance"] else off
-
-
-def _seconds(stamp: Any) -> float:
-    is_ros_1 = hasattr(stamp, "to_sec")
-    return float(stamp.to_sec() if is_ros_1 else stamp.sec + 1e-9 * stamp.nanosec if hasattr(stamp, "sec") else stamp)
-
-
-def _pose(pose: Any) -> Any:
-    place, q = pose.position, pose.orientation
-    heading = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-    return np.array([[place.x, place.y, heading]], float)

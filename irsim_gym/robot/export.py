@@ -3,7 +3,7 @@
 import hashlib
 import io
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from irsim_gym.evaluation.saved_policies.policies import (
 from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
 from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
 from irsim_gym.robot.contract import (
+    BodiesForm,
     GoalForm,
     Hashes,
     Results,
@@ -41,19 +42,21 @@ from irsim_gym.robot.contract import (
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import scanner_form, seen_map_form
+from irsim_gym.robot.inputs import among_discs, scanner_form, seen_map_form, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
-from irsim_gym.robot.policy_graph import PolicyGraph, policy_graph
+from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.tasks.terms.term import needs_of
+from irsim_gym.tasks.terms.term import NEEDS, needs_of
 from irsim_gym.training.settings.run import run_of
 
 LEVELS, SPLIT = 50, "test"
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
+ANY = {"bodies": ("n_bodies", 5)}
+"""Shapes of inputs of any length, without the axis of the batch."""
 SCRIPTS = ("drive.py", "scans.py", "perceive.py")
 FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
 
@@ -86,6 +89,7 @@ def export_for_robot(
     asked: ScenarioRequest | None = None,
     levels: int = LEVELS,
     node: str | None = None,
+    bodies: str | None = None,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -97,12 +101,13 @@ def export_for_robot(
         asked: The scenario with the robot and its scanner; None for that of the training.
         levels: Number of ``test`` levels that are played by both.
         node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
+        bodies: ``tracked``: the robot's own tracker gives other bodies as discs; None for policies without them.
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
             policy's by more than 1e-5; nothing is written then.
     """
-    _check_target(folder, node)
+    _check_target(folder, node, bodies)
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
@@ -112,8 +117,9 @@ def export_for_robot(
     loaded.check(played)
     network = _network(loaded)
     graph = policy_graph(network, played, name)
+    discs = _among_discs(played, asked, loaded, bodies)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
-    results = results_of(compared, played, levels)
+    results = results_of(compared, discs, levels)
     _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
     period, samples = period or own, compared.samples
@@ -122,27 +128,46 @@ def export_for_robot(
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
         results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
         samples = ahead.samples
+    elif discs is not played:
+        results = results_of(GraphPolicy(graph), played, levels)
     elif is_own:
         results = _known_results(loaded) or results
     hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
+    form = _form(played, graph, samples, period)
     contract = RobotContract(
-        policy=name,
-        irsim_gym=__version__,
-        hashes=hashes,
-        scenario=_scenario_form(asked),
-        predict=predict,
-        results=results,
-        **_form(played, graph, samples, period),
+        policy=name, hashes=hashes, scenario=_scenario_form(asked), predict=predict, results=results, **form
     )
     _write(folder, contract, graph, samples, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
-def _check_target(folder: Path, node: str | None) -> None:
+def _check_target(folder: Path, node: str | None, bodies: str | None) -> None:
     check_node(node)
+    if bodies not in (None, "tracked"):
+        raise IrsimGymError(f"--bodies: there is no '{bodies}': write tracked")
+    if bodies and node:
+        raise IrsimGymError("--node: the nodes hear no tracker: leave it out, and call Driver.bodies in your own")
     known = [name for name in FILES if (folder / name).exists()]
     if known:
         raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
+
+
+def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, bodies: str | None) -> Episodes:
+    """Return worlds in which a tracker gives all that the policy sees of others; often the same.
+
+    Raises:
+        UnfitForRobotError: It sees others, and there is no tracker.
+    """
+    seers = [term.name for term in played.terms["observations"] if "bodies" in (term.options.needs or ())]
+    if not seers:
+        return played
+    if bodies is None:
+        raise UnfitForRobotError(f"observation '{seers[0]}' needs bodies ({NEEDS['bodies']}): add '--bodies tracked'")
+    loaded = asked.load(warn=False)
+    scenario = among_discs(loaded, played)
+    if scenario is loaded:
+        return played
+    return Perceived(replace(asked, scenario=scenario, parameters=None).episodes(played.n_worlds)).of(policy)
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
@@ -201,23 +226,27 @@ def _check_difference(compared: ComparedPolicy, name: str) -> None:
 
 
 def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], period: float) -> dict[str, Any]:
-    """Return what a contract says of the robot, its scan, its goal, its times, and the tensors of the graph."""
+    """Return what a contract says of the version, the robot, its scan, goal and times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
     steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
+    age, rows = PERIODS * period, samples.get("bodies")
+    most = 0 if rows is None else int(np.isfinite(rows).all(axis=2).sum(axis=1).max())
     limits = [None if np.isinf(limit) else float(limit) for limit in model.acceleration_limit[0, b, :size]]
     inputs = {
-        name: TensorForm(shape=("batch", *rows.shape[1:]), dtype=str(rows.dtype))
+        name: TensorForm(shape=("batch", *ANY.get(name, rows.shape[1:])), dtype=str(rows.dtype))
         for name, rows in samples.items()
         if name not in ("command", "level")
     }
     return {
+        "irsim_gym": __version__,
         "period": period,
         "periods": (float(model.step_time[0]),) * 2,
-        "stop": Stops(scan_age=PERIODS * period, odometry_age=PERIODS * period, lost_beams=LOST),
+        "stop": Stops(scan_age=age, odometry_age=age, bodies_age=age if "bodies" in inputs else None, lost_beams=LOST),
         "needs": needs,
         "scan": scanner_form(played) if "scan" in needs else None,
         "seen_map": seen_map_form(played),
+        "bodies": None if rows is None else BodiesForm(source="tracked", most=most, moving=sees_moving_only(played)),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
             steers=bool(steers),

@@ -1,13 +1,16 @@
 """What a robot measures: as inputs of a graph, and as an environment knows it."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Floats, Rays
+from irsim_gym.base.arraytypes import Flags, Floats, Rays
+from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
-from irsim_gym.simulator.world.model import OMNI_WORLD
+from irsim_gym.scenario import Scenario
+from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 from irsim_gym.tasks.terms.graph import Graph, RobotValues, Value
@@ -76,7 +79,51 @@ def measured(episodes: Episodes, agent: int = 0) -> Measured:
     elapsed = np.full((len(pose), 1), episodes.simulation.model.step_time[0])
     values: Measured = {"pose": pose, "velocity": velocity, "goal": state.goal[:, b].copy(), "elapsed": elapsed}
     scanner = scanner_of(episodes, agent)
+    values["bodies"] = tracked(episodes, agent)
     return values if scanner is None else {"ranges": scanner[1].copy(), **values}
+
+
+def among_discs(scenario: Scenario, episodes: Episodes) -> Scenario:
+    """Return a scenario in which a tracker gives the first agent all that it sees of others.
+
+    Others that can move become discs that enclose them; outlines that stay where they start are not seen. It is the
+    same scenario if there are no such bodies.
+    """
+    model, bodies = episodes.simulation.model, list(scenario.bodies)
+    for b in np.flatnonzero(~is_disc(model) & ~model.unobstructed):
+        if not model.stands[b] and b not in episodes.task.agents:
+            bodies[b] = replace(bodies[b], shape=FOOTPRINTS.entry("circle").kind(radius=float(model.reach[:, b].max())))
+        elif model.stands[b] and not sees_moving_only(episodes):
+            bodies[b] = replace(bodies[b], unobstructed=True)
+    return scenario if bodies == list(scenario.bodies) else replace(scenario, bodies=tuple(bodies))
+
+
+def sees_moving_only(episodes: Episodes) -> bool:
+    """Return whether all observations of other bodies leave out those that stay where they start."""
+    kinds = [term.options for term in episodes.terms["observations"] if "bodies" in (term.options.needs or ())]
+    return all(getattr(options, "moving", False) for options in kinds)
+
+
+def tracked(episodes: Episodes, agent: int = 0) -> Floats:
+    """Return the other bodies that an agent's observations see as a tracker has them, as discs.
+
+    Returns:
+        x, y [m], their velocity [m/s] and their radius [m], ``(n_worlds, n, 5)``; NaN where there is none. The disc of
+        another outline encloses it. Outlines that stay where they start, such as walls, are left out.
+    """
+    model, state, own = episodes.simulation.model, episodes.simulation.state, episodes.task.agents[agent]
+    discs, is_free = is_disc(model), ~model.unobstructed & (np.arange(len(model.stands)) != own)
+    bodies = np.flatnonzero(is_free & (~model.stands | (discs & (not sees_moving_only(episodes)))))
+    places = np.concatenate([state.pose[:, :, :2], np.broadcast_to(model.reach, state.stopped.shape)[:, :, None]], 2)
+    places[:, discs] = state.discs[:, model.disc_start[discs]]
+    velocity = np.where(state.stopped[:, :, None], 0.0, state.twist[:, :, :2])
+    rows = np.concatenate([places[:, :, :2], velocity, places[:, :, 2:]], axis=2)
+    return np.where(model.present[:, bodies, None], rows[:, bodies], np.nan)
+
+
+def is_disc(model: Model) -> Flags:
+    """Return which bodies are discs, ``(n_bodies,)``."""
+    return np.asarray((model.disc_count == 1).all(axis=0) & (model.segment_count == 0).all(axis=0))
 
 
 def robot_values(graph: Graph, episodes: Episodes, action: Value, agent: int = 0) -> RobotValues:
@@ -93,7 +140,8 @@ def robot_values(graph: Graph, episodes: Episodes, action: Value, agent: int = 0
         ranges = cleaned(graph.input("ranges", np.float32, readings.shape[1]), options.range_min, options.range_max)
     pose, goal = (graph.input(name, np.float64, 3) for name in ("pose", "goal"))
     velocity = graph.input("velocity", np.float64, int(episodes.action_sizes[agent]))
-    return RobotValues(graph, ranges, pose, velocity, goal, graph.input("elapsed", np.float64, 1), action)
+    elapsed, bodies = graph.input("elapsed", np.float64, 1), graph.input("bodies", np.float64, "n_bodies", 5)
+    return RobotValues(graph, ranges, pose, velocity, goal, elapsed, action, bodies)
 
 
 def cleaned(ranges: Value, shortest: float, farthest: float) -> Value:

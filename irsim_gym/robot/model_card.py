@@ -35,6 +35,9 @@ def model_card(contract: RobotContract, scenario: str) -> str:
     ]
     if scan is not None:
         needs.append(f"Its scan has {scan.beams} beams up to {scan.range_max:g} m; others are mapped to it by angle.")
+    if contract.bodies:
+        discs, most = f"discs{' that move' if contract.bodies.moving else ''}", contract.bodies.most
+        needs.append(f"`Driver.bodies` takes {discs} from a tracker; it was tested with {most} at most.")
     grid = contract.seen_map
     if grid is not None:
         size = " x ".join(f"{count * grid.cell:.3g}" for count in (grid.columns - 2, grid.rows - 2))

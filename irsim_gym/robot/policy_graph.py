@@ -22,7 +22,8 @@ from irsim_gym.tasks.terms.graph import Graph, HasGraph, RobotValues, Value
 from irsim_gym.tasks.terms.term import NEEDS, IsImage, Term
 
 ALONE = ("scan", "odometry", "map_frame")
-"""What a graph can be fed with from the robot's own messages, and by ``perceive.py`` with a way on a map of them."""
+"""What a graph can be fed with from the robot's own messages; also with a way on a map of them by ``perceive.py``, and
+with the rows of a tracker where a twin takes other bodies so."""
 
 
 class UnfitForRobotError(IrsimGymError):
@@ -106,8 +107,8 @@ def _term_reasons(term: Term) -> Iterator[str]:
     if needs is None:
         yield f"the observation '{term.name}' does not say what it needs: declare 'needs'"
         return
-    has = (*ALONE, "grid") if isinstance(term.options, WayOnSeenMap) else ALONE
-    lacking = [f"{need} ({NEEDS[need]})" for need in needs if need not in has]
+    fed = "grid" if isinstance(term.options, WayOnSeenMap) else "bodies" if isinstance(term.options, HasGraph) else ""
+    lacking = [f"{need} ({NEEDS[need]})" for need in needs if need not in (*ALONE, fed)]
     if lacking:
         yield f"the observation '{term.name}' needs {', '.join(lacking)}"
     elif isinstance(term.options, IsImage):

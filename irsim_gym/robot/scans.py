@@ -1,4 +1,4 @@
-"""Scans of any scanner as the contract's scanner would read them; for the driver, with NumPy alone."""
+"""Scans of any scanner as the contract's scanner would read them, poses and stamps; for the driver, by NumPy alone."""
 
 from __future__ import annotations
 
@@ -53,3 +53,16 @@ def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple
         elif abs(value - known[name]) > slack:
             notes.append(f"{text}, trained with {known[name]:.4g}")
     return fault, "; ".join(notes)
+
+
+def seconds(stamp: Any) -> float:
+    """Return a stamp of ROS 1 or ROS 2, or a number, in seconds."""
+    is_ros_1 = hasattr(stamp, "to_sec")
+    return float(stamp.to_sec() if is_ros_1 else stamp.sec + 1e-9 * stamp.nanosec if hasattr(stamp, "sec") else stamp)
+
+
+def pose(pose: Any) -> Any:
+    """Return a geometry_msgs/Pose as x, y [m] and heading [rad], (1, 3)."""
+    place, q = pose.position, pose.orientation
+    heading = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+    return np.array([[place.x, place.y, heading]], float)

@@ -67,7 +67,8 @@ def test_the_contract_keeps_to_its_schema(exported: RobotExport) -> None:
     assert found["needs"] == ["scan", "odometry"]
     assert (found["scan"]["beams"], found["scan"]["range_max"], found["period"]) == (180, 6.0, 0.1)
     assert (found["robot"]["low"], found["robot"]["high"]) == ([0.0, -1.5], [1.0, 1.5])
-    assert found["stop"] == {"scan_age": pytest.approx(0.3), "odometry_age": pytest.approx(0.3), "lost_beams": 0.3}
+    ages = {"scan_age": pytest.approx(0.3), "odometry_age": pytest.approx(0.3), "bodies_age": None}
+    assert found["stop"] == {**ages, "lost_beams": 0.3}
     assert found["states"]["record_nearest"] == {"shape": [1], "dtype": "float64", "start": "inf"}
 
 

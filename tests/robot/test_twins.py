@@ -48,6 +48,8 @@ EVERYTHING: list[Any] = [
     "position",
     "heading",
     "way_on_seen_map",
+    {"name": "nearest_bodies", "count": 2},
+    "time_to_collision",
 ]
 OTHERWISE: list[Any] = [
     {"name": "scan", "sectors": 90, "code": "linear"},
@@ -56,6 +58,8 @@ OTHERWISE: list[Any] = [
     {"name": "goal", "scale": 3.0, "near": 0.4},
     {"name": "trail", "sectors": 1, "spacing": 0.2, "marks": 5, "fresh": 0},
     {"name": "way_on_seen_map", "cell": 0.21, "every": 3, "clearance": 0.1},
+    {"name": "nearest_bodies", "count": 5, "range": 3.0, "moving": True, "code": "linear", "speed": 0.5},
+    {"name": "time_to_collision", "directions": 7, "speeds": 3, "range": 2.5, "moving": True, "margin": 0.1},
 ]
 WANDER = {"name": "dash", "wander": True, "range_low": [0.5, 0.5, -3.1], "range_high": [5.5, 5.5, 3.1]}
 MOVING = {"kinematics": {"name": "diff"}, "behavior": WANDER, "vel_max": [1, 3]}

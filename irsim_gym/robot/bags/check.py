@@ -66,6 +66,8 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
     """
     contract, _ = read_export(folder)
     driver = Driver(folder / "contract.json", no_return)
+    if contract.bodies:
+        raise IrsimGymError(f"{folder} needs other bodies, which bags do not hold")
     for role in ("scan", "odometry") if contract.scan else ("odometry",):
         if not bag.of(role):
             raise IrsimGymError(f"{bag.file} has no {role}, which the policy needs: name its topic with --topic")

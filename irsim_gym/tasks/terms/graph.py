@@ -103,6 +103,14 @@ class Value:
         """Return one number of each row of the last axis, which goes."""
         return self.graph.op("Gather", [self, self.graph.constant(np.array(axis))], self.dtype, axis=-1)
 
+    def first(self, count: int) -> Value:
+        """Return where the smallest numbers of each row stand, ascending, ``(batch, count)``; equal ones in order."""
+        return self.graph.op("TopK", [self, self.graph.constant(np.array([count]))], np.int64, largest=0)
+
+    def at(self, places: Value) -> Value:
+        """Return the numbers of each row at places of its own, ``(batch, count)``."""
+        return self.graph.op("GatherElements", [self, places], self.dtype, axis=1)
+
     def spread(self, axis: int) -> Value:
         """Return the value with another axis, of length 1."""
         return self.graph.op("Unsqueeze", [self, self.graph.constant(np.array([axis]))], self.dtype)
@@ -146,16 +154,17 @@ class Graph:
     _nodes: list[Any] = field(default_factory=list)
     _constants: dict[tuple[Any, ...], str] = field(default_factory=dict)
     _arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
-    _inputs: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = field(default_factory=dict)
-    _outputs: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = field(default_factory=dict)
+    _inputs: dict[str, tuple[np.dtype[Any], tuple[int | str, ...]]] = field(default_factory=dict)
+    _outputs: dict[str, tuple[np.dtype[Any], tuple[int | str, ...]]] = field(default_factory=dict)
 
     def op(self, kind: str, inputs: Sequence[Value], dtype: Any, **attributes: Any) -> Value:
-        """Add a node, and return its output of type ``dtype``."""
+        """Add a node, and return its output of type ``dtype``; of TopK the places."""
         from onnx import helper
 
         name = f"{kind.lower()}_{len(self._nodes)}"
         # Nodes have names: onnxruntime 1.19 merges nodes under names of theirs, and refuses two of the same name.
-        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], [name], name=name, **attributes))
+        outputs = [f"{name}_values", name] if kind == "TopK" else [name]
+        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], outputs, name=name, **attributes))
         return Value(self, name, np.dtype(dtype))
 
     def constant(self, array: NDArray[Any]) -> Value:
@@ -165,8 +174,8 @@ class Graph:
         self._arrays[name] = array
         return Value(self, name, array.dtype)
 
-    def input(self, name: str, dtype: Any, *shape: int) -> Value:
-        """Return an input of shape ``(batch, *shape)``."""
+    def input(self, name: str, dtype: Any, *shape: int | str) -> Value:
+        """Return an input of shape ``(batch, *shape)``; an axis with a name has any length."""
         self._inputs[name] = (np.dtype(dtype), shape)
         return Value(self, name, np.dtype(dtype))
 
@@ -227,6 +236,8 @@ class RobotValues:
         goal: Its goal [m, m, rad], the heading NaN where any will do, ``(batch, 3)``, float64.
         elapsed: Time since the last step [s], ``(batch, 1)``, float64.
         action: Its latest action in [-1, 1], ``(batch, n_components)``, float32.
+        bodies: Other bodies as its tracker has them: x, y [m], their velocity [m/s] and their radius [m], in the frame
+            of the pose, ``(batch, n, 5)``, float64; rows of NaN are absent.
     """
 
     graph: Graph
@@ -236,13 +247,26 @@ class RobotValues:
     goal: Value
     elapsed: Value
     action: Value
+    bodies: Value
 
     def own_frame(self, x: Value, y: Value) -> tuple[Value, Value]:
         """Return places [m] in its own frame: ahead and to the left."""
+        return self.turned(x - self.pose.columns(0, 1), y - self.pose.columns(1, 2))
+
+    def turned(self, dx: Value, dy: Value) -> tuple[Value, Value]:
+        """Return vectors in the axes of its own frame: ahead and to the left."""
         heading = self.pose.columns(2, 3)
         cosine, sine = heading.op("Cos"), heading.op("Sin")
-        dx, dy = x - self.pose.columns(0, 1), y - self.pose.columns(1, 2)
         return dx * cosine + dy * sine, dy * cosine - dx * sine
+
+    def others(self, count: int) -> tuple[Value, ...]:
+        """Return the offsets dx, dy of other bodies [m], their velocity vx, vy [m/s] and their radius [m].
+
+        Each is ``(batch, n + count)``, float64, in the axes of ``bodies``: the last ``count`` are absent.
+        """
+        absent = self.elapsed.spread(2) * 0.0 + np.full((count, 5), np.nan)
+        x, y, *others = (self.graph.join([self.bodies, absent]).part(k) for k in range(5))
+        return x - self.pose.columns(0, 1), y - self.pose.columns(1, 2), *others
 
     def constant(self, numbers: Sequence[float] | NDArray[Any]) -> Value:
         """Return the same float32 numbers for each row of the batch, ``(batch, n)``."""

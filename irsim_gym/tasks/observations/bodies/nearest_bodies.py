@@ -9,8 +9,10 @@ from irsim_gym.base.arraytypes import CellMaps, Floats, Ints, Rays
 from irsim_gym.simulator.cell_maps.cells import nearest_cell_point
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.engine import Simulation
+from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, RangeCode, code_problems, encoded, range_code
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, State, Struct, Term, kernel, kind, option, row_of
+from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.mirrored import Mirrored, signed
 from irsim_gym.tasks.terms.scaling import unit
 from irsim_gym.tasks.terms.term import Needs
@@ -87,6 +89,29 @@ class NearestBodies(EncodesDepths):
     def mirrored(self, term: Term) -> Mirrored:
         """Return the columns; what is positive to the left changes its sign."""
         return signed(1.0, -1.0, 1.0, 1.0, -1.0, times=self.count)
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
+        far, body = term.arrays.sight, term.agents[agent]
+        dx, dy, vx, vy, radius = robot.others(self.count)
+        away = (dx * dx + dy * dy).op("Sqrt")
+        gaps = away - radius
+        order = (gaps < far).where(gaps, np.inf).first(self.count)
+        dx, dy, vx, vy, away, gap = (values.at(order) for values in (dx, dy, vx, vy, away, gaps))
+        is_there = gap < far
+        scale = gap.op("Sign") / away  # from inside, the nearest point lies behind
+        ahead, left = ((is_there & (away > 0.0)).where(way, 0.0) for way in robot.turned(dx * scale, dy * scale))
+        depth = is_there.where(gap - extent_graph(model, body, ahead, left), far).most(0.0).least(far)
+        motion = list(robot.turned(vx, vy))
+        for axis in range(2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1):
+            motion[axis] = motion[axis] - robot.velocity.columns(axis, axis + 1)
+        ahead, left, *motion = (
+            value.most(-1.0).least(1.0).cast(np.float32)
+            for value in (ahead, left, *(is_there.where(speed / self.speed, 0.0) for speed in motion))
+        )
+        numbers = [ahead, left, self.coded_graph(far, depth.cast(np.float32)), *motion]
+        rows, width = robot.graph.join([number.spread(2) for number in numbers], axis=2), WIDTH * self.count
+        return robot.graph.op("Reshape", [rows, robot.graph.constant(np.array([0, width]))], np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -209,6 +234,30 @@ def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: floa
             share = a_aside / (a_aside - b_aside)
             farthest = max(farthest, (ax + share * (bx - ax)) * ahead_x + (ay + share * (by - ay)) * ahead_y)
     return farthest
+
+
+def extent_graph(model: Model, body: int, ahead: Value, left: Value) -> Value:
+    """Return what ``extent_towards`` returns of a body's own outline, as a graph, ``(batch, count)``.
+
+    Args:
+        body: The body.
+        ahead: Directions in its frame, of length 1 or 0, ``(batch, count)``.
+        left: As ``ahead``.
+    """
+    first, last = span(model.disc_start, model.disc_count, 0, body)
+    discs, ahead, left = model.local_discs[0, first:last], ahead.spread(2), left.spread(2)
+    first, last = span(model.segment_start, model.segment_count, 0, body)
+    (x, y, radius), (ax, ay, bx, by) = discs.T, model.local_segments[0, first:last].T
+    aside = ahead * y - left * x
+    room = -(aside * aside - radius * radius)
+    on_discs = (room >= 0.0).where(ahead * x + left * y + room.most(0.0).op("Sqrt"), 0.0)
+    a_aside, b_aside = ahead * ay - left * ax, ahead * by - left * bx
+    share = a_aside / (a_aside - b_aside)
+    along = (share * (bx - ax) + ax) * ahead + (share * (by - ay) + ay) * left
+    crossed = (~(a_aside * b_aside > 0.0) & ~a_aside.equals(b_aside)).where(along, 0.0)
+    extents = [ahead * 0.0, on_discs, crossed]
+    is_direction = ahead * ahead + left * left > 0.5
+    return is_direction.where(ahead.graph.join(extents, axis=2), 0.0).largest(2)
 
 
 @kernel

@@ -11,6 +11,7 @@ from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD,
 from irsim_gym.tasks.observations.bodies.nearest_bodies import moving, span
 from irsim_gym.tasks.observations.scan.free_travel import directions
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
+from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.mirrored import Mirrored, directions_exchanged
 from irsim_gym.tasks.terms.term import Needs
 
@@ -93,10 +94,32 @@ class TimeToCollision:
         """Return the directions from right to left."""
         return directions_exchanged(self.directions, self.speeds)
 
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
+        table: Velocities = term.arrays
+        dx, dy, vx, vy, radius = robot.others(1)
+        is_seen = ~((dx * dx + dy * dy).op("Sqrt") - radius > (np.inf if self.range is None else self.range))
+        (x, y), motion, reach = robot.turned(dx, dy), robot.turned(vx, vy), radius + table.radius[agent]
+        beyond = (x * x + y * y - reach * reach).cast(np.float32).most(0.0).spread(2)
+        x, y, vx, vy = (value.cast(np.float32).spread(2) for value in (x, y, *motion))
+        ux, uy = -(vx - table.ahead[agent]), -(vy - table.aside[agent])
+        # Rounded where the kernel's fused operations are: close passes amplify the last bit.
+        along, square = _fused(x, ux, y * uy), _fused(ux, ux, uy * uy)
+        root = _fused(along, along, -(square * beyond))
+        meets = is_seen.spread(2) & (along > 0.0) & (root >= 0.0)
+        times = meets.where(beyond / (along + root.most(0.0).op("Sqrt")), self.horizon)
+        return 1.0 - times.smallest(1).least(self.horizon) / self.horizon
+
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the nearness of the first collision for each velocity."""
         write_times(shard.worlds, term.bound, term.arrays, model, state, episode)
+
+
+def _fused(first: Value, second: Value, rest: Value) -> Value:
+    """Return ``first * second + rest`` of float32, rounded once."""
+    first, second, rest = (value.cast(np.float64) for value in (first, second, rest))
+    return (first * second + rest).cast(np.float32)
 
 
 def fastest(model: Model, body: int) -> float:
