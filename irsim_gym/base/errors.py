@@ -20,7 +20,9 @@ __all__ += ["WaitingRobotsWarning"]
 
 def _pickled(error: Exception) -> tuple[Any, ...]:
     """Return how an error is made again from its message and attributes, whatever its ``__init__`` takes."""
-    return copyreg.__newobj__, (type(error), *error.args), vars(error)  # type: ignore[attr-defined]
+    # An OSError whose class has an ``__init__`` of its own does not keep what ``__new__`` gets.
+    state = {**vars(error), "args": error.args}
+    return copyreg.__newobj__, (type(error), *error.args), state  # type: ignore[attr-defined]
 
 
 class IrsimGymError(Exception):

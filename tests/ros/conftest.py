@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from processes import Robot, running
+from ros_processes import Robot, running
 
 HERE = Path(__file__).parent
 SYSTEM = Path(__file__).parents[2] / "build" / "ros"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import Robot, end, running
+from ros_processes import Robot, end, running
 
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.protocol.protocol import evaluate

@@ -12,14 +12,14 @@ BY_HAND = (
 OF_WORLDS = frozenset(
     (
         *("add_object", "add_objects", "create_obstacle", "create_robot", "delete_object", "delete_objects"),
-        *("build_tree", "random_polygon_shape", "validate_unique_names"),
+        *("build_tree", "random_polygon_shape", "receive_msg", "validate_unique_names"),
         *("draw_box", "draw_points", "draw_quiver", "draw_quivers", "draw_trajectory", "reset_plot", "set_title"),
         *("get_group_by_name", "get_lidar_offset", "get_lidar_scan", "get_map", "get_object_by_id"),
         *("get_object_by_name", "get_obstacle_info_list", "get_robot_info", "get_robot_info_list", "get_robot_state"),
         *("disable_all_plot", "display", "headless", "save_ani", "save_figure", "show", "quit", "quit_flag"),
         *("done", "end", "pause", "pause_flag", "resume", "refresh", "reload", "set_random_seed", "set_status"),
         *("dynamic_objects", "static_objects", "names", "objects", "obstacle_list", "obstacle_number"),
-        *("robot", "robot_list", "robot_number", "random_obstacle_position", "load_behavior"),
+        *("robot", "robot_list", "robot_number", "random_obstacle_position", "load_behavior", "get_msg"),
         *("key_id", "key_vel", "mouse_left_pos", "mouse_pos", "mouse_right_pos"),
         *("logger", "status", "step_mode", "step_time", "time", "world_param"),
     )
