@@ -321,12 +321,15 @@ def test_learners_are_disturbed(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     times = {}
-    for name, disturbed in (("plain", ()), ("late", ("--perturb", "drive_lag:tau=1", "--perturb", "latency:time=0.5"))):
+    for name, disturbed in (
+        ("plain", ()),
+        ("late", ("--perturb", "drive_lag:tau=0.3", "--perturb", "latency:time=0.3")),
+    ):
         assert run(monkeypatch, "evaluate", "empty_goal", "dash", "--levels", 3, "--out", name, *disturbed) == 0
         summary = json.loads((tmp_path / name / "summary.json").read_text())
         times[name] = next(one for one in summary["policies"] if one["policy"] == "dash")["time"]
-    assert summary["conditions"]["parameters"] == {"disturbances": "drive_lag:tau=1; latency:time=0.5"}
-    assert not times["late"] < times["plain"] + 0.5
+    assert summary["conditions"]["parameters"] == {"disturbances": "drive_lag:tau=0.3; latency:time=0.3"}
+    assert times["late"] > times["plain"] + 0.5
     assert run(monkeypatch, "rollout", "empty_goal", "--perturb", "latncy:time=1") == 1
     assert "did you mean 'latency'?" in capsys.readouterr().err
 
