@@ -16,6 +16,7 @@ TITLES = {
     "shape": ("Shapes", "Kinds of `shape`: the area that a body occupies."),
     "distribution": ("Distributions", "Kinds of `distribution`: where bodies start."),
     "sensor": ("Sensors", "Kinds of `sensors`: what a robot perceives."),
+    "disturbance": ("Disturbances", "Kinds of `disturbances`: what makes a robot drive and measure differently."),
     "obstacle map": ("Maps", "Kinds of `obstacle_map`: which cells are occupied."),
     "action": ("Actions", "Kinds of a task's `action`: what a learner gives."),
     "observation": ("Observations", "Kinds of a task's `observations`: what a learner gets."),

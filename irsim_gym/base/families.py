@@ -16,6 +16,7 @@ FOOTPRINTS = Registry("shape", contract=(_WORLD, "FOOTPRINT"))
 PLACEMENTS = Registry("distribution", _OWN.format("placement"), (_WORLD, "PLACEMENT"))
 SENSORS = Registry("sensor", _OWN.format("sensor"), (_WORLD, "SENSOR"))
 MAPS = Registry("obstacle map", contract=(_WORLD, "MAP"))
+DISTURBANCES = Registry("disturbance", contract=(_WORLD, "DISTURBANCE"))
 ACTIONS = Registry("action", _OWN.format("action"), (_TASK, "ACTION"))
 OBSERVATIONS = Registry("observation", _OWN.format("observation"), (_TASK, "OBSERVATION"))
 REWARDS = Registry("reward", _OWN.format("reward"), (_TASK, "REWARD"))
@@ -30,6 +31,7 @@ BY_KEY = {
     "shape": FOOTPRINTS,
     "distribution": PLACEMENTS,
     "sensors": SENSORS,
+    "disturbances": DISTURBANCES,
     "obstacle_map": MAPS,
     "action": ACTIONS,
     "observations": OBSERVATIONS,
@@ -42,7 +44,7 @@ KINDS_OF_BODIES = ("kinematics", "behavior", "group_behavior", "shape")
 
 _PACKAGES = (
     *("bodies.drives", "bodies.behaviors", "bodies.shapes", "bodies.placements", "bodies.sensors", "bodies.maps"),
-    "tasks",
+    *("bodies.disturbances", "tasks"),
 )
 
 

@@ -5,6 +5,7 @@ import copyreg
 import inspect
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeVar, cast, dataclass_transform
 
 from pydantic import ConfigDict, Field
@@ -21,6 +22,40 @@ LARGEST = 1e7
 """Maximum magnitude of a number in a file; much larger ones overflow in products, squares and single precision."""
 
 T = TypeVar("T")
+
+Drawn = float | tuple[float, float]
+"""Type of an option that is one number, or the two ends between which each level draws it; see ``Bounds``."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of an option of type ``Drawn``: ``time: Annotated[Drawn, Bounds(0.0, 10.0)] = option(0.0, ...)``.
+
+    Attributes:
+        ge: The least number, in the [unit] of the option.
+        le: The greatest, likewise.
+    """
+
+    ge: float
+    le: float
+
+
+def drawn_ends(options: object) -> dict[str, tuple[float, float]]:
+    """Return the ends between which each level draws the options of type ``Drawn``, by name; equal for one number."""
+    names = [name for name, info in option_fields(type(options)).items() if info.annotation == Drawn]
+    values = {name: getattr(options, name) for name in names}
+    return {name: value if isinstance(value, tuple) else (value, value) for name, value in values.items()}
+
+
+def drawn_problems(options: object) -> Iterator[tuple[str, str]]:
+    """Yield a problem for each option of type ``Drawn`` with ends in the wrong order or beyond its bounds."""
+    for name, (low, high) in drawn_ends(options).items():
+        bounds = next(item for item in option_fields(type(options))[name].metadata if isinstance(item, Bounds))
+        shown = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
+        if low > high:
+            yield name, f"must be [low, high] with low <= high, got {shown}"
+        elif low < bounds.ge or high > bounds.le:
+            yield name, f"must lie from {bounds.ge:g} to {bounds.le:g}, got {shown}"
 
 
 def option(default: Any = REQUIRED, *, meaning: str, unit: str = "", consequence: str = "", **bounds: Any) -> Any:

@@ -102,13 +102,14 @@ def evaluate(
     references: Annotated[bool, typer.Option(help=opt.HELP["evaluate references"])] = True,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.cli.work.commands import run_evaluation
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
     run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
@@ -131,6 +132,7 @@ def record(
     sheet: Annotated[bool, typer.Option("--sheet", help=opt.HELP["record sheet"])] = False,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -143,7 +145,7 @@ def record(
     kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet)) if wanted]
     if len(kinds) > 1:
         raise IrsimGymError("--html and --sheet exclude each other: call record once for each")
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 
@@ -175,13 +177,14 @@ def rollout(
     overwrite: opt.ReplaceFile = False,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Run a policy on a few levels and print how they ended."""
     from irsim_gym.cli.work.commands import run_rollout
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     run_rollout(asked, policy or "dash", levels=levels, split=split, out=out or [], overwrite=overwrite)
 
 
@@ -202,6 +205,7 @@ def play(
     robot: Annotated[str | None, typer.Option(help=opt.HELP["play robot"])] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help=opt.HELP["play speed"])] = 1.0,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -209,7 +213,7 @@ def play(
     from irsim_gym.cli.play.manual_play import PlaySettings
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 
-    parameters = read_parameters(given)
+    parameters = read_parameters(given, perturb)
     settings = PlaySettings(scenario, task, robot, level, split, parameters, out, speed, policy, not lenient)
     played = play_by_hand(settings)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")

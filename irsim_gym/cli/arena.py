@@ -24,6 +24,7 @@ def arena(
     replays: Annotated[int, typer.Option(min=0, help=opt.HELP["arena replays"])] = 200,
     team: opt.Team = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -32,7 +33,7 @@ def arena(
     from irsim_gym.evaluation.arena.contest import arena as play
     from irsim_gym.evaluation.saved_policies.policy_places import cure_of
 
-    asked = scenario_request(scenario, task, team, given, lenient)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
     if not policies:
         raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
     asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "arena")

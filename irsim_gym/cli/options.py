@@ -34,6 +34,7 @@ TestLevels = Annotated[int, typer.Option(min=1, help=HELP["TestLevels"])]
 Reference = Annotated[str | None, typer.Argument(help=HELP["Reference"], autocompletion=cli_completion.policies)]
 Watched = Annotated[str | None, typer.Argument(help=HELP["Watched"], autocompletion=cli_completion.policies)]
 Given = Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=HELP["Given"])]
+Perturbed = Annotated[list[str] | None, typer.Option("--perturb", metavar="NAME:KEY=VALUE", help=HELP["Perturbed"])]
 Team = Annotated[bool, typer.Option("--team", help=HELP["Team"])]
 Lenient = Annotated[bool, typer.Option("--lenient", help=HELP["Lenient"])]
 Imports = Annotated[

@@ -90,30 +90,35 @@ def _pairs(settings: Sequence[str] | None, option: str, form: str) -> dict[str, 
     return given
 
 
-def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
-    """Return the values of ``--set name=value`` as text. The scenario converts them.
+def read_parameters(settings: Sequence[str] | None, perturbed: Sequence[str] | None = None) -> dict[str, Any]:
+    """Return the values of ``--set name=value`` as text, and those of ``--perturb``. The scenario converts them.
 
     Raises:
         IrsimGymError: If a setting is not of the form ``name=value``, a name appears twice, or it is not allowed.
     """
     given: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
-    if given:
-        from irsim_gym.scenario.reading.parameters import is_free
+    if given or perturbed:
+        from irsim_gym.scenario.reading.parameters import PERTURBED, is_free
     for name in given:
-        if not is_free(name):
+        if not is_free(name) and name != PERTURBED:
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )
-    return given
+    return {**given, PERTURBED: "; ".join(perturbed)} if perturbed else given
 
 
 def scenario_request(
-    scenario: str, task: str | None, team: bool, settings: Sequence[str] | None, lenient: bool
+    scenario: str,
+    task: str | None,
+    team: bool,
+    settings: Sequence[str] | None,
+    lenient: bool,
+    perturbed: Sequence[str] | None = None,
 ) -> ScenarioRequest:
     """Return a scenario with its task, as options of a command ask for it."""
     from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 
-    return ScenarioRequest(scenario, task, team, read_parameters(settings), not lenient)
+    return ScenarioRequest(scenario, task, team, read_parameters(settings, perturbed), not lenient)
 
 
 def print_options(name: str) -> None:

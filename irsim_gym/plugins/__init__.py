@@ -8,6 +8,7 @@ checked when the class is registered. docs/plugins.md shows each.
 from irsim_gym.base.families import (
     ACTIONS,
     BEHAVIORS,
+    DISTURBANCES,
     ENDINGS,
     FOOTPRINTS,
     GROUP_BEHAVIORS,
@@ -18,14 +19,17 @@ from irsim_gym.base.families import (
     REWARDS,
     SENSORS,
 )
+from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.base.rng import integer, normal, uniform
 from irsim_gym.bodies.behaviors.python.custom import behavior, group_behavior
 from irsim_gym.bodies.behaviors.python.views import BodyView, EgoView
 from irsim_gym.plugins.body_kinds import drive, placement, sensor
 from irsim_gym.plugins.task_kinds import AgentView, action, ending, observation, reward
+from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
 from irsim_gym.simulator.world.kinds import (
     Begins,
     BehaviorKind,
+    DisturbanceKind,
     Draws,
     DrawsMaps,
     DriveKind,
@@ -60,6 +64,7 @@ from irsim_gym.tasks.terms.term import (
 from irsim_gym.tasks.terms.words import Columns, TellsActions, TellsColumns, TellsWhen
 
 __all__ = ["ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS"]
+__all__ += ["DISTURBANCES", "Bounds", "DisturbanceKind", "Disturbed", "Drawn", "drawn_problems", "whole_steps"]
 __all__ += ["PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView"]
 __all__ += ["Columns", "Draws", "DrawsMaps", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind"]
 __all__ += ["Group", "HasArrays", "HasBounds", "HasMirrored", "HasUnused", "HitKind", "IsImage", "MapKind"]

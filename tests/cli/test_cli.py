@@ -316,6 +316,24 @@ def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pyte
     assert "--level" in capsys.readouterr().err
 
 
+def test_learners_are_disturbed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    times = {}
+    for name, disturbed in (
+        ("plain", ()),
+        ("late", ("--perturb", "drive_lag:tau=0.3", "--perturb", "latency:time=0.3")),
+    ):
+        assert run(monkeypatch, "evaluate", "empty_goal", "dash", "--levels", 3, "--out", name, *disturbed) == 0
+        summary = json.loads((tmp_path / name / "summary.json").read_text())
+        times[name] = next(one for one in summary["policies"] if one["policy"] == "dash")["time"]
+    assert summary["conditions"]["parameters"] == {"disturbances": "drive_lag:tau=0.3; latency:time=0.3"}
+    assert times["late"] > times["plain"] + 0.5
+    assert run(monkeypatch, "rollout", "empty_goal", "--perturb", "latncy:time=1") == 1
+    assert "did you mean 'latency'?" in capsys.readouterr().err
+
+
 def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
     demos = tmp_path / "demos.npz"

@@ -191,5 +191,5 @@ def shipped_certificate(scenario: Scenario) -> Path:
     stem = Path(scenario.file).stem if scenario.file else scenario.name
     declared = scenario.source.data.get("parameters") or {}
     values = scenario.parameters.items()
-    changed = [f"-{name}={value}" for name, value in values if value != declared[name]["default"]]
+    changed = [f"-{name}={value}" for name, value in values if name in declared and value != declared[name]["default"]]
     return library.configs_folder() / FOLDER / f"{stem}{''.join(changed)}.npz"

@@ -98,6 +98,7 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         line=report.source.line(entry.raw.place),
         shape=values["shape"] or FOOTPRINTS.entry("circle").kind(),
         sensors=values["sensors"] or (),
+        disturbances=values["disturbances"] or (),
         state=None if getattr(entry.placement, "gives_goal", False) and not is_given else _pose(values["state"]),
         steering=_padded(values["state"], 4, 0.0)[3],
         velocity=_padded(values["velocity"], size, 0.0),

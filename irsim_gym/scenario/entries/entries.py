@@ -116,6 +116,8 @@ def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, P
     """Return the function that checks one value of a key."""
     if key in families.KINDS_OF_BODIES:
         return lambda value, place, report: _read_kind(key, value, place, report)
+    if key == "disturbances" and role != ROBOT:
+        return _refuse_disturbances
     if key == "plot":
         return lambda value, place, report: _read_plot(value, plot, place, report)
     if key == "role":
@@ -177,6 +179,20 @@ def _read_sensor(item: object, place: Place, report: Report) -> object:
         report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
         return None
     return build_named(families.SENSORS, item, place, report, default="lidar2d", synonym="type")
+
+
+def _refuse_disturbances(value: object, place: Place, report: Report) -> object:
+    report.add(place, "only robots have disturbances")
+    return BAD
+
+
+def read_disturbances(value: object, place: Place, report: Report) -> object:
+    """Return the disturbances of a list of mappings; BAD after reporting problems."""
+    if not isinstance(value, list):
+        report.add(place, f"must be a list of disturbances such as [{{name: latency, time: 0.2}}], got {show(value)}")
+        return BAD
+    made = [build_named(families.DISTURBANCES, item, (*place, i), report) for i, item in enumerate(value)]
+    return BAD if any(one is None for one in made) else tuple(made)
 
 
 def _read_goal(value: Any, place: Place, report: Report) -> object:
@@ -244,6 +260,7 @@ def _read_preset(value: object, place: Place, report: Report) -> object:
 
 READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "sensors": _read_sensors,
+    "disturbances": read_disturbances,
     "goal": _read_goal,
     "seen_by": _read_seen_by,
     "color": _read_color,

@@ -76,8 +76,8 @@ def share(key: str, value: object, count: int, place: Place, report: Report) -> 
     """
     if key == "goal":
         return _share_goals(read_numbers(value), count, place)
-    if key == "sensors":
-        return _share_sensors(value, count, place)
+    if key in ("sensors", "disturbances"):
+        return _share_lists(value, count, place)
     if key in ("seen_by", "preset"):
         return Shared(((place, value),))
     if key in VECTORS or key in SCALARS:
@@ -103,8 +103,8 @@ def _one_each(value: list[Any], count: int, place: Place) -> Shared:
     return Shared(tuple(((*place, i), item) for i, item in enumerate(value[:count])))
 
 
-def _share_sensors(value: object, count: int, place: Place) -> Shared:
-    """Distribute sensors: a list of mappings applies to all bodies; a list of lists holds one list per body."""
+def _share_lists(value: object, count: int, place: Place) -> Shared:
+    """Distribute sensors or disturbances: a list of mappings is for all bodies, a list of lists has one per body."""
     if isinstance(value, list) and value and not all(isinstance(item, Mapping) for item in value):
         return _one_each(value, count, place)
     return Shared(((place, value),))

@@ -20,7 +20,8 @@ from irsim_gym.scenario.reading import notes
 from irsim_gym.scenario.reading.level_checks import home_of, misfits, read_level_file, tell, with_levels
 from irsim_gym.scenario.reading.level_reading import read_levels
 from irsim_gym.scenario.reading.map_cells import map_extent, read_cells, read_map
-from irsim_gym.scenario.reading.parameters import fill_in
+from irsim_gym.scenario.reading.parameters import PERTURBED, fill_in
+from irsim_gym.scenario.reading.perturbations import read_perturbations
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.ids import IDS
@@ -52,7 +53,8 @@ def load_scenario(
     Args:
         scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or its content as plain
             data; or the path of a file of levels, .npz, for the scenario that it names with these levels.
-        parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; other parameters keep their defaults.
+        parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; other parameters keep their defaults. Each
+            scenario also takes ``disturbances`` of all learners, such as ``{"disturbances": "latency:time=0.2"}``.
         strict: Whether unused keys are errors; False ignores them with an ``IgnoredKeyWarning``.
         warn: Whether to warn of suspicious values, such as degrees (``ScenarioWarning``), and of ignored keys
             (``IgnoredKeyWarning``).
@@ -93,7 +95,9 @@ def read_scenario(
         ScenarioError: If the scenario cannot be used; the error lists every problem with its line.
         UnknownNameError: If the scenario has no such parameter.
     """
-    source, values = fill_in(source, parameters or {}, strict=strict)
+    given = dict(parameters or {})
+    perturbed = given.pop(PERTURBED, None)
+    source, values = fill_in(source, given, strict=strict)
     source = with_presets(source)
     report = Report(source, strict=strict)
     report.may_pend = may_pend
@@ -135,7 +139,8 @@ def read_scenario(
         doubts=tuple(report.doubts),
         ignored=tuple(report.ignored),
         strict=strict,
-        parameters=values,
+        parameters=values if perturbed is None else {**values, PERTURBED: str(perturbed)},
+        disturbances=() if perturbed is None else read_perturbations(perturbed),
     )
 
 

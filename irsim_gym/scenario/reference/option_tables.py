@@ -24,7 +24,7 @@ SUMMARIES = {
 _NAMED = "a mapping with a name, as below"
 ALLOWED = {
     **dict.fromkeys(("distribution", "kinematics", "shape", "behavior", "group_behavior"), _NAMED),
-    "sensors": "a list of mappings with a name, as below",
+    **dict.fromkeys(("sensors", "disturbances"), "a list of mappings with a name, as below"),
     "action": "a name, or a mapping with a name, as below",
     **dict.fromkeys(("observations", "rewards", "endings"), "a list of names or of mappings with a name, as below"),
     "goal": "a list of 2 or 3 numbers, or lists of them",

@@ -150,6 +150,9 @@ def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
             name = {"const": NO_DRIVE, "description": "It never moves."}
             one["anyOf"].append({"type": "object", "properties": {"name": name}, "additionalProperties": False})
         return {"description": meaning, **(one if key == "distribution" else _shared(one))}
+    if key == "disturbances":
+        several: Schema = {"type": "array", "items": _named(families.DISTURBANCES, definitions)}
+        return {"description": meaning, "anyOf": [*_shared(several)["anyOf"], {"type": "null"}]}
     if key == "sensors":
         sensor = _named(families.SENSORS, definitions, synonym="type", default="lidar2d")
         sensors = {"anyOf": [sensor, {"type": "array", "items": sensor}]}

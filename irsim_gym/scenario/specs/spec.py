@@ -177,6 +177,7 @@ class BodyOptions:
         consequence="If smaller than half the distance of a step, the body may jump over the goal; 0 is never reached.",
     )
     sensors: Any = option(None, meaning="List of sensors.")
+    disturbances: Any = option(None, meaning="List of what makes the robot drive and measure differently.")
     arrive_mode: Literal["position", "state"] = option(
         "position",
         meaning="What must match the goal on arrival.",
@@ -186,9 +187,8 @@ class BodyOptions:
         None,
         min_length=1,
         meaning="Image instead of the outline, seen from above and heading right: a file beside the scenario, an "
-        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, "
-        "diff_robot1.png; default: car_green.png for a rectangular acker robot without a colour or line "
-        "style.",
+        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; "
+        "default: car_green.png for a rectangular acker robot without a colour or line style.",
     )
     group: int | None = option(
         None,
@@ -210,18 +210,13 @@ class BodyOptions:
     speed_range: tuple[float, float] | None = option(
         None, unit="m/s", meaning="Bounds of the maximum speed, which each level draws in place of those of vel_max."
     )
-    party: int = option(
+    party: Annotated[int, Field(ge=1, le=100)] = option(
         1,
-        ge=1,
-        le=100,
         meaning="Number of successive bodies of the entry that walk together. A circle places them side by side; if "
         "they wander, they share the goals of the first.",
     )
-    unyielding: float = option(
-        0.0,
-        ge=0.0,
-        le=1.0,
-        meaning="Probability, for each body and level, that its behaviour ignores everything that moves.",
+    unyielding: Annotated[float, Field(ge=0.0, le=1.0)] = option(
+        0.0, meaning="Probability, for each body and level, that its behaviour ignores everything that moves."
     )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")
@@ -248,6 +243,7 @@ class BodySpec:
         behavior: Instance of a registered behaviour, or None.
         group_behavior: Instance of a registered group behaviour, or None.
         sensors: Instances of registered sensors.
+        disturbances: Instances of registered disturbances.
         state: Start pose (x, y, heading) [m, m, rad]; None if the distribution chooses it.
         steering: Steering angle at the start [rad].
         goal: Waypoints (x, y, heading) [m, m, rad] in order; headings that are not given are NaN; empty without a goal.
@@ -282,6 +278,7 @@ class BodySpec:
     behavior: Any = None
     group_behavior: Any = None
     sensors: tuple[Any, ...] = ()
+    disturbances: tuple[Any, ...] = ()
     state: Waypoint | None = (0.0, 0.0, 0.0)
     steering: float = 0.0
     goal: tuple[Waypoint, ...] = ()
@@ -357,6 +354,7 @@ class Scenario:
         ignored: Unused keys that were ignored.
         strict: Whether unused keys are errors, also in the section ``task``.
         parameters: Values of its parameters by name: given ones, else the defaults.
+        disturbances: Disturbances of all learners, besides those of their entries.
     """
 
     name: str
@@ -375,6 +373,7 @@ class Scenario:
     ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
+    disturbances: tuple[Any, ...] = ()
 
     def __repr__(self) -> str:
         n_robots, n_bodies = len(self.robots), len(self.bodies)

@@ -14,6 +14,7 @@ from irsim_gym.simulator.cell_maps.cells import find_boxes
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells, most_boxes
 from irsim_gym.simulator.contact import body_buckets
 from irsim_gym.simulator.engine.collect import collect_parts
+from irsim_gym.simulator.engine.disturbing import disturb
 from irsim_gym.simulator.engine.given import check_agents, check_scenario, check_worlds
 from irsim_gym.simulator.engine.simulation import Simulation
 from irsim_gym.simulator.engine.start_checks import refuse_blocked_starts
@@ -65,7 +66,7 @@ def compile(
         fused: Whether to record a step and replay it as one call where possible. Results are the same.
 
     Raises:
-        ScenarioError: A robot's given start lies in an obstacle.
+        ScenarioError: A robot's given start lies in an obstacle, or a disturbance does not fit it.
         TypeError: It is no loaded scenario.
         ValueError: An agent is no body of it, or there is no world.
     """
@@ -88,8 +89,7 @@ def compile(
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
     per_world = drawn_traits(scenario) | _rows_by_world(scenario, varied)
-    model = Model.allocate(sizes, per_world=per_world)
-    state = State.allocate(sizes)
+    model, state = Model.allocate(sizes, per_world=per_world), State.allocate(sizes)
     _write_world(scenario, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
@@ -102,6 +102,7 @@ def compile(
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
+    parts.disturbances = disturb(scenario, agents, model, state, parts)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)

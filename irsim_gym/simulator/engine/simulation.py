@@ -63,6 +63,7 @@ class Simulation:
         """
         parts = self.parts
         groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
+        groups += tuple(parts.disturbances.groups)
         called = [*kinds, *(group.kind for group in groups)]
         is_fusable = self.fused and only_kernels(called)
         return self._recordings.add(function, called, is_fusable)

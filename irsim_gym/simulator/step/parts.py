@@ -1,6 +1,6 @@
 """The groups and index lists that a compiled scenario consists of."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from irsim_gym.base.arraytypes import Ints, Records
 from irsim_gym.simulator.contact.swept import SweptMotion
 from irsim_gym.simulator.levels.level_table import LevelTable
 from irsim_gym.simulator.levels.path_checks import ReachabilityCheck
+from irsim_gym.simulator.step.disturbances import Disturbances
 from irsim_gym.simulator.step.fog import FogMap
 from irsim_gym.simulator.step.patience import Patience
 from irsim_gym.simulator.step.turns import Turn
@@ -47,6 +48,7 @@ class Parts:
         patience: Wandering bodies that go on after a collision; None without any.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
+        disturbances: What disturbs robots.
     """
 
     kinematics: list[Group]
@@ -76,6 +78,7 @@ class Parts:
     patience: Patience | None
     names: tuple[str, ...]
     places: tuple[str, ...]
+    disturbances: Disturbances = field(default_factory=Disturbances)
 
     @property
     def remembering(self) -> list[Group]:

@@ -9,7 +9,7 @@ from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.cell_paths.queries import has_free_path, standing_bodies
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import path_checks
-from irsim_gym.simulator.step import arrival, outlines
+from irsim_gym.simulator.step import arrival, disturbances, outlines
 from irsim_gym.simulator.step.arrival import begin_round
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.restart import forget_bodies
@@ -82,6 +82,7 @@ def respawn(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints
     state.twist[shard.worlds] = np.where(begun[:, :, None], state.twist[shard.worlds], twist)
     body_buckets.refresh(bodies, model, state, shard)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
+    disturbances.begin_again(parts.disturbances, shard, begun)
     sense(parts, model, state, shard)
 
 

@@ -11,7 +11,7 @@ from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import body_measures, path_checks, traits
 from irsim_gym.simulator.levels.level_table import LevelTable, copy_levels, copy_maps
 from irsim_gym.simulator.running.fused import Fused
-from irsim_gym.simulator.step import arrival, fog, outlines, patience
+from irsim_gym.simulator.step import arrival, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.arrival import begin_round
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.step import let_appear, sense
@@ -89,6 +89,7 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop_bodies(shard.worlds, model, state)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
+    disturbances.begin(parts.disturbances, model, shard)
     sense(parts, model, state, shard)
 
 

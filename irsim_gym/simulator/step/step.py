@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.simulator.contact import body_buckets, contact, swept
-from irsim_gym.simulator.step import arrival, command_limits, fog, outlines, patience
+from irsim_gym.simulator.step import arrival, command_limits, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.guide import decide
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel
@@ -51,9 +51,11 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
             decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)
-        command_limits.limit_velocity(shard.worlds, turn.movers, model, state)
+        asked = disturbances.asked(turn, model, state, shard)
+        command_limits.limit_velocity(shard.worlds, turn.movers, model, asked)
+        moved = disturbances.moved(turn, model, state, shard)
         for group in turn.kinematics:
-            group.kind.move(group, model, state, shard)
+            group.kind.move(group, model, moved, shard)
         outlines.place(turn.movers, model, state, shard)
         body_buckets.refresh(turn.movers, model, state, shard)
     if orders is not None:
@@ -75,7 +77,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
 
 
 def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: int, *, decides: bool) -> None:
-    """Move one body by step_time, as ``advance`` moves it; time, other bodies, flags and readings stay.
+    """Move one body by step_time, as ``advance`` moves it without disturbances; all else stays: time, flags, readings.
 
     Args:
         parts: Groups and index lists.
@@ -128,6 +130,8 @@ def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Take the readings of all sensors."""
     for group in parts.sensors:
         group.kind.sense(group, model, state, shard)
+    for group in parts.disturbances.scans:
+        group.kind.disturb(group, model, state, shard)
 
 
 @kernel

@@ -1,11 +1,11 @@
 """The order of moves: bodies whose behaviour sees others move one after another, as in IR-SIM."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from irsim_gym.simulator.world.names import Group, Ints
+from irsim_gym.simulator.world.names import Group, Ints, State
 
 
 @dataclass
@@ -16,11 +16,19 @@ class Turn:
         behaviors: Bodies that decide for themselves, by behaviour.
         movers: Bodies that can move.
         kinematics: The same, by drive.
+        commands: Disturbances of their commands, in the order in which they act.
+        motions: Disturbances of their motion, likewise.
+        asked: The state with the commands that reach the drives; None where nothing disturbs them.
+        moved: The state with the velocities with which bodies move; None where nothing disturbs them.
     """
 
     behaviors: list[Group]
     movers: Ints
     kinematics: list[Group]
+    commands: list[Group] = field(default_factory=list)
+    motions: list[Group] = field(default_factory=list)
+    asked: State | None = None
+    moved: State | None = None
 
 
 def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Group], *, in_order: bool) -> list[Turn]:

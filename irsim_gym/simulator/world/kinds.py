@@ -8,7 +8,7 @@ first axis.
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
+from typing import Annotated, Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.base.contract import Contract
@@ -285,9 +285,28 @@ class Reports(Protocol):
         """
 
 
+class DisturbanceKind(Protocol):
+    """What makes a robot drive or measure otherwise than its entry says.
+
+    Options of type ``base.options.Drawn`` are drawn for each level: ``group.tables``, a ``Disturbed``, has their values
+    and a random stream for each member. It may have ``prepare``, as a drive has it, to make room in ``group.arrays``.
+    """
+
+    acts_on: ClassVar[Annotated[Literal["command", "motion", "scan"], "what it changes, see ``disturb``"]]
+
+    @staticmethod
+    def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Change something of the members, and count the call in ``group.tables.count``.
+
+        ``command``: ``state.command``, before it is limited. ``motion``: ``state.velocity``, which the drive executes.
+        ``scan``: the ranges in ``group.scan``; a robot is a member once for each of its range sensors.
+        """
+
+
 DRIVE = Contract(DriveKind, (Steers, NamesCommand, MirrorsCommand), mirror_problems)
 BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins, Appears))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
 PLACEMENT = Contract(PlacementKind, (Confirms,))
 MAP = Contract(MapKind, (DrawsMaps,))
 SENSOR = Contract(SensorKind, (Begins, Reports))
+DISTURBANCE = Contract(DisturbanceKind)

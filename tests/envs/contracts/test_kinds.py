@@ -38,6 +38,16 @@ OWNERS = {
 }
 
 
+DISTURBED: dict[str, dict[str, Any]] = {
+    "latency": {"time": [0.0, 0.3]},
+    "drive_lag": {"tau": [0.0, 0.5], "dead_band": 0.01},
+    "range_bias": {"offset": [-0.1, 0.1], "scale": 0.02},
+    "lost_beams": {"chance": [0.0, 0.5]},
+    "blind_sector": {"width": [0.5, 2.0]},
+}
+"""Options with which disturbances show."""
+
+
 SMALL = {
     "recorded": {"file": "square.txt"},
     "dwa": {"samples": [3, 5], "sim_granularity": 0.5, "path": "straight"},
@@ -114,6 +124,11 @@ def scene(family: str, name: str) -> dict[str, Any]:
             given["sensors"] = [{"name": "lidar2d", "number": 9}]
         return {"robot": [{**item, **given} for item in robots]}
     disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [5, 4, 0]}
+    if family == "disturbance":
+        given = {"behavior": {"name": "dash"}, "sensors": [{"name": "lidar2d"}]}
+        robots = row({**robot, **given}, [mode for item in families.KINEMATICS.names() for mode in drives(item)])
+        disturbed = [{"name": name, **DISTURBED.get(name, {})}]
+        return {"robot": [{**item, "disturbances": disturbed} for item in robots], "obstacle": disc}
     return {"robot": {**robot, "behavior": {"name": "dash"}, "sensors": [{"name": name}]}, "obstacle": disc}
 
 
@@ -131,6 +146,7 @@ CASES = [
     *[("group_behavior", name) for name in running(families.GROUP_BEHAVIORS)],
     *[("sensor", name) for name in running(families.SENSORS)],
     *[("obstacle map", name) for name in running(families.MAPS)],
+    *[("disturbance", name) for name in running(families.DISTURBANCES)],
 ]
 
 
@@ -146,14 +162,16 @@ def snapshot(sim: ig.Simulation, w: int) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize(("family", "name"), CASES)
 def test_single_batch_and_shards_agree_and_stay_finite(family: str, name: str) -> None:
     batch, sharded = simulation(scene(family, name), 4), simulation(scene(family, name), 4, num_threads=3)
-    single = ig.compile(batch.scenario, 1)
-    single.reset(seed=1 + 2)
+    single, plain = ig.compile(batch.scenario, 1), ig.compile(batch.scenario, 1, fused=False)
+    for sim in (single, plain):
+        sim.reset(seed=1 + 2)
     for _ in range(12):
-        for sim in (batch, sharded, single):
+        for sim in (batch, sharded, single, plain):
             sim.step()
     for field, value in snapshot(single, 0).items():
         np.testing.assert_array_equal(value, snapshot(batch, 2)[field], err_msg=field)
         np.testing.assert_array_equal(value, snapshot(sharded, 2)[field], err_msg=field)
+        np.testing.assert_array_equal(value, snapshot(plain, 0)[field], err_msg=field)
         if value.dtype.kind == "f" and field != "goal":
             assert np.isfinite(value).all(), field
 
@@ -183,6 +201,27 @@ def test_a_kind_writes_only_what_it_owns(family: str, name: str) -> None:
         np.testing.assert_array_equal(value, getattr(sim.model, field), err_msg=field)
 
 
+@pytest.mark.parametrize("name", running(families.DISTURBANCES))
+def test_a_disturbance_shows_and_spares_the_robots_that_have_none(name: str) -> None:
+    data = scene("disturbance", name)
+    plain = {**data, "robot": [{**robot, "disturbances": []} for robot in data["robot"]]}
+    first = data["robot"][0]
+    # Only the first robot is disturbed, and bodies do not meet: the others do as they would without it.
+    sims = [simulation(one, 8) for one in (plain, {**data, "robot": [first, *plain["robot"][1:]]})]
+    for _ in range(8):
+        for sim in sims:
+            sim.step()
+    found = [snapshot(sim, w) for w in range(8) for sim in sims]
+    changed = set()
+    for one, other in zip(found[::2], found[1::2], strict=True):
+        for field in ("pose", "velocity", "command"):
+            np.testing.assert_array_equal(one[field][1:], other[field][1:], err_msg=field)
+            changed |= {field} if np.any(one[field][0] != other[field][0]) else set()
+        changed |= {"reading"} if np.any(one["reading 0"][0] != other["reading 0"][0]) else set()
+    assert changed
+    assert "command" not in changed or "pose" in changed
+
+
 @pytest.mark.parametrize("name", running(families.SENSORS))
 def test_readings_have_the_declared_axes(name: str) -> None:
     sim = simulation(scene("sensor", name), 5)
@@ -194,10 +233,10 @@ def rollouts() -> dict[str, np.ndarray]:
     """Return poses, twists and steering angles of a short run of each drive and behaviour."""
     found = {}
     for family, name in CASES:
-        if family in ("kinematics", "behavior", "group_behavior"):
+        if family in ("kinematics", "behavior", "group_behavior", "disturbance"):
             sim = simulation(scene(family, name), 2)
             rows = []
-            for _ in range(20 if family == "kinematics" else 3):
+            for _ in range(20 if family in ("kinematics", "disturbance") else 3):
                 sim.step()
                 rows.append(np.dstack([sim.state.pose, sim.state.twist, sim.state.steering[..., None]]))
             found[f"{family} {name}"] = np.array(rows)

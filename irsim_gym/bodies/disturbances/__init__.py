@@ -1,0 +1,17 @@
+"""What makes a robot drive and measure otherwise than its entry says.
+
+One file for each disturbance, named as in YAML. Their order here is the order in which they act.
+"""
+
+from irsim_gym.base.families import DISTURBANCES
+from irsim_gym.bodies.disturbances.blind_sector import BlindSector
+from irsim_gym.bodies.disturbances.drive_lag import DriveLag
+from irsim_gym.bodies.disturbances.latency import Latency
+from irsim_gym.bodies.disturbances.lost_beams import LostBeams
+from irsim_gym.bodies.disturbances.range_bias import RangeBias
+
+DISTURBANCES.register("latency", Latency)
+DISTURBANCES.register("drive_lag", DriveLag)
+DISTURBANCES.register("range_bias", RangeBias)
+DISTURBANCES.register("lost_beams", LostBeams)
+DISTURBANCES.register("blind_sector", BlindSector)

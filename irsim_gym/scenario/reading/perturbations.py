@@ -1,0 +1,42 @@
+"""Disturbances of all learners of a scenario, as one text: ``latency:time=[0, 0.2]; drive_lag:tau=0.1``."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from irsim_gym.scenario.checking.validation import BAD, Report
+from irsim_gym.scenario.entries.entries import read_disturbances
+from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.scenario.text.composer import Fatal, compose
+from irsim_gym.scenario.text.messages import show
+from irsim_gym.scenario.text.source import Source
+
+_PAIR = re.compile(r":(?=\s*\w+\s*=)")
+
+
+def read_perturbations(text: object) -> tuple[Any, ...]:
+    """Return the disturbances of a text: ``NAME:key=value``, with ``;`` between two; values are YAML.
+
+    Raises:
+        ScenarioError: If one of them cannot be used; the error lists every problem.
+    """
+    report = Report(Source(f"{PERTURBED} {show(text)}", None))
+    if not isinstance(text, str):
+        report.add((PERTURBED,), f"must be text such as 'latency:time=0.2; lost_beams:chance=0.1', got {show(text)}")
+        report.check()
+    items = [_read_item(item, (PERTURBED, i), report) for i, item in enumerate(str(text).split(";")) if item.strip()]
+    made: Any = read_disturbances(items, (PERTURBED,), report)
+    report.check()
+    return () if made is BAD else made
+
+
+def _read_item(text: str, place: tuple[str | int, ...], report: Report) -> Mapping[str, object]:
+    """Return a disturbance as a file would hold it."""
+    name, *pairs = _PAIR.split(text.strip())
+    found: dict[str, object] = {"name": name.strip()}
+    for key, value in (pair.split("=", 1) for pair in pairs):
+        try:
+            found[key.strip()] = compose(value.strip()).data
+        except Fatal as error:
+            report.add((*place, key.strip()), f"cannot be read, got {show(value)}: {error}")
+    return found

@@ -1,0 +1,114 @@
+"""Groups of the disturbances of a scenario, and the views of the state that they act on."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.base import rng
+from irsim_gym.base.errors import Problem, ScenarioError
+from irsim_gym.base.families import DISTURBANCES
+from irsim_gym.base.options import drawn_ends
+from irsim_gym.scenario.specs.spec import Scenario
+from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
+from irsim_gym.simulator.step.disturbances import Disturbances
+from irsim_gym.simulator.step.parts import Parts
+from irsim_gym.simulator.world.disturbed import Disturbed
+from irsim_gym.simulator.world.group import Group
+from irsim_gym.simulator.world.model import Model
+from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.state import State
+
+Member = tuple[int, Any]
+NEEDS_SCAN = "changes scans, but the robot has no range sensor; add sensors: [{name: lidar2d}] to it"
+NEEDS_DRIVE = "changes how the robot drives, but it cannot move; add kinematics"
+
+
+def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: State, parts: Parts) -> Disturbances:
+    """Return the disturbances of a scenario, and write those of commands and motions into the turns.
+
+    Args:
+        scenario: The scenario; its robots have disturbances of their own, its agents also those of all learners.
+        agents: The learners.
+        model: The constants.
+        state: The state of the worlds, which views of it share.
+        parts: The groups of the scenario, and the turns of a step.
+
+    Raises:
+        ScenarioError: A disturbance does not fit its robot.
+    """
+    given = [(b, one) for b in scenario.robots for one in scenario.bodies[b].disturbances]
+    given += [(b, one) for b in agents for one in scenario.disturbances]
+    if not given:
+        return Disturbances()
+    _check(scenario, given, model)
+    found, kinds = Disturbances(), [entry.kind for entry in DISTURBANCES]
+    by_kind = [(kind, members) for kind in kinds if (members := [one for one in given if type(one[1]) is kind])]
+    for turn in parts.turns:
+        turn.commands, turn.motions = (
+            [
+                _group(kind, chosen, model)
+                for kind, members in by_kind
+                if kind.acts_on == what and (chosen := [one for one in members if one[0] in turn.movers])
+            ]
+            for what in ("command", "motion")
+        )
+        turn.asked = replace(state, command=np.zeros_like(state.command)) if turn.commands else None
+        turn.moved = replace(state, velocity=np.zeros_like(state.velocity)) if turn.motions else None
+        found.groups += [*turn.commands, *turn.motions]
+    looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on == "scan" for sensor in parts.sensors]
+    found.scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
+    found.groups += found.scans
+    return found
+
+
+def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
+    problems = []
+    for b, one in given:
+        body = scenario.bodies[b]
+        has_scan = any(sensor.reading == RANGES and hasattr(sensor, "angles") for sensor in body.sensors)
+        looks = one.acts_on == "scan"
+        is_lame = not looks and not model.movable[b]
+        if is_lame or (looks and not has_scan):
+            why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_DRIVE if is_lame else NEEDS_SCAN}"
+            problems.append(Problem(body.line, f"{body.name}.disturbances", why))
+    if problems:
+        raise ScenarioError(scenario.file or scenario.name, problems)
+
+
+def _group(kind: type[Any], members: Sequence[Member], model: Model) -> Group:
+    return _prepared(Group(kind, [one for _, one in members], np.array([b for b, _ in members], np.int64)), model)
+
+
+def _seen(members: Sequence[Member], sensor: Group) -> bool:
+    has_scan = sensor.kind.reading == RANGES and hasattr(sensor.kind, "angles")
+    return has_scan and any(b in sensor.members for b, _ in members)
+
+
+def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model: Model) -> Group:
+    """Return the members of a kind whose scans a group of sensors writes, each once for each of its sensors."""
+    rows = [(b, one, k) for b, one in members for k in np.flatnonzero(sensor.members == b).tolist()]
+    scan: OwnScan = own_scan(sensor, np.array([k for _, _, k in rows], np.int64))
+    group = Group(kind, [one for _, one, _ in rows], np.array([b for b, _, _ in rows], np.int64), scan=scan)
+    return _prepared(group, model)
+
+
+def _prepared(group: Group, model: Model) -> Group:
+    """Return a group with what its levels draw."""
+    shape, name = (len(model.present), len(group.members)), DISTURBANCES.name_of(group.kind)
+    ends = np.array([list(drawn_ends(one).values()) for one in group.options], np.float64).reshape(shape[1], -1, 2)
+    numbers = [int((group.members[:k] == b).sum()) for k, b in enumerate(group.members)]
+    keys = [rng.stream_base(name, f"{b} {i}") for b, i in zip(group.members, numbers, strict=True)]
+    group.tables = Disturbed(
+        members=group.members,
+        low=np.ascontiguousarray(ends[:, :, 0]),
+        high=np.ascontiguousarray(ends[:, :, 1]),
+        keys=np.array(keys, np.uint64),
+        values=np.zeros((*shape, ends.shape[1])),
+        random=np.zeros(shape, np.uint64),
+        count=np.zeros(shape, np.int64),
+    )
+    if hasattr(group.kind, "prepare"):
+        group.kind.prepare(group, model, 1)
+    return group

@@ -1,0 +1,106 @@
+"""Disturbances of scans: what beams read, and how often."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import irsim_gym as ig
+
+FAR = 5.0
+WALL = {"shape": {"name": "linestring", "vertices": [[3, -100], [3, 100]]}}
+
+
+def scanning(*disturbances: dict[str, Any], n_worlds: int = 1, beams: int = 8, **sensor: Any) -> ig.Simulation:
+    """Return worlds of a robot 3 m before a wall, with beams to all sides; beam 0 looks back."""
+    lidar = {"name": "lidar2d", "number": beams + 1, "angle_range": 2 * np.pi, "range_max": FAR, **sensor}
+    robot = {"kinematics": {"name": "diff"}, "sensors": [lidar], "disturbances": list(disturbances)}
+    data = {"world": {"name": "d"}, "robot": robot, "obstacle": WALL}
+    sim = ig.compile(ig.load_scenario(data), n_worlds, agents=(0,))
+    sim.reset(seed=0)
+    return sim
+
+
+def ranges(sim: ig.Simulation) -> np.ndarray:
+    return sim.sensors[0].arrays["ranges"][:, 0].astype(float)
+
+
+def test_bias_scales_and_shifts_what_beams_hit_and_nothing_else() -> None:
+    plain = ranges(scanning())[0]
+    assert plain[[0, 4, 5]] == pytest.approx([FAR, 3.0, 3.0 * np.sqrt(2.0)])
+    biased = ranges(scanning({"name": "range_bias", "offset": 0.2, "scale": 0.1}))[0]
+    assert biased[[0, 4, 5]] == pytest.approx([FAR, 3.5, 0.2 + 3.3 * np.sqrt(2.0)])
+
+
+@pytest.mark.parametrize(("offset", "read"), [(-2.9, 0.5), (2.5, FAR)])
+def test_biased_ranges_stay_within_those_of_the_sensor(offset: float, read: float) -> None:
+    assert ranges(scanning({"name": "range_bias", "offset": offset}, range_min=0.5))[0, 4] == pytest.approx(read)
+
+
+@pytest.mark.parametrize("chance", [0.0, 0.001, 0.3, 1.0])
+@pytest.mark.parametrize(("reads", "reading"), [("none", FAR), ("zero", 0.25)])
+def test_beams_are_lost_as_often_as_they_should(chance: float, reads: str, reading: float) -> None:
+    lost = {"name": "lost_beams", "chance": chance, "reads": reads}
+    sim = scanning(lost, n_worlds=500, beams=360, range_min=0.25)
+    plain = ranges(scanning(beams=360, range_min=0.25))[0]
+    hits = plain < FAR
+    for _ in range(2):
+        found = ranges(sim)[:, hits]
+        assert np.all((found == reading) | (found == plain[hits]))
+        error = np.sqrt(chance * (1 - chance) / found.size)
+        assert (found == reading).mean() == pytest.approx(chance, abs=3 * error)
+        sim.step([0.0, 0.0])
+
+
+def test_lost_beams_are_independent_of_each_other_and_of_the_last_scan() -> None:
+    sim = scanning({"name": "lost_beams", "chance": 0.5, "reads": "zero"}, n_worlds=4000, beams=360)
+    hits = np.flatnonzero(ranges(scanning(beams=360))[0] < FAR)[:40]
+    first = ranges(sim)[:, hits] == 0.0
+    sim.step([0.0, 0.0])
+    both = np.hstack([first, ranges(sim)[:, hits] == 0.0])
+    correlation = np.corrcoef(both.T) - np.eye(both.shape[1])
+    assert np.abs(correlation).max() < 5 / np.sqrt(4000)
+
+
+def test_a_sector_of_a_drawn_direction_sees_nothing() -> None:
+    n, width = 2000, 1.2
+    sim = scanning({"name": "blind_sector", "width": width}, n_worlds=n, beams=360)
+    plain = ranges(scanning(beams=360))[0]
+    hits = plain < FAR
+    blind = ranges(sim) == FAR
+    assert np.all(blind[:, ~hits])
+    share = width / (2 * np.pi)
+    assert blind[:, hits].mean() == pytest.approx(share, abs=3 * np.sqrt(share * (1 - share) / n))
+    for row in blind[:, hits]:
+        # One sector: the beams that are blind follow each other.
+        assert np.abs(np.diff(row.astype(int))).sum() <= 2
+    sim.step([0.0, 0.0])
+    np.testing.assert_array_equal(ranges(sim) == FAR, blind)
+
+
+def test_each_range_sensor_of_a_robot_is_disturbed() -> None:
+    lidar = {"name": "lidar2d", "number": 9, "angle_range": 2 * np.pi, "range_max": FAR}
+    robot = {"kinematics": {"name": "diff"}, "sensors": [lidar, lidar, {**lidar, "name": "fmcw_lidar2d"}]}
+    data = {"robot": {**robot, "disturbances": [{"name": "range_bias", "offset": 0.1}]}, "obstacle": WALL}
+    sim = ig.compile(ig.load_scenario(data), 1)
+    sim.reset(seed=0)
+    for group in sim.sensors:
+        assert group.arrays["ranges"][0, :, 4] == pytest.approx(3.1)
+
+
+def test_what_observations_read_stays_within_their_bounds() -> None:
+    given = [
+        {"name": "range_bias", "offset": [-1, 1], "scale": [-0.5, 1]},
+        {"name": "lost_beams", "chance": 0.5, "reads": "zero"},
+        {"name": "blind_sector", "width": [0, 3]},
+    ]
+    text = "; ".join(f"{one['name']}" + "".join(f":{k}={v}" for k, v in one.items() if k != "name") for one in given)
+    envs = gymnasium.make_vec("irsim_gym/cluttered_room-v0", num_envs=8, disturbances=text)
+    envs.action_space.seed(0)
+    seen, _ = envs.reset(seed=0)
+    for _ in range(60):
+        assert envs.observation_space.contains(seen)
+        seen, *_ = envs.step(envs.action_space.sample())
