@@ -8,7 +8,6 @@ import typer
 from irsim_gym.base.extras import require
 from irsim_gym.cli import completion as cli_completion
 from irsim_gym.cli import options as opt
-from irsim_gym.cli.options import MOST_LEVELS, Given, Imports, Task
 from irsim_gym.cli.tools import read_parameters, read_topics, scenario_request
 
 bag = typer.Typer(
@@ -31,10 +30,10 @@ def export(
     ] = None,
     node: Annotated[str | None, typer.Option(help=opt.HELP["export node"])] = None,
     bodies: Annotated[str | None, typer.Option(help=opt.HELP["export bodies"])] = None,
-    levels: Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help=opt.HELP["export levels"])] = 50,
-    task: Task = None,
-    given: Given = None,
-    modules: Imports = None,
+    levels: Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help=opt.HELP["export levels"])] = 50,
+    task: opt.Task = None,
+    given: opt.Given = None,
+    modules: opt.Imports = None,
 ) -> None:
     """Write a policy for a robot: one ONNX file from raw messages to commands, a contract, a driver and a check.
 
@@ -71,8 +70,8 @@ def fit(
     period: Annotated[list[float] | None, typer.Option(min=0.001, max=10.0, help=opt.HELP["fit period"])] = None,
     radius: Annotated[list[float] | None, typer.Option(min=0.001, max=100.0, help=opt.HELP["fit radius"])] = None,
     robot: Annotated[Listed, typer.Option(help=opt.HELP["fit robot"])] = None,
-    levels: Annotated[int, typer.Option(min=100, max=MOST_LEVELS, help=opt.HELP["fit levels"])] = 200,
-    modules: Imports = None,
+    levels: Annotated[int, typer.Option(min=100, max=opt.MOST_LEVELS, help=opt.HELP["fit levels"])] = 200,
+    modules: opt.Imports = None,
 ) -> None:
     """Play an exported policy with other scanners, mounts, periods and sizes, and note in its contract which fit.
 
@@ -103,9 +102,9 @@ def write_bag(
         int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help=opt.HELP["write_bag level"])
     ] = 0,
     split: opt.Split = "test",
-    task: Task = None,
-    given: Given = None,
-    modules: Imports = None,
+    task: opt.Task = None,
+    given: opt.Given = None,
+    modules: opt.Imports = None,
 ) -> None:
     """Write an episode of the simulator as a bag of ROS 2: /scan, /odom, /goal_pose and /cmd_vel."""
     require("robot", "irsim-gym bag")

@@ -42,7 +42,7 @@ from irsim_gym.robot.contract import (
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, scanner_form, seen_map_form, sees_moving_only
+from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only, steers
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
@@ -158,11 +158,11 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
     Raises:
         UnfitForRobotError: It sees others, and there is no tracker.
     """
-    seers = [term.name for term in played.terms["observations"] if "bodies" in (term.options.needs or ())]
-    if not seers:
+    seen = [term.name for term in seers(played)]
+    if not seen:
         return played
     if bodies is None:
-        raise UnfitForRobotError(f"observation '{seers[0]}' needs bodies ({NEEDS['bodies']}): add '--bodies tracked'")
+        raise UnfitForRobotError(f"observation '{seen[0]}' needs bodies ({NEEDS['bodies']}): add '--bodies tracked'")
     loaded = asked.load(warn=False)
     scenario = among_discs(loaded, played)
     if scenario is loaded:
@@ -229,7 +229,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
     """Return what a contract says of the version, the robot, its scan, goal and times, and the tensors of the graph."""
     model, b, size = played.simulation.model, played.task.agents[0], int(played.action_sizes[0])
     drive, needs = played.simulation.scenario.bodies[b].kinematics, needs_of(played.task.observations)
-    steers = model.drive[b] == ACKERMANN and getattr(drive, "mode", "steer") == "steer"
+    low, high = limits_of(played)
     age, rows = PERIODS * period, samples.get("bodies")
     most = 0 if rows is None else int(np.isfinite(rows).all(axis=2).sum(axis=1).max())
     limits = [None if np.isinf(limit) else float(limit) for limit in model.acceleration_limit[0, b, :size]]
@@ -249,12 +249,12 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         "bodies": None if rows is None else BodiesForm(source="tracked", most=most, moving=sees_moving_only(played)),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
-            steers=bool(steers),
+            steers=steers(played, b),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
             radii=(float(model.reach[0, b]),) * 2,
-            low=tuple(model.velocity_min[0, b, :size].tolist()),
-            high=tuple(model.velocity_max[0, b, :size].tolist()),
+            low=tuple(low.tolist()),
+            high=tuple(high.tolist()),
             acceleration=tuple(limits),
         ),
         "goal": GoalForm(

@@ -15,8 +15,8 @@ from irsim_gym.evaluation.protocol.tables import write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot.contract import Results, RobotContract, Tested, read_export
 from irsim_gym.robot.export import results_of, scenario_hash
-from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy, limits_of
-from irsim_gym.robot.inputs import Measured, measured, scanner_of
+from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
+from irsim_gym.robot.inputs import Measured, limits_of, measured, scanner_of
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.robot.scans import as_beams
 from irsim_gym.scenario import load_scenario

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.evaluation.policies.perception import Perception
 from irsim_gym.evaluation.policies.policy import Policy, by_agent
-from irsim_gym.robot.inputs import Measured, measured
+from irsim_gym.robot.inputs import Measured, limits_of, measured
 from irsim_gym.robot.perceive import SeenMap
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.tasks import Episodes, Outcome
@@ -205,12 +205,6 @@ def commands_of(episodes: Episodes, actions: NDArray[Any], values: Measured) -> 
     else:
         asked = np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
     return np.asarray(0.5 * (low + high) + asked.astype(np.float64) * (0.5 * (high - low)))
-
-
-def limits_of(episodes: Episodes) -> tuple[Floats, Floats]:
-    """Return the least and the greatest command of the first agent, each ``(n_components,)``."""
-    model, b, size = episodes.simulation.model, episodes.task.agents[0], int(episodes.action_sizes[0])
-    return model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
 
 
 def rescaled(actions: Floats, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats:

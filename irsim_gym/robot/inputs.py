@@ -10,12 +10,25 @@ from irsim_gym.base.arraytypes import Flags, Floats, Rays
 from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
 from irsim_gym.scenario import Scenario
-from irsim_gym.simulator.world.model import OMNI_WORLD, Model
+from irsim_gym.simulator.world.model import ACKERMANN, OMNI_WORLD, Model
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
+from irsim_gym.tasks.terms import Term
 from irsim_gym.tasks.terms.graph import Graph, RobotValues, Value
 
 Measured = dict[str, NDArray[Any]]
+
+
+def limits_of(episodes: Episodes) -> tuple[Floats, Floats]:
+    """Return the least and the greatest command of the first agent, each ``(n_components,)``."""
+    model, b, size = episodes.simulation.model, episodes.task.agents[0], int(episodes.action_sizes[0])
+    return model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
+
+
+def steers(episodes: Episodes, body: int) -> bool:
+    """Return whether a body is a car whose second command is a steering angle."""
+    drive = episodes.simulation.scenario.bodies[body].kinematics
+    return bool(episodes.simulation.model.drive[body] == ACKERMANN and getattr(drive, "mode", "steer") == "steer")
 
 
 def scanner_of(episodes: Episodes, agent: int = 0) -> tuple[Any, Rays, Floats] | None:
@@ -79,7 +92,8 @@ def measured(episodes: Episodes, agent: int = 0) -> Measured:
     elapsed = np.full((len(pose), 1), episodes.simulation.model.step_time[0])
     values: Measured = {"pose": pose, "velocity": velocity, "goal": state.goal[:, b].copy(), "elapsed": elapsed}
     scanner = scanner_of(episodes, agent)
-    values["bodies"] = tracked(episodes, agent)
+    if seers(episodes):
+        values["bodies"] = tracked(episodes, agent)
     return values if scanner is None else {"ranges": scanner[1].copy(), **values}
 
 
@@ -100,8 +114,12 @@ def among_discs(scenario: Scenario, episodes: Episodes) -> Scenario:
 
 def sees_moving_only(episodes: Episodes) -> bool:
     """Return whether all observations of other bodies leave out those that stay where they start."""
-    kinds = [term.options for term in episodes.terms["observations"] if "bodies" in (term.options.needs or ())]
-    return all(getattr(options, "moving", False) for options in kinds)
+    return all(getattr(term.options, "moving", False) for term in seers(episodes))
+
+
+def seers(episodes: Episodes) -> list[Term]:
+    """Return the observations of other bodies."""
+    return [term for term in episodes.terms["observations"] if "bodies" in (term.options.needs or ())]
 
 
 def tracked(episodes: Episodes, agent: int = 0) -> Floats:

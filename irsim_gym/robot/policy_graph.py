@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.envs.parts.spaces import observed
 from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
-from irsim_gym.robot.inputs import robot_values, scanner_form, seen_map_form
+from irsim_gym.robot.inputs import limits_of, robot_values, scanner_form, seen_map_form
 from irsim_gym.robot.network_graph import network_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.simulator.world.model import OMNI_WORLD
@@ -63,8 +63,7 @@ def policy_graph(
     if reasons:
         raise UnfitForRobotError(f"'{name}' cannot leave as one graph: {'; '.join(reasons)}")
     graph, model, b = Graph(), episodes.simulation.model, episodes.task.agents[0]
-    size = int(episodes.action_sizes[0])
-    low, high = model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
+    low, high = limits_of(episodes)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     still = np.clip(-middle / np.where(half > 0.0, half, 1.0), -1.0, 1.0)
     robot = robot_values(graph, episodes, graph.state("action", still.astype(np.float32)))
@@ -81,7 +80,7 @@ def policy_graph(
         cosine, sine, x, y = heading.op("Cos"), heading.op("Sin"), command.columns(0, 1), command.columns(1, 2)
         command = graph.join([cosine * x + sine * y, cosine * y - sine * x])
     graph.keep("action", action)
-    graph.output("command", command.cast(np.float32), size)
+    graph.output("command", command.cast(np.float32), len(low))
     found = graph.model(name)
     return PolicyGraph(found.SerializeToString(), graph.starts, len(found.graph.node), perceived_by(episodes))
 

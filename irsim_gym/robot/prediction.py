@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
-from irsim_gym.robot.inputs import scanner_of
+from irsim_gym.robot.inputs import scanner_of, steers
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.terms.graph import RobotValues, Value, between_edges
@@ -59,7 +59,7 @@ def _twist(velocity: Value, episodes: Episodes, body: int) -> tuple[Value, Value
     if drive == DIFFERENTIAL:
         return first, first * 0.0, second
     if drive == ACKERMANN:
-        if getattr(episodes.simulation.scenario.bodies[body].kinematics, "mode", "steer") == "steer":
+        if steers(episodes, body):
             slope = second.op("Sin") / second.op("Cos")
             second = first * slope / float(episodes.simulation.model.wheelbase[body])
         return first, first * 0.0, second

@@ -55,6 +55,13 @@ def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple
     return fault, "; ".join(notes)
 
 
+def lost_beams(msg: Any, no_return: str) -> Any:
+    """Return which beams of a sensor_msgs/LaserScan are lost, (size,): NaN, or shorter than its range_min."""
+    ranges = np.array(msg.ranges, float)
+    lost = np.isnan(ranges) | (ranges < msg.range_min) & np.isfinite(ranges)
+    return lost & (ranges != 0.0) if no_return == "zero" else lost
+
+
 def seconds(stamp: Any) -> float:
     """Return a stamp of ROS 1 or ROS 2, or a number, in seconds."""
     is_ros_1 = hasattr(stamp, "to_sec")

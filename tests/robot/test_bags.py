@@ -24,6 +24,7 @@ from irsim_gym.robot.bags.fit import fit_bag, section
 from irsim_gym.robot.bags.read import Bag, read_bag
 from irsim_gym.robot.bags.write import write_bag
 from irsim_gym.robot.export import RobotExport
+from irsim_gym.scenario import load_scenario
 
 ROOM = ScenarioRequest("cluttered_room")
 FREE = np.full(180, 6.0)
@@ -118,7 +119,9 @@ def robots(count: int, seed: int) -> list[Robot]:
 def check_fit(robot: Robot, bag: Bag) -> None:
     """Compare what a bag says with the truth: as the printed section says it, and by intervals three times as wide."""
     found = fit_bag(bag)
-    told = {one["name"]: one for one in yaml.safe_load("\n".join(section(found, bag)))["disturbances"]}
+    said = yaml.safe_load("\n".join(section(found, bag)))
+    assert len(load_scenario({"robot": {"sensors": [{"name": "lidar2d"}], **said}}).bodies[0].disturbances) == 3
+    told = {one["name"]: one for one in said["disturbances"]}
     assert told["latency"]["time"] == pytest.approx(robot.wait + robot.delay, abs=0.02)
     assert told["drive_lag"]["tau"] == pytest.approx(robot.tau, rel=0.2)
     assert told["lost_beams"]["chance"] == pytest.approx(robot.lost, abs=0.02)
@@ -176,8 +179,9 @@ def test_what_a_bag_cannot_tell_is_said(tmp_path: Path) -> None:
     assert "drive_lag: cannot be told from this bag (its commands hardly change)" in text
     assert "lost_beams: cannot be told from this bag (no beams see the same surface twice)" in text
     assert "noise of ranges: cannot be told from this bag (the robot hardly stands still)" in text
-    assert "Scenarios do not read this section yet." in text
     assert yaml.safe_load(text) == {"disturbances": None}
+    assert "# For an entry in robot of a scenario." in text
+    assert not load_scenario({"robot": {"kinematics": {"name": "diff"}, **yaml.safe_load(text)}}).bodies[0].disturbances
 
 
 def test_an_undisturbed_episode_is_neither_late_nor_slow(tmp_path: Path) -> None:

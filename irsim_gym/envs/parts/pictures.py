@@ -172,16 +172,7 @@ class Pictures:
     def tiled(
         self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
     ) -> Bytes:
-        """Return one fresh picture of several worlds side by side, drawn small enough to fit into the room.
-
-        Args:
-            columns: Worlds in a row; None for as many as show them large and leave few places empty.
-            worlds: Which; None for all.
-            room: Most columns and rows of pixels.
-
-        Raises:
-            ValueError: No world, or one that is not there, or no columns.
-        """
+        """Return one fresh picture of several worlds side by side, see ``ManyWorlds.tiled``."""
         from irsim_gym.rendering.looks.tiles import grid
         from irsim_gym.rendering.windows.picture import NotebookPicture
 

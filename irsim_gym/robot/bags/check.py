@@ -11,9 +11,10 @@ import numpy as np
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.outside_files import reading
-from irsim_gym.robot.bags.read import KIND, Bag, Event, lost_beams, seconds, twist
+from irsim_gym.robot.bags.read import KIND, Bag, Event, twist
 from irsim_gym.robot.contract import read_export
 from irsim_gym.robot.drive import Driver
+from irsim_gym.robot.scans import lost_beams, seconds
 
 REGULAR = 0.2
 """Share by which recorded commands may miss the contract's period, and still be the ticks of the driver."""

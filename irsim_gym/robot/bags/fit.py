@@ -7,7 +7,8 @@ import numpy as np
 from irsim_gym.base.arraytypes import Flags, Floats
 from irsim_gym.evaluation.measures.statistics import Estimate
 from irsim_gym.robot.bags.lag import fit_lag
-from irsim_gym.robot.bags.read import Bag, lost_beams, seconds, twist
+from irsim_gym.robot.bags.read import Bag, twist
+from irsim_gym.robot.scans import lost_beams, seconds
 
 UNTOLD = "cannot be told from this bag"
 STILL = 0.05
@@ -71,9 +72,8 @@ def fit_bag(bag: Bag, no_return: str = "") -> BagFit:
 
 def _times(bag: Bag, role: str) -> Floats:
     """Return when messages were measured or, without a stamp, recorded [s]."""
-    has_stamp = [hasattr(event.message, "header") for event in bag.of(role)]
-    pairs = zip(has_stamp, bag.of(role), strict=True)
-    return np.array([seconds(one.message.header.stamp) if has else one.time for has, one in pairs])
+    messages = [(event.message, event.time) for event in bag.of(role)]
+    return np.array([seconds(one.header.stamp) if hasattr(one, "header") else time for one, time in messages])
 
 
 def _period(times: Floats) -> Estimate:
@@ -118,7 +118,7 @@ def section(found: BagFit, bag: Bag) -> list[str]:
     counts = ", ".join(f"{len(bag.of(role))} {role}" for role in found.periods)
     lines = [
         f"# From {bag.file.name}: {bag.events[-1].time - bag.events[0].time:.1f} s; messages: {counts}.",
-        "# Scenarios do not read this section yet. Intervals of 95 % are in brackets.",
+        "# For an entry in robot of a scenario. Intervals of 95 % are in brackets.",
         *(f"# {role}: each {_told(period)} s (5 and 95 % quantiles)" for role, period in found.periods.items()),
         "disturbances:",
         _line("latency", "time", found.latency, note=f"; {found.wait:.3f} of it before the command"),

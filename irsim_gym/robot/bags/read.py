@@ -4,9 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from irsim_gym.base.arraytypes import Flags
 from irsim_gym.base.errors import IrsimGymError, UnreadableFileError, suggestion
 from irsim_gym.base.outside_files import reading
 
@@ -69,20 +66,8 @@ def read_bag(file: Path, topics: Mapping[str, str]) -> Bag:
     return Bag(file, sorted(events, key=lambda event: (event.time, event.role == "command")))
 
 
-def seconds(stamp: Any) -> float:
-    """Return the time of a stamp [s]."""
-    return float(stamp.sec + 1e-9 * stamp.nanosec)
-
-
 def twist(message: Any) -> tuple[float, float, float]:
     """Return ahead, left [m/s] and the turn rate [rad/s] of a Twist, TwistStamped or Odometry."""
     while hasattr(message, "twist"):
         message = message.twist
     return float(message.linear.x), float(message.linear.y), float(message.angular.z)
-
-
-def lost_beams(message: Any, no_return: str) -> Flags:
-    """Return which beams of a scan are lost, as the driver counts them: NaN, or shorter than ``range_min``."""
-    ranges = np.asarray(message.ranges)
-    lost: Flags = np.isnan(ranges) | ((ranges < message.range_min) & np.isfinite(ranges))
-    return lost & (ranges != 0.0) if no_return == "zero" else lost

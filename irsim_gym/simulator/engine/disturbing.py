@@ -67,11 +67,9 @@ def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
     problems = []
     for b, one in given:
         body = scenario.bodies[b]
-        has_scan = any(sensor.reading == RANGES and hasattr(sensor, "angles") for sensor in body.sensors)
-        looks = one.acts_on == "scan"
-        is_lame = not looks and not model.movable[b]
-        if is_lame or (looks and not has_scan):
-            why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_DRIVE if is_lame else NEEDS_SCAN}"
+        is_scan = one.acts_on == "scan"
+        if not (any(map(_has_ranges, body.sensors)) if is_scan else model.movable[b]):
+            why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_SCAN if is_scan else NEEDS_DRIVE}"
             problems.append(Problem(body.line, f"{body.name}.disturbances", why))
     if problems:
         raise ScenarioError(scenario.file or scenario.name, problems)
@@ -81,9 +79,13 @@ def _group(kind: type[Any], members: Sequence[Member], model: Model) -> Group:
     return _prepared(Group(kind, [one for _, one in members], np.array([b for b, _ in members], np.int64)), model)
 
 
+def _has_ranges(sensor: Any) -> bool:
+    """Return whether a sensor, or a kind of sensors, has beams with ranges."""
+    return sensor.reading == RANGES and hasattr(sensor, "angles")
+
+
 def _seen(members: Sequence[Member], sensor: Group) -> bool:
-    has_scan = sensor.kind.reading == RANGES and hasattr(sensor.kind, "angles")
-    return has_scan and any(b in sensor.members for b, _ in members)
+    return _has_ranges(sensor.kind) and any(b in sensor.members for b, _ in members)
 
 
 def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model: Model) -> Group:
