@@ -8,10 +8,14 @@ from irsim_gym.bodies.disturbances.blind_sector import BlindSector
 from irsim_gym.bodies.disturbances.drive_lag import DriveLag
 from irsim_gym.bodies.disturbances.latency import Latency
 from irsim_gym.bodies.disturbances.lost_beams import LostBeams
+from irsim_gym.bodies.disturbances.odometry import Odometry
 from irsim_gym.bodies.disturbances.range_bias import RangeBias
+from irsim_gym.bodies.disturbances.slip import Slip
 
 DISTURBANCES.register("latency", Latency)
 DISTURBANCES.register("drive_lag", DriveLag)
+DISTURBANCES.register("slip", Slip)
+DISTURBANCES.register("odometry", Odometry)
 DISTURBANCES.register("range_bias", RangeBias)
 DISTURBANCES.register("lost_beams", LostBeams)
 DISTURBANCES.register("blind_sector", BlindSector)

@@ -12,7 +12,7 @@ from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.base.options import drawn_ends
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
-from irsim_gym.simulator.step.disturbances import Disturbances
+from irsim_gym.simulator.step.disturbances import OWN, Belief, Disturbances
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.group import Group
@@ -23,6 +23,8 @@ from irsim_gym.simulator.world.state import State
 Member = tuple[int, Any]
 NEEDS_SCAN = "changes scans, but the robot has no range sensor; add sensors: [{name: lidar2d}] to it"
 NEEDS_DRIVE = "changes how the robot drives, but it cannot move; add kinematics"
+BELIEVED = ("motion", "belief")
+"""What makes the pose that a robot believes in another one than the true one."""
 
 
 def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: State, parts: Parts) -> Disturbances:
@@ -60,7 +62,27 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
     looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on == "scan" for sensor in parts.sensors]
     found.scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
     found.groups += found.scans
+    believers = [b for b, one in given if one.acts_on in BELIEVED]
+    if believers and parts.turns:
+        errors = [_group(*one, model) for one in by_kind if one[0].acts_on == "belief"]
+        found.belief = _belief(believers, errors, parts.kinematics, state)
+        found.groups += errors
     return found
+
+
+def _belief(believers: list[int], errors: list[Group], drives: Sequence[Group], state: State) -> Belief:
+    """Return what robots believe: their odometry knows the velocities that drives execute, and no noise of motion."""
+    for group in errors:
+        group.arrays["pose"] = state.pose
+    told = replace(state, **{name: getattr(state, name).copy() for name in OWN})
+    rolling = [drive.select(np.flatnonzero(np.isin(drive.members, believers))) for drive in drives]
+    # Tables of a drive with noise are what draws it.
+    quiet = [replace(drive, tables=None) if _is_noisy(drive) else drive for drive in rolling if len(drive.members)]
+    return Belief(told, quiet, errors, np.setdiff1d(np.arange(state.pose.shape[1]), believers))
+
+
+def _is_noisy(drive: Group) -> bool:
+    return any(getattr(options, "noise", False) for options in drive.options)
 
 
 def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:

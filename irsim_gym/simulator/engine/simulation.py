@@ -14,7 +14,7 @@ from irsim_gym.simulator.engine import field_of_view
 from irsim_gym.simulator.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.simulator.running.fused import Fused, Recordings, only_kernels
 from irsim_gym.simulator.running.shards import Shards
-from irsim_gym.simulator.step import outlines, respawn, restart
+from irsim_gym.simulator.step import disturbances, outlines, respawn, restart
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.step import Orders, advance, refresh
 from irsim_gym.simulator.world.group import Group, Shard, WorldContext, find_sensor
@@ -81,6 +81,12 @@ class Simulation:
     def explored(self) -> Flags | None:
         """What the robots have seen, shape ``(n_worlds, columns, rows)``; None unless the file asks (``fog_map``)."""
         return None if self.parts.fog is None else self.parts.fog.cells.explored
+
+    @property
+    def told(self) -> State:
+        """The state as robots know it: ``state`` itself, unless their odometry is disturbed."""
+        belief = self.parts.disturbances.belief
+        return self.state if belief is None else belief.state
 
     @property
     def sensors(self) -> list[Group]:
@@ -333,6 +339,7 @@ class Simulation:
         body_buckets.refresh(bodies, model, state, shard)
         for group in parts.kinematics:
             group.kind.begin(group, model, state, shard)
+        disturbances.tell(parts.disturbances, bodies, state, shard)
         if np.isin(bodies, parts.fixed).any():
             # Flags of all bodies stay until the next step: only ``model.static_partner`` is to change.
             collided, hit = state.collided[shard.worlds], state.hit[shard.worlds]

@@ -1,4 +1,4 @@
-"""Disturbances of robots in a step: of commands, motion and scans."""
+"""Disturbances of robots in a step: of commands, motion and scans, and of the poses that robots believe in."""
 
 from __future__ import annotations
 
@@ -15,16 +15,39 @@ if TYPE_CHECKING:
 
 
 @dataclass
+class Belief:
+    """What robots believe of their poses, where these are disturbed.
+
+    Attributes:
+        state: The state as robots know it: the same arrays, but for ``OWN``.
+        drives: The robots, by drive; their odometry moves them like these, by ``State.velocity``.
+        errors: Disturbances of these poses, in the order in which they act.
+        others: The bodies whose poses are known.
+    """
+
+    state: State
+    drives: list[Group]
+    errors: list[Group]
+    others: Ints
+
+
+OWN = ("direction", "goal_distance", "pose", "steering", "twist")
+"""Fields of the state that belong to the believed pose, where it is not the true one."""
+
+
+@dataclass
 class Disturbances:
     """The disturbances of a scenario; those of commands and motions stand in the turns.
 
     Attributes:
         groups: All of them, by kind.
         scans: Those of scans, in the order in which they act.
+        belief: What robots believe of their poses; None where all know them.
     """
 
     groups: list[Group] = field(default_factory=list)
     scans: list[Group] = field(default_factory=list)
+    belief: Belief | None = None
 
 
 def asked(turn: Turn, model: Model, state: State, shard: Shard) -> State:
@@ -53,11 +76,28 @@ def begin(found: Disturbances, model: Model, shard: Shard) -> None:
         begin_disturbed(shard.worlds, group.tables, model)
 
 
-def begin_again(found: Disturbances, shard: Shard, begun: Flags) -> None:
+def begin_again(found: Disturbances, state: State, shard: Shard, begun: Flags) -> None:
     """Let some robots begin anew in running worlds, shape ``(n_shard_worlds, n_bodies)``; their numbers stay."""
     for group in found.groups:
         row, k = np.nonzero(begun[:, group.members])
         group.tables.count[shard.worlds[row], k] = 0
+    for row, b in zip(*np.nonzero(begun), strict=True):
+        tell(found, np.array([b]), state, Shard(shard.worlds[row : row + 1]))
+
+
+def tell(found: Disturbances, bodies: Ints, state: State, shard: Shard) -> None:
+    """Let bodies know where they are, as at the start, or where they are moved from outside."""
+    if found.belief is not None:
+        tell_truth(shard.worlds, bodies, state, found.belief.state)
+
+
+def believe(found: Disturbances, model: Model, state: State, shard: Shard) -> None:
+    """Move the believed poses by what the wheels have turned, and disturb them."""
+    if (belief := found.belief) is not None:
+        for group in belief.drives:
+            group.kind.move(group, model, belief.state, shard)
+        for group in belief.errors:
+            group.kind.disturb(group, model, belief.state, shard)
 
 
 @kernel
@@ -67,3 +107,18 @@ def copy_rows(worlds: Ints, bodies: Ints, values: Floats, copied: Floats) -> Non
         for b in bodies:
             for axis in range(3):
                 copied[w, b, axis] = values[w, b, axis]
+
+
+@kernel
+def tell_truth(worlds: Ints, bodies: Ints, state: State, told: State) -> None:
+    """Copy what is ``OWN`` of some bodies.
+
+    Reads: state (direction, goal_distance, pose, steering, twist).
+    Writes: told (direction, goal_distance, pose, steering, twist).
+    """
+    copy_rows(worlds, bodies, state.pose, told.pose)
+    copy_rows(worlds, bodies, state.twist, told.twist)
+    copy_rows(worlds, bodies, state.direction, told.direction)
+    for w in worlds:
+        for b in bodies:
+            told.steering[w, b], told.goal_distance[w, b] = state.steering[w, b], state.goal_distance[w, b]

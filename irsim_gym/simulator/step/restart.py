@@ -90,6 +90,7 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     contact.stop_bodies(shard.worlds, model, state)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
     disturbances.begin(parts.disturbances, model, shard)
+    disturbances.tell(parts.disturbances, parts.everyone, state, shard)
     sense(parts, model, state, shard)
 
 

@@ -11,6 +11,7 @@ from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.simulator.running.direct import Direct
 from irsim_gym.simulator.world.model import OMNI_WORLD
+from irsim_gym.simulator.world.state import State as WorldState
 from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.definition.task import Task, checked_limit
 from irsim_gym.tasks.endings.arrived import Arrived
@@ -277,7 +278,7 @@ class Episodes:
         commands.rest(worlds, self._agents, model, state)
         account.begin_episodes(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
-            term.options.begin(term, model, simulation.state, state, shard)
+            term.options.begin(term, model, self._known_to(term), state, shard)
         self._observe(shard)
         account.mark(worlds, False, state.began)
 
@@ -297,6 +298,8 @@ class Episodes:
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
+        if simulation.told is not world:
+            account.find_misplaced(shard.worlds, self._agents, model, world, simulation.told, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
@@ -331,7 +334,13 @@ class Episodes:
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+            term.options.write(term, self.simulation.model, self._known_to(term), self.state, shard)
+
+    def _known_to(self, term: Term) -> WorldState:
+        """Return the state that a term reads: for observations, except those of true bodies, what the robot knows."""
+        needs = getattr(term.options, "needs", ("bodies",)) or ()
+        sees_bodies = "bodies" in needs and "map_frame" not in needs
+        return self.simulation.state if sees_bodies else self.simulation.told
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

@@ -96,6 +96,7 @@ def test_what_observations_read_stays_within_their_bounds() -> None:
         {"name": "range_bias", "offset": [-1, 1], "scale": [-0.5, 1]},
         {"name": "lost_beams", "chance": 0.5, "reads": "zero"},
         {"name": "blind_sector", "width": [0, 3]},
+        {"name": "odometry", "scale": [-1, 1], "yaw": [-1, 1]},
     ]
     text = "; ".join(f"{one['name']}" + "".join(f":{k}={v}" for k, v in one.items() if k != "name") for one in given)
     envs = gymnasium.make_vec("irsim_gym/cluttered_room-v0", num_envs=8, disturbances=text)

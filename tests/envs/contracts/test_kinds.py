@@ -41,6 +41,8 @@ OWNERS = {
 DISTURBED: dict[str, dict[str, Any]] = {
     "latency": {"time": [0.0, 0.3]},
     "drive_lag": {"tau": [0.0, 0.5], "dead_band": 0.01},
+    "slip": {"ahead": [0.0, 0.2], "turn": [-0.2, 0.2]},
+    "odometry": {"scale": [-0.1, 0.1], "yaw": 0.1, "fix": {"every": 0.5, "std": 0.1, "angle_std": 0.1}},
     "range_bias": {"offset": [-0.1, 0.1], "scale": 0.02},
     "lost_beams": {"chance": [0.0, 0.5]},
     "blind_sector": {"width": [0.5, 2.0]},
@@ -154,6 +156,8 @@ def snapshot(sim: ig.Simulation, w: int) -> dict[str, np.ndarray]:
     fields = {name: getattr(sim.state, name)[w].copy() for name in State.columns()}
     for index, group in enumerate(sim.sensors):
         fields[f"reading {index}"] = group.arrays[group.kind.reading][w].copy()
+    if sim.told is not sim.state:
+        fields["told pose"] = sim.told.pose[w].copy()
     if sim.explored is not None:
         fields["explored"] = sim.explored[w].copy()
     return fields
@@ -211,10 +215,10 @@ def test_a_disturbance_shows_and_spares_the_robots_that_have_none(name: str) -> 
     for _ in range(8):
         for sim in sims:
             sim.step()
-    found = [snapshot(sim, w) for w in range(8) for sim in sims]
+    found = [{**snapshot(sim, w), "told pose": sim.told.pose[w].copy()} for w in range(8) for sim in sims]
     changed = set()
     for one, other in zip(found[::2], found[1::2], strict=True):
-        for field in ("pose", "velocity", "command"):
+        for field in ("pose", "velocity", "command", "told pose"):
             np.testing.assert_array_equal(one[field][1:], other[field][1:], err_msg=field)
             changed |= {field} if np.any(one[field][0] != other[field][0]) else set()
         changed |= {"reading"} if np.any(one["reading 0"][0] != other["reading 0"][0]) else set()
@@ -238,7 +242,8 @@ def rollouts() -> dict[str, np.ndarray]:
             rows = []
             for _ in range(20 if family in ("kinematics", "disturbance") else 3):
                 sim.step()
-                rows.append(np.dstack([sim.state.pose, sim.state.twist, sim.state.steering[..., None]]))
+                told = [sim.told.pose] if family == "disturbance" else []
+                rows.append(np.dstack([sim.state.pose, sim.state.twist, sim.state.steering[..., None], *told]))
             found[f"{family} {name}"] = np.array(rows)
     return found
 
