@@ -25,6 +25,8 @@ NEEDS_SCAN = "changes scans, but the robot has no range sensor; add sensors: [{n
 NEEDS_DRIVE = "changes how the robot drives, but it cannot move; add kinematics"
 BELIEVED = ("motion", "belief")
 """What makes the pose that a robot believes in another one than the true one."""
+LOOKS = ("mount", "scan")
+"""What belongs to range sensors."""
 
 
 def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: State, parts: Parts) -> Disturbances:
@@ -59,9 +61,10 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
         turn.asked = replace(state, command=np.zeros_like(state.command)) if turn.commands else None
         turn.moved = replace(state, velocity=np.zeros_like(state.velocity)) if turn.motions else None
         found.groups += [*turn.commands, *turn.motions]
-    looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on == "scan" for sensor in parts.sensors]
-    found.scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
-    found.groups += found.scans
+    looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on in LOOKS for sensor in parts.sensors]
+    scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
+    found.mounts, found.scans = ([group for group in scans if group.kind.acts_on == what] for what in LOOKS)
+    found.groups += scans
     believers = [b for b, one in given if one.acts_on in BELIEVED]
     if believers and parts.turns:
         errors = [_group(*one, model) for one in by_kind if one[0].acts_on == "belief"]
@@ -89,7 +92,7 @@ def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
     problems = []
     for b, one in given:
         body = scenario.bodies[b]
-        is_scan = one.acts_on == "scan"
+        is_scan = one.acts_on in LOOKS
         if not (any(map(_has_ranges, body.sensors)) if is_scan else model.movable[b]):
             why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_SCAN if is_scan else NEEDS_DRIVE}"
             problems.append(Problem(body.line, f"{body.name}.disturbances", why))
@@ -115,6 +118,8 @@ def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model
     rows = [(b, one, k) for b, one in members for k in np.flatnonzero(sensor.members == b).tolist()]
     scan: OwnScan = own_scan(sensor, np.array([k for _, _, k in rows], np.int64))
     group = Group(kind, [one for _, one, _ in rows], np.array([b for b, _, _ in rows], np.int64), scan=scan)
+    if kind.acts_on == "mount":
+        group.arrays["mounts"] = sensor.tables.offset
     return _prepared(group, model)
 
 

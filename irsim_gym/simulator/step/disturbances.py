@@ -41,11 +41,13 @@ class Disturbances:
 
     Attributes:
         groups: All of them, by kind.
+        mounts: Those of the mount poses of sensors.
         scans: Those of scans, in the order in which they act.
         belief: What robots believe of their poses; None where all know them.
     """
 
     groups: list[Group] = field(default_factory=list)
+    mounts: list[Group] = field(default_factory=list)
     scans: list[Group] = field(default_factory=list)
     belief: Belief | None = None
 
@@ -70,10 +72,12 @@ def moved(turn: Turn, model: Model, state: State, shard: Shard) -> State:
     return turn.moved
 
 
-def begin(found: Disturbances, model: Model, shard: Shard) -> None:
-    """Draw the numbers of the level."""
+def begin(found: Disturbances, model: Model, state: State, shard: Shard) -> None:
+    """Draw the numbers of the level, and mount the sensors."""
     for group in found.groups:
         begin_disturbed(shard.worlds, group.tables, model)
+    for group in found.mounts:
+        group.kind.disturb(group, model, state, shard)
 
 
 def begin_again(found: Disturbances, state: State, shard: Shard, begun: Flags) -> None:

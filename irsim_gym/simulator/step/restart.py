@@ -89,7 +89,7 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop_bodies(shard.worlds, model, state)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
-    disturbances.begin(parts.disturbances, model, shard)
+    disturbances.begin(parts.disturbances, model, state, shard)
     disturbances.tell(parts.disturbances, parts.everyone, state, shard)
     sense(parts, model, state, shard)
 

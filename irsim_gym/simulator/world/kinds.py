@@ -292,7 +292,9 @@ class DisturbanceKind(Protocol):
     and a random stream for each member. It may have ``prepare``, as a drive has it, to make room in ``group.arrays``.
     """
 
-    acts_on: ClassVar[Annotated[Literal["command", "motion", "belief", "scan"], "what it changes, see ``disturb``"]]
+    acts_on: ClassVar[
+        Annotated[Literal["command", "motion", "belief", "mount", "scan"], "what it changes, see ``disturb``"]
+    ]
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
@@ -301,7 +303,7 @@ class DisturbanceKind(Protocol):
         ``command``: ``state.command``, before it is limited. ``motion``: ``state.velocity``, which the drive executes.
         ``belief``: ``state.pose``, which is the pose that the robot believes in, after its odometry has moved it;
         ``group.arrays["pose"]`` has the true ones. ``scan``: the ranges in ``group.scan``; a robot is a member once for
-        each of its range sensors.
+        each of its range sensors. ``mount``: ``group.arrays["mounts"]``, their mount poses, where an episode begins.
         """
 
 

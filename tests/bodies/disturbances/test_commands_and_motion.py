@@ -71,6 +71,19 @@ def test_a_lag_follows_what_the_latency_lets_through() -> None:
     assert found == pytest.approx([0.0, 1.0 - np.exp(-1.0)])
 
 
+def test_lost_commands_leave_the_last_one_in_force() -> None:
+    n, chance = 2000, 0.3
+    sim = driven({"name": "lost_commands", "chance": chance}, n_worlds=n)
+    before = np.zeros(n)
+    for k in range(1, 6):
+        sim.step([0.1 * k, 0.0])
+        now = sim.state.velocity[:, 0, 0].copy()
+        is_lost = now == before
+        assert np.all(is_lost | (now == 0.1 * k))
+        assert is_lost.mean() == pytest.approx(chance, abs=3 * np.sqrt(chance * (1 - chance) / n))
+        before = now
+
+
 def test_slip_moves_the_robot_less_than_its_wheels_and_it_believes_its_wheels() -> None:
     sim = driven({"name": "slip", "ahead": 0.1, "turn": 0.5})
     sim.step([1.0, 1.0])
@@ -161,7 +174,11 @@ def test_disturbances_do_not_touch_the_stream_of_the_level() -> None:
 def test_they_act_in_one_order_whatever_the_file_says() -> None:
     found = []
     for order in (1, -1):
-        given = [{"name": "latency", "time": 0.1}, {"name": "latency", "time": 0.2}, {"name": "drive_lag", "tau": 0.2}]
+        given = [
+            {"name": "lost_commands", "chance": 0.4},
+            {"name": "latency", "time": 0.2},
+            {"name": "drive_lag", "tau": 0.2},
+        ]
         found.append(speeds(driven(*given[::order]), [0.1 * k for k in range(10)]))
     assert found[0] == found[1]
 

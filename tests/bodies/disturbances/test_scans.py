@@ -81,6 +81,16 @@ def test_a_sector_of_a_drawn_direction_sees_nothing() -> None:
     np.testing.assert_array_equal(ranges(sim) == FAR, blind)
 
 
+def test_scans_between_two_of_the_sensor_show_the_last_one() -> None:
+    sim = scanning({"name": "scan_rate", "every": 0.25})
+    seen = [float(ranges(sim)[0, 4])]
+    for _ in range(7):
+        sim.step([1.0, 0.0])
+        seen.append(float(ranges(sim)[0, 4]))
+    # Every third step: 0.25 s are rounded up.
+    assert seen == pytest.approx([3.0, 3.0, 3.0, 2.7, 2.7, 2.7, 2.4, 2.4])
+
+
 def test_each_range_sensor_of_a_robot_is_disturbed() -> None:
     lidar = {"name": "lidar2d", "number": 9, "angle_range": 2 * np.pi, "range_max": FAR}
     robot = {"kinematics": {"name": "diff"}, "sensors": [lidar, lidar, {**lidar, "name": "fmcw_lidar2d"}]}
@@ -105,3 +115,21 @@ def test_what_observations_read_stays_within_their_bounds() -> None:
     for _ in range(60):
         assert envs.observation_space.contains(seen)
         seen, *_ = envs.step(envs.action_space.sample())
+
+
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_sensor_that_stands_elsewhere_sees_what_it_would_see_from_there(turn: float) -> None:
+    told, true = (0.3, -0.1, 0.5), (0.3 + 0.2, -0.1 + 0.4, 0.5 + 0.25)
+    disturbed = {"name": "mount", "x": 0.2, "y": 0.4, "turn": 0.25}
+    found = []
+    for offset, disturbances in ((told, [disturbed]), (true, [])):
+        lidar = {"name": "lidar2d", "number": 30, "angle_range": 2 * np.pi, "range_max": 50.0, "offset": list(offset)}
+        entry = {"kinematics": {"name": "diff"}, "state": [1.0, 2.0, turn], "sensors": [lidar]}
+        disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [1.0, 5.0, 0]}
+        data = {"robot": {**entry, "disturbances": disturbances}, "obstacle": [WALL, disc]}
+        sim = ig.compile(ig.load_scenario(data), 1, agents=(0,))
+        sim.reset(seed=0)
+        sim.step([0.5, 0.3])
+        assert sim.state.pose[0, 0, 2] == pytest.approx(turn + 0.03)
+        found.append(ranges(sim)[0])
+    np.testing.assert_allclose(*found, atol=1e-5)
