@@ -6,6 +6,7 @@ One file for each disturbance, named as in YAML. Their order here is the order i
 from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.bodies.disturbances.blind_sector import BlindSector
 from irsim_gym.bodies.disturbances.drive_lag import DriveLag
+from irsim_gym.bodies.disturbances.glass import Glass
 from irsim_gym.bodies.disturbances.latency import Latency
 from irsim_gym.bodies.disturbances.lost_beams import LostBeams
 from irsim_gym.bodies.disturbances.lost_commands import LostCommands
@@ -21,6 +22,7 @@ DISTURBANCES.register("drive_lag", DriveLag)
 DISTURBANCES.register("slip", Slip)
 DISTURBANCES.register("odometry", Odometry)
 DISTURBANCES.register("mount", Mount)
+DISTURBANCES.register("glass", Glass)
 DISTURBANCES.register("range_bias", RangeBias)
 DISTURBANCES.register("lost_beams", LostBeams)
 DISTURBANCES.register("blind_sector", BlindSector)

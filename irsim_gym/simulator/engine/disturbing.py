@@ -118,7 +118,7 @@ def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model
     rows = [(b, one, k) for b, one in members for k in np.flatnonzero(sensor.members == b).tolist()]
     scan: OwnScan = own_scan(sensor, np.array([k for _, _, k in rows], np.int64))
     group = Group(kind, [one for _, one, _ in rows], np.array([b for b, _, _ in rows], np.int64), scan=scan)
-    if kind.acts_on == "mount":
+    if hasattr(sensor.tables, "offset"):
         group.arrays["mounts"] = sensor.tables.offset
     return _prepared(group, model)
 

@@ -303,7 +303,8 @@ class DisturbanceKind(Protocol):
         ``command``: ``state.command``, before it is limited. ``motion``: ``state.velocity``, which the drive executes.
         ``belief``: ``state.pose``, which is the pose that the robot believes in, after its odometry has moved it;
         ``group.arrays["pose"]`` has the true ones. ``scan``: the ranges in ``group.scan``; a robot is a member once for
-        each of its range sensors. ``mount``: ``group.arrays["mounts"]``, their mount poses, where an episode begins.
+        each of its range sensors, whose true mount poses are in ``group.arrays["mounts"]``. ``mount``: these, where an
+        episode begins.
         """
 
 

@@ -133,3 +133,41 @@ def test_a_sensor_that_stands_elsewhere_sees_what_it_would_see_from_there(turn: 
         assert sim.state.pose[0, 0, 2] == pytest.approx(turn + 0.03)
         found.append(ranges(sim)[0])
     np.testing.assert_allclose(*found, atol=1e-5)
+
+
+@pytest.mark.parametrize(("within", "seen"), [(0.3, [4]), (0.8, [3, 4, 5])])
+def test_glass_is_seen_where_beams_meet_it_nearly_at_right_angles(within: float, seen: list[int]) -> None:
+    found = ranges(scanning({"name": "glass", "share": 1.0, "seen_within": within}))[0]
+    np.testing.assert_array_equal(np.flatnonzero(found < FAR), seen)
+    assert found[4] == pytest.approx(3.0)
+
+
+def test_a_disc_of_glass_is_seen_in_its_middle_by_noisy_scanners_too() -> None:
+    lidar = {"name": "lidar2d", "number": 401, "angle_range": 0.4, "range_max": FAR}
+    disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [3, 0, 0]}
+    for noise in ({}, {"noise": True, "std": 0.01, "angle_std": 0.0}):
+        glass = [{"name": "glass", "share": 1.0, "seen_within": 0.5}, {"name": "mount", "turn": 0.05}]
+        robot = {"kinematics": {"name": "diff"}, "sensors": [{**lidar, **noise}], "disturbances": glass}
+        sim = ig.compile(ig.load_scenario({"robot": robot, "obstacle": disc}), 1, agents=(0,))
+        sim.reset(seed=0)
+        directions = np.linspace(-0.2, 0.2, 401) + 0.05
+        # The law of sines in the triangle of sensor, centre and hit.
+        expected = np.abs(3.0 * np.sin(directions)) < 0.5 * np.sin(0.5)
+        assert np.sum((ranges(sim)[0] < FAR) != expected) <= (12 if noise else 2)
+
+
+def test_a_share_of_the_bodies_is_of_glass_for_a_level_and_robots_agree() -> None:
+    n, share = 1000, 0.3
+    lidar = {"name": "lidar2d", "number": 2, "angle_range": 0.02, "range_max": FAR}
+    glass = [{"name": "glass", "share": share, "seen_within": 0.0}]
+    robots = [
+        {"kinematics": {"name": "diff"}, "state": [0, y, 0], "sensors": [lidar], "disturbances": glass} for y in (0, 5)
+    ]
+    sim = ig.compile(ig.load_scenario({"robot": robots, "obstacle": WALL}), n, agents=(0, 1))
+    sim.reset(seed=0)
+    seen = np.concatenate([group.arrays["ranges"][:, :, 0] for group in sim.sensors], axis=1)
+    is_glass = seen == FAR
+    assert is_glass[:, 0].mean() == pytest.approx(share, abs=3 * np.sqrt(share * (1 - share) / n))
+    np.testing.assert_array_equal(is_glass[:, 0], is_glass[:, 1])
+    sim.step([0.0, 0.0])
+    np.testing.assert_array_equal(seen[:, 0], sim.sensors[0].arrays["ranges"][:, 0, 0])

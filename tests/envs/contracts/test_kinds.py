@@ -45,6 +45,7 @@ DISTURBED: dict[str, dict[str, Any]] = {
     "slip": {"ahead": [0.0, 0.2], "turn": [-0.2, 0.2]},
     "odometry": {"scale": [-0.1, 0.1], "yaw": 0.1, "fix": {"every": 0.5, "std": 0.1, "angle_std": 0.1}},
     "mount": {"x": [-0.1, 0.1], "y": 0.05, "turn": [-0.1, 0.1]},
+    "glass": {"share": 1.0, "seen_within": 0.1},
     "range_bias": {"offset": [-0.1, 0.1], "scale": 0.02},
     "lost_beams": {"chance": [0.0, 0.5]},
     "blind_sector": {"width": [0.5, 2.0]},
