@@ -181,3 +181,37 @@ def test_levels_stay_as_they_are() -> None:
         sim.reset(seed=3)
     np.testing.assert_array_equal(plain.state.pose, disturbed.state.pose)
     np.testing.assert_array_equal(plain.state.goal, disturbed.state.goal)
+
+
+def test_a_robot_is_larger_than_it_is_told_from_the_start_of_each_level() -> None:
+    wall = {"shape": {"name": "linestring", "vertices": [[3, 0], [3, 10]]}}
+    task = {**TASK, "observations": ["own_body", "goal"]}
+    n, seen = 40, []
+    for given in ([], [{"name": "radius", "offset": [0.1, 0.3]}]):
+        episodes = play({"disturbances": given}, wall, task, n_worlds=n)
+        sim = episodes.simulation
+        for seed in (0, n):
+            episodes.begin(np.arange(n), np.arange(n) + seed)
+        seen.append(episodes.view.observation.copy())
+        while episodes.view.live.any():
+            drive(episodes, 1, 0)
+        assert np.all(episodes.view.infos["outcome"] == Outcome.COLLISION)
+        radius = sim.state.discs[:, 0, 2]
+        # It stops in the first step in which it touches the wall.
+        touching = 3.0 - sim.state.pose[:, 0, 0]
+        assert np.all((touching <= radius) & (touching > radius - 0.1 - 1e-9))
+        np.testing.assert_array_equal(np.broadcast_to(sim.model.reach[:, 0], n), radius)
+    assert 0.3 <= radius.min() < 0.32 < 0.48 < radius.max() <= 0.5
+    np.testing.assert_array_equal(*seen)
+
+
+def test_a_radius_draws_no_number_of_the_level_and_needs_a_disc() -> None:
+    starts = []
+    for given in ([], [{"name": "radius", "offset": [-0.1, 0.0]}]):
+        robot = {**ROBOT, "distribution": {"name": "random"}, "disturbances": given}
+        robot.pop("state")
+        starts.append(play([robot], None, TASK, n_worlds=8).simulation.state.pose.copy())
+    np.testing.assert_array_equal(*starts)
+    box = {"shape": {"name": "rectangle", "length": 1, "width": 1}, "disturbances": [{"name": "radius"}]}
+    with pytest.raises(ScenarioError, match="'radius' changes a radius, but the robot has none; give it shape"):
+        play(box, None, TASK)

@@ -12,10 +12,12 @@ from irsim_gym.bodies.disturbances.lost_beams import LostBeams
 from irsim_gym.bodies.disturbances.lost_commands import LostCommands
 from irsim_gym.bodies.disturbances.mount import Mount
 from irsim_gym.bodies.disturbances.odometry import Odometry
+from irsim_gym.bodies.disturbances.radius import Radius
 from irsim_gym.bodies.disturbances.range_bias import RangeBias
 from irsim_gym.bodies.disturbances.scan_rate import ScanRate
 from irsim_gym.bodies.disturbances.slip import Slip
 
+DISTURBANCES.register("radius", Radius)
 DISTURBANCES.register("lost_commands", LostCommands)
 DISTURBANCES.register("latency", Latency)
 DISTURBANCES.register("drive_lag", DriveLag)

@@ -22,6 +22,7 @@ from irsim_gym.simulator.world.state import State
 
 Member = tuple[int, Any]
 NEEDS_SCAN = "changes scans, but the robot has no range sensor; add sensors: [{name: lidar2d}] to it"
+NEEDS_CIRCLE = "changes a radius, but the robot has none; give it shape: {name: circle, radius: 0.2}"
 NEEDS_DRIVE = "changes how the robot drives, but it cannot move; add kinematics"
 BELIEVED = ("motion", "belief")
 """What makes the pose that a robot believes in another one than the true one."""
@@ -65,6 +66,10 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
     scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
     found.mounts, found.scans = ([group for group in scans if group.kind.acts_on == what] for what in LOOKS)
     found.groups += scans
+    found.outlines = [_group(*one, model) for one in by_kind if one[0].acts_on == "outline"]
+    if found.outlines:
+        known = np.isin(np.arange(len(model.role)), np.concatenate([group.members for group in found.outlines]))
+        found.known, found.reach = replace(model, reach=model.reach.copy()), np.where(known, model.reach[0], np.nan)
     believers = [b for b, one in given if one.acts_on in BELIEVED]
     if believers and parts.turns:
         errors = [_group(*one, model) for one in by_kind if one[0].acts_on == "belief"]
@@ -92,9 +97,14 @@ def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
     problems = []
     for b, one in given:
         body = scenario.bodies[b]
-        is_scan = one.acts_on in LOOKS
-        if not (any(map(_has_ranges, body.sensors)) if is_scan else model.movable[b]):
-            why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_SCAN if is_scan else NEEDS_DRIVE}"
+        fits, needs = bool(model.movable[b]), NEEDS_DRIVE
+        if one.acts_on in LOOKS:
+            fits, needs = any(map(_has_ranges, body.sensors)), NEEDS_SCAN
+        elif one.acts_on == "outline":
+            is_disc = model.disc_count[0, b] == 1 and model.segment_count[0, b] == 0
+            fits, needs = is_disc and not body.shape.is_random, NEEDS_CIRCLE
+        if not fits:
+            why = f"'{DISTURBANCES.name_of(type(one))}' {needs}"
             problems.append(Problem(body.line, f"{body.name}.disturbances", why))
     if problems:
         raise ScenarioError(scenario.file or scenario.name, problems)

@@ -47,7 +47,8 @@ class Simulation:
 
     def __post_init__(self) -> None:
         self._recordings = Recordings()
-        levels = [group.kind for group in (*self.parts.maps, *self.parts.footprints, *self.parts.placements)]
+        drawn = self.parts.maps, self.parts.footprints, self.parts.placements, self.parts.disturbances.outlines
+        levels = [group.kind for groups in drawn for group in groups]
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
         self._start = self.fuse(self._start_drawn)
@@ -93,6 +94,12 @@ class Simulation:
     def marks(self, world: int) -> tuple[LineMark, ...]:
         """Return what pictures show of a world's disturbances: believed outlines and blind sectors."""
         return marks_of(self.parts.disturbances, self.model, self.state, world)
+
+    @property
+    def known(self) -> Model:
+        """The constants as robots know them: ``model`` itself, unless their footprints are disturbed."""
+        known = self.parts.disturbances.known
+        return self.model if known is None else known
 
     @property
     def sensors(self) -> list[Group]:

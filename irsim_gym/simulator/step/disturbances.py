@@ -41,12 +41,18 @@ class Disturbances:
 
     Attributes:
         groups: All of them, by kind.
+        outlines: Those of footprints.
+        known: The constants as robots know them; None where nothing disturbs footprints.
+        reach: ``Model.reach`` as the entries give it [m], NaN for bodies that nothing disturbs, shape ``(n_bodies,)``.
         mounts: Those of the mount poses of sensors.
         scans: Those of scans, in the order in which they act.
         belief: What robots believe of their poses; None where all know them.
     """
 
     groups: list[Group] = field(default_factory=list)
+    outlines: list[Group] = field(default_factory=list)
+    known: Model | None = None
+    reach: Floats = field(default_factory=lambda: np.zeros(0))
     mounts: list[Group] = field(default_factory=list)
     scans: list[Group] = field(default_factory=list)
     belief: Belief | None = None
@@ -78,6 +84,8 @@ def begin(found: Disturbances, model: Model, state: State, shard: Shard) -> None
         begin_disturbed(shard.worlds, group.tables, model)
     for group in found.mounts:
         group.kind.disturb(group, model, state, shard)
+    if found.known is not None:
+        tell_reach(shard.worlds, found.reach, model, found.known)
 
 
 def begin_again(found: Disturbances, state: State, shard: Shard, begun: Flags) -> None:
@@ -102,6 +110,18 @@ def believe(found: Disturbances, model: Model, state: State, shard: Shard) -> No
             group.kind.move(group, model, belief.state, shard)
         for group in belief.errors:
             group.kind.disturb(group, model, belief.state, shard)
+
+
+@kernel
+def tell_reach(worlds: Ints, reach: Floats, model: Model, known: Model) -> None:
+    """Write the reach of bodies as robots know it.
+
+    Reads: model (reach).
+    Writes: known (reach).
+    """
+    for w in worlds:
+        for b in range(reach.shape[0]):
+            known.reach[w, b] = model.reach[w, b] if np.isnan(reach[b]) else reach[b]
 
 
 @kernel

@@ -293,7 +293,9 @@ class DisturbanceKind(Protocol):
     """
 
     acts_on: ClassVar[
-        Annotated[Literal["command", "motion", "belief", "mount", "scan"], "what it changes, see ``disturb``"]
+        Annotated[
+            Literal["command", "motion", "belief", "outline", "mount", "scan"], "what it changes, see ``disturb``"
+        ]
     ]
 
     @staticmethod
@@ -304,7 +306,7 @@ class DisturbanceKind(Protocol):
         ``belief``: ``state.pose``, which is the pose that the robot believes in, after its odometry has moved it;
         ``group.arrays["pose"]`` has the true ones. ``scan``: the ranges in ``group.scan``; a robot is a member once for
         each of its range sensors, whose true mount poses are in ``group.arrays["mounts"]``. ``mount``: these, where an
-        episode begins.
+        episode begins. ``outline``: footprints in ``model``, before a level is placed.
         """
 
 

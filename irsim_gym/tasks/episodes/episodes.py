@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.simulator.running.direct import Direct
-from irsim_gym.simulator.world.model import OMNI_WORLD
+from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.simulator.world.state import State as WorldState
 from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.definition.task import Task, checked_limit
@@ -278,7 +278,7 @@ class Episodes:
         commands.rest(worlds, self._agents, model, state)
         account.begin_episodes(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
-            term.options.begin(term, model, self._known_to(term), state, shard)
+            term.options.begin(term, *self._known_to(term), state, shard)
         self._observe(shard)
         account.mark(worlds, False, state.began)
 
@@ -334,13 +334,14 @@ class Episodes:
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self._known_to(term), self.state, shard)
+            term.options.write(term, *self._known_to(term), self.state, shard)
 
-    def _known_to(self, term: Term) -> WorldState:
-        """Return the state that a term reads: for observations, except those of true bodies, what the robot knows."""
+    def _known_to(self, term: Term) -> tuple[Model, WorldState]:
+        """Return what a term reads: for observations, except those of true bodies, what the robot knows."""
         needs = getattr(term.options, "needs", ("bodies",)) or ()
         sees_bodies = "bodies" in needs and "map_frame" not in needs
-        return self.simulation.state if sees_bodies else self.simulation.told
+        simulation = self.simulation
+        return (simulation.model, simulation.state) if sees_bodies else (simulation.known, simulation.told)
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

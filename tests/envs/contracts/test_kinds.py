@@ -39,6 +39,7 @@ OWNERS = {
 
 
 DISTURBED: dict[str, dict[str, Any]] = {
+    "radius": {"offset": [-0.1, 0.1]},
     "lost_commands": {"chance": 0.3},
     "latency": {"time": [0.0, 0.3]},
     "drive_lag": {"tau": [0.0, 0.5], "dead_band": 0.01},
@@ -222,7 +223,7 @@ def test_a_disturbance_shows_and_spares_the_robots_that_have_none(name: str) -> 
     found = [{**snapshot(sim, w), "told pose": sim.told.pose[w].copy()} for w in range(8) for sim in sims]
     changed = set()
     for one, other in zip(found[::2], found[1::2], strict=True):
-        for field in ("pose", "velocity", "command", "told pose"):
+        for field in ("pose", "velocity", "command", "told pose", "discs"):
             np.testing.assert_array_equal(one[field][1:], other[field][1:], err_msg=field)
             changed |= {field} if np.any(one[field][0] != other[field][0]) else set()
         changed |= {"reading"} if np.any(one["reading 0"][0] != other["reading 0"][0]) else set()
