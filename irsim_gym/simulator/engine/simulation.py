@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.engine import field_of_view
 from irsim_gym.simulator.engine.disturbance_marks import marks_of
 from irsim_gym.simulator.engine.given import check_bodies, check_commands, check_level
-from irsim_gym.simulator.readings.marks import LineMark
 from irsim_gym.simulator.running.fused import Fused, Recordings, only_kernels
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.step import disturbances, outlines, respawn, restart
@@ -91,8 +91,8 @@ class Simulation:
         belief = self.parts.disturbances.belief
         return self.state if belief is None else belief.state
 
-    def marks(self, world: int) -> tuple[LineMark, ...]:
-        """Return what pictures show of a world's disturbances: believed outlines and blind sectors."""
+    def marks(self, world: int) -> tuple[Any, ...]:
+        """Return marks, for a renderer, of what disturbs a world: believed outlines and blind sectors."""
         return marks_of(self.parts.disturbances, self.model, self.state, world)
 
     @property
