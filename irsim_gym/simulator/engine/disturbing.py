@@ -84,8 +84,10 @@ def _belief(believers: list[int], errors: list[Group], drives: Sequence[Group], 
         group.arrays["pose"] = state.pose
     told = replace(state, **{name: getattr(state, name).copy() for name in OWN})
     rolling = [drive.select(np.flatnonzero(np.isin(drive.members, believers))) for drive in drives]
-    # Tables of a drive with noise are what draws it.
+    # Tables of a drive with noise are what draws it. Memories are those of the truth: belief has its own.
     quiet = [replace(drive, tables=None) if _is_noisy(drive) else drive for drive in rolling if len(drive.members)]
+    for drive in quiet:
+        drive.arrays = {name: array.copy() for name, array in drive.arrays.items()}
     return Belief(told, quiet, errors, np.setdiff1d(np.arange(state.pose.shape[1]), believers))
 
 
