@@ -298,7 +298,7 @@ def test_a_config_of_another_program_is_named(content: str) -> None:
 def test_settings_with_hyperparameters_of_another_form_are_no_settings() -> None:
     run = begun("run", asked())
     data = json.loads(run.config.read_text())
-    for name in ("hyperparameters", "mixture", "engine"):
+    for name in ("hyperparameters", "mixture"):
         run.config.write_text(json.dumps({**data, "settings": {**data["settings"], name: [1]}}))
         with pytest.raises(IrsimGymError, match=r"^run/config.json is no file with the settings"):
             run.settings()
