@@ -267,23 +267,22 @@ def run_record(
     *,
     overwrite: bool = False,
 ) -> None:
-    """Write a film, a replay page or a ``sheet`` of policies, and print the file's name.
+    """Write a film or a replay page of policies, and print the file's name.
 
     Args:
         policies: Policies, as ``load_policy`` takes them.
         out: File to write; None for a default name in ``runs``, numbered. A name that ends in ``.html`` means a replay
             page.
-        kind: ``film``, ``replay`` or ``sheet``.
+        kind: ``film`` or ``replay``.
         overwrite: Replace an existing file.
     """
-    from irsim_gym.evaluation.comparison.record import check_output, record_film, record_html, record_sheet
+    from irsim_gym.evaluation.comparison.record import check_output, record_film, record_html
 
     names_page = out is not None and out.suffix.lower() == ".html"
     kind = "replay" if kind == "film" and names_page else kind
     checks = partial(check_output, out, kind), partial(check_free, out, overwrite)
     check_inputs(asked, *checks, policies=policies, split=split)
     asked = as_trained(asked, policies)
-    names = {"replay": "replay.html", "film": "film.mp4", "sheet": "sheet.png"}
-    path = out or free_file(Path("runs") / names[kind], overwrite)
-    write = {"replay": record_html, "film": record_film, "sheet": record_sheet}[kind]
+    path = out or free_file(Path("runs") / ("film.mp4" if kind == "film" else "replay.html"), overwrite)
+    write = record_film if kind == "film" else record_html
     print(write(asked, policies, levels, path, split=split))
