@@ -8,7 +8,18 @@ from irsim_gym.tasks.definition.task import Task
 from irsim_gym.tasks.terms.outcome import Outcome
 
 OF_ITSELF = frozenset(
-    {"goal", "goal_heading", "velocity", "last_action", "drive", "own_body", "goal_record", "has_arrived", "trail"}
+    {
+        "goal",
+        "goal_heading",
+        "velocity",
+        "last_action",
+        "pending",
+        "drive",
+        "own_body",
+        "goal_record",
+        "has_arrived",
+        "trail",
+    }
 )
 """Observations that contain only the agent itself and its goal."""
 OF_ROBOTS = frozenset({"neighbors"})

@@ -17,7 +17,7 @@ from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import MissingFileError, Place, Source, read_file, read_mapping
 from irsim_gym.tasks.definition.audit import Sharing, check_audit
-from irsim_gym.tasks.definition.checks import check_action, check_fit, check_terms, choose_agents
+from irsim_gym.tasks.definition.checks import check_action, check_fit, check_prediction, check_terms, choose_agents
 from irsim_gym.tasks.definition.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -149,6 +149,8 @@ def load_task(
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
+            if options.predict:
+                check_prediction(scenario, agents, terms, report)
         if is_sound:
             check_terms(terms, merged)
             if options.audit:

@@ -319,7 +319,9 @@ def gather_points(scan: Rays, n: int, beams: Beams, way: Floats, seen: Rays) -> 
         # Scans of a full turn may begin where they end: then the beams at both ends see the same.
         for turns in range(-1, 2):
             near = place + turns * per_turn
-            for k in range(max(int(np.floor(near - NEAR_EDGE)), 0), min(int(np.floor(near + NEAR_EDGE)) + 1, seen.size)):
+            for k in range(
+                max(int(np.floor(near - NEAR_EDGE)), 0), min(int(np.floor(near + NEAR_EDGE)) + 1, seen.size)
+            ):
                 if (
                     here_y * edges[0, k] - here_x * edges[1, k] >= 0.0
                     and here_y * edges[0, k + 1] - here_x * edges[1, k + 1] < 0.0

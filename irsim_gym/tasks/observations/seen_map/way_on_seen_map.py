@@ -91,14 +91,7 @@ class WayOnSeenMap(ObservesWay):
 
 @kernel
 def write_ways_seen(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    ways: SeenWays,
-    model: Model,
-    state: State,
-    seen: State,
-    episode: EpisodeState,
+    worlds: Ints, slot: int, term: Bound, ways: SeenWays, model: Model, state: State, seen: State, episode: EpisodeState
 ) -> None:
     """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
