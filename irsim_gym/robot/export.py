@@ -42,12 +42,13 @@ from irsim_gym.robot.contract import (
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only, steers
+from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.tasks.episodes.prediction import steers
 from irsim_gym.tasks.terms.term import NEEDS, needs_of
 from irsim_gym.training.settings.run import run_of
 
@@ -249,7 +250,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         "bodies": None if rows is None else BodiesForm(source="tracked", most=most, moving=sees_moving_only(played)),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
-            steers=steers(played, b),
+            steers=steers(played.simulation, b),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
             radii=(float(model.reach[0, b]),) * 2,

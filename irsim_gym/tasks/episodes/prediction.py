@@ -10,30 +10,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irsim_gym.base.families import DISTURBANCES
-from irsim_gym.simulator.contact.contact import fill
 from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.step import outlines
 from irsim_gym.simulator.step.disturbances import copy_rows
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.group import Group
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.own_scan import OwnScan
 from irsim_gym.tasks.definition.task import Task
-from irsim_gym.tasks.terms import (
-    EpisodeState,
-    Floats,
-    Ints,
-    Model,
-    Rays,
-    Shard,
-    Simulation,
-    State,
-    Struct,
-    Term,
-    kernel,
-    row_of,
-)
+from irsim_gym.tasks.terms import EpisodeState, Simulation, Term
 from irsim_gym.tasks.terms.term import HasArrays
 
 NEAR_EDGE = 1e-4
@@ -61,32 +47,20 @@ class UnderWay(Struct):
 
 
 @dataclass
-class Beams(Struct):
-    """The beams of the agents' range sensors.
+class SeenBeams(Struct):
+    """The agents' scans, as they are and as they will be.
 
     Attributes:
-        sensors: Number of each sensor in its group, shape ``(n,)``.
-        agents: Whose it is, likewise.
-        measured: Live readings [m], shape ``(n_worlds, n_sensors, n_beams)``.
-        predicted: The readings that they are turned into, likewise.
-        ahead: Cosines and sines of the beams' directions in the body frame, shape ``(n, 2, n_beams)``.
-        edges: The same of the angles between which the beams look, shape ``(n, 2, n_beams + 1)``.
-        first: The first of these angles [rad], shape ``(n,)``.
-        step: Angle from beam to beam [rad].
-        mount: Positions in the body frame [m], shape ``(n, 2)``.
-        limits: Least and greatest reading [m], shape ``(n, 2)``.
+        scan: The scans that are measured.
+        agents: Whose each of them is, shape ``(n,)``.
+        edges: Cosines and sines of the angles between which the beams look, shape ``(n, 2, n_beams + 1)``.
+        ranges: The readings that are predicted [m], shape ``(n_worlds, n_sensors, n_beams)``.
     """
 
-    sensors: Ints
+    scan: OwnScan
     agents: Ints
-    measured: Rays
-    predicted: Rays
-    ahead: Rays
     edges: Rays
-    first: Floats
-    step: float
-    mount: Rays
-    limits: Rays
+    ranges: Rays
 
 
 class Predictor:
@@ -101,33 +75,36 @@ class Predictor:
     """
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
-        self._measured, self._model = simulation.state, simulation.model
-        agents, told = np.array(task.agents, np.int64), 0.0 if task.predict is True else float(task.predict)
+        self._measured, self._model, dt = simulation.state, simulation.model, float(simulation.model.step_time[0])
+        of_bodies = ("pose", "twist", "discs", "segments")
+        names = *of_bodies, "direction", "velocity", "goal_distance"
+        copies = {name: getattr(simulation.state, name).copy() for name in names}
+        self.state = replace(simulation.state, **copies)
         sees_bodies = any("bodies" in (item.needs or ()) for item in task.observations)
-        others = ("pose", "twist", "discs", "segments") if sees_bodies else ()
-        names = {"pose", "direction", "velocity", "goal_distance", "twist", *others}
-        self.state = replace(simulation.state, **{name: getattr(simulation.state, name).copy() for name in names})
-        self._others = [
-            (np.arange(now.shape[1]), now, getattr(self.state, name))
-            for name in others
-            if (now := getattr(simulation.state, name)).shape[1]
-        ]
-        latency = DISTURBANCES.entry("latency").kind
-        groups = [group for group in simulation.parts.disturbances.groups if group.kind is latency and not told]
-        self._delays = [(group.tables, _places(group.members, agents)) for group in groups]
-        longest = told + sum(float(tables.high.max()) for tables, _ in self._delays)
+        pairs = [(getattr(simulation.state, name), copies[name]) for name in of_bodies if sees_bodies]
+        self._others = [(np.arange(rows.shape[1]), rows, copied) for rows, copied in pairs]
+        agents, told = np.array(task.agents, np.int64), 0.0 if task.predict is True else float(task.predict)
+        found = simulation.parts.disturbances.groups if task.predict is True else []
+        self._latencies = [group.tables for group in found if group.kind is DISTURBANCES.entry("latency").kind]
+        most = whole_steps(told, dt) + sum(int(np.ceil(latency.high / dt).sum()) for latency in self._latencies)
         shape = (simulation.n_worlds, len(agents))
         self._under_way = UnderWay(
             agents=agents,
-            steers=np.array([_steers(simulation, int(b)) for b in agents], np.int64),
+            steers=np.array([steers(simulation, int(b)) for b in agents], np.int64),
             delay=np.full(shape, told),
-            sent=np.zeros((*shape, whole_steps(longest, float(simulation.model.step_time[0])) + 1, 3)),
+            sent=np.zeros((*shape, most + 1, 3)),
             way=np.zeros((*shape, 3)),
         )
-        sensors = [_predicted(group) if RANGES in group.arrays else group for group in simulation.sensors]
+        sensors, self._beams = list(simulation.sensors), []
+        for i, group in enumerate(sensors):
+            own = [(a, one[1]) for a, b in enumerate(agents) if (one := simulation.scan(int(b))) and one[0] is group]
+            if own:
+                sensors[i] = replace(group, arrays={**group.arrays, RANGES: group.arrays[RANGES].copy()})
+                whose, members = np.array(own, np.int64).T.copy()
+                scan: OwnScan = own_scan(group, members)
+                edges = beam_edges(scan.angles[members])
+                self._beams.append(SeenBeams(scan, whose, edges, sensors[i].arrays[RANGES]))
         self._simulation = replace(simulation, state=self.state, parts=replace(simulation.parts, sensors=sensors))
-        pairs = zip(simulation.sensors, sensors, strict=True)
-        self._beams = [_beams(simulation, agents, *pair) for pair in pairs if pair[0] is not pair[1]]
 
     def show(self, terms: Sequence[Term]) -> None:
         """Let observations read predicted ranges; maps are kept, and ways found on them, where the agents are."""
@@ -139,78 +116,51 @@ class Predictor:
 
     def look_ahead(self, episode: EpisodeState, shard: Shard) -> None:
         """Take note of the latest commands, and predict."""
-        worlds, under_way, model, measured = shard.worlds, self._under_way, self._model, self._measured
         for rows in self._others:
-            copy_rows(worlds, *rows)
-        if self._delays:
-            fill(worlds, 0.0, under_way.delay)
-        for disturbed, places in self._delays:
-            add_delays(worlds, disturbed, places, model, under_way.delay)
-        roll_forward(worlds, under_way, model, measured, self.state, episode)
+            copy_rows(shard.worlds, *rows)
+        for latency in self._latencies:
+            write_delays(shard.worlds, latency, self._under_way, self._model)
+        roll_forward(shard.worlds, self._under_way, self._model, self._measured, self.state, episode)
         if self._others:
-            outlines.place(under_way.agents, model, self.state, shard)
+            outlines.place(self._under_way.agents, self._model, self.state, shard)
         for beams in self._beams:
-            turn_scans(worlds, beams, under_way)
+            turn_scans(shard.worlds, beams, self._under_way)
 
 
-def _places(bodies: Ints, agents: Ints) -> Ints:
-    """Return which agent each body is, -1 for none."""
-    return np.array([[*np.flatnonzero(agents == b), -1][0] for b in bodies], np.int64)
-
-
-def _steers(simulation: Simulation, body: int) -> bool:
+def steers(simulation: Simulation, body: int) -> bool:
     """Return whether a body is a car whose second command is a steering angle."""
     drive = simulation.scenario.bodies[body].kinematics
     return bool(simulation.model.drive[body] == ACKERMANN and getattr(drive, "mode", "steer") == "steer")
 
 
-def _predicted(sensors: Group) -> Group:
-    """Return range sensors with readings of their own."""
-    return replace(sensors, arrays={**sensors.arrays, RANGES: sensors.arrays[RANGES].copy()})
+def beam_edges(angles: Floats) -> Rays:
+    """Return cosines and sines of the angles between which beams of even steps look, ``(n, 2, n_beams + 1)``.
 
-
-def _beams(simulation: Simulation, agents: Ints, group: Group, predicted: Group) -> Beams:
-    """Return the beams of those sensors of a group that are the agents' first ones."""
-    found = [(a, one[1]) for a, b in enumerate(agents) if (one := simulation.scan(int(b))) and one[0] is group]
-    sensors, angles = np.array([k for _, k in found], np.int64), group.arrays["angles"]
-    step = float(angles[-1] - angles[0]) / max(len(angles) - 1, 1)
-    scan: OwnScan = own_scan(group, sensors)
-    first = scan.angles[sensors, 0] - 0.5 * step
+    Args:
+        angles: Directions of the beams [rad], ``(n, n_beams)``.
+    """
+    n_beams = angles.shape[1]
+    step = (angles[:, -1:] - angles[:, :1]) / max(n_beams - 1, 1)
     # A point on an edge belongs to the beam that begins there, whatever is rounded.
-    edges = first[:, None] + step * np.arange(len(angles) + 1) - 1e-12
-    return Beams(
-        sensors=sensors,
-        agents=np.array([a for a, _ in found], np.int64),
-        measured=scan.ranges,
-        predicted=predicted.arrays[RANGES],
-        ahead=np.stack([scan.beams_x[sensors], scan.beams_y[sensors]], axis=1).astype(np.float32),
-        edges=np.stack([np.cos(edges), np.sin(edges)], axis=1).astype(np.float32),
-        first=first,
-        step=step,
-        mount=scan.offset[sensors, :2].astype(np.float32),
-        limits=np.stack([scan.range_min[sensors], scan.range_max[sensors]], axis=1).astype(np.float32),
-    )
+    edges = angles[:, :1] + step * (np.arange(n_beams + 1) - 0.5) - 1e-12
+    return np.stack([np.cos(edges), np.sin(edges)], axis=1).astype(np.float32)
 
 
 @kernel
-def add_delays(worlds: Ints, disturbed: Disturbed, places: Ints, model: Model, delay: Floats) -> None:
-    """Add the latency that levels have drawn.
+def write_delays(worlds: Ints, latency: Disturbed, under_way: UnderWay, model: Model) -> None:
+    """Write the latency that levels have drawn for the agents among its members, in whole steps.
 
-    Reads: disturbed (values), model (step_time), delay.
-    Writes: delay.
-
-    Args:
-        worlds: The worlds to treat.
-        disturbed: The members of the disturbance.
-        places: Which agent each member is, -1 for none.
-        model: The constants.
-        delay: Of each agent [s], shape ``(n_worlds, n_agents)``.
+    Reads: latency (members, values), under_way (agents), model (step_time).
+    Writes: under_way (delay).
     """
     for w in worlds:
-        for k in range(places.shape[0]):
-            if places[k] >= 0:
-                n = whole_steps(disturbed.values[w, k, 0], model.step_time[0])
-                delay[w, places[k]] += n * model.step_time[0]
+        for a in range(under_way.agents.shape[0]):
+            n_steps, is_late = 0, False
+            for k in range(latency.members.shape[0]):
+                if latency.members[k] == under_way.agents[a]:
+                    n_steps, is_late = n_steps + whole_steps(latency.values[w, k, 0], model.step_time[0]), True
+            if is_late:
+                under_way.delay[w, a] = n_steps * model.step_time[0]
 
 
 @kernel
@@ -219,8 +169,8 @@ def roll_forward(
 ) -> None:
     """Note the latest commands, and write where those under way lead; limits of acceleration apply, a lag does not.
 
-    Reads: under_way (agents, delay, sent, steers), model (acceleration_limit, drive, step_time, wheelbase), state
-        (command, goal, pose, stopped, velocity), episode (steps).
+    Reads: under_way (agents, delay, sent, steers, way), model (acceleration_limit, drive, step_time, wheelbase), state
+        (command, goal, pose, stopped, velocity), seen (direction, pose, velocity), episode (steps).
     Writes: under_way (sent, way), seen (direction, goal_distance, pose, twist, velocity).
     """
     dt, n_kept = model.step_time[0], under_way.sent.shape[2]
@@ -276,56 +226,54 @@ def body_twist(
 
 
 @kernel
-def turn_scans(worlds: Ints, beams: Beams, under_way: UnderWay) -> None:
+def turn_scans(worlds: Ints, beams: SeenBeams, under_way: UnderWay) -> None:
     """Write the agents' scans as they will be.
 
-    Reads: beams (agents, ahead, edges, first, limits, measured, mount, predicted, sensors, step), under_way (delay,
-        way).
-    Writes: beams (predicted).
+    Reads: beams (agents, edges, ranges, scan), under_way (delay, way).
+    Writes: beams (ranges).
     """
     for w in worlds:
-        for n in range(beams.sensors.shape[0]):
-            s, a = beams.sensors[n], beams.agents[n]
-            scan, seen = beams.measured[w, s], beams.predicted[w, s]
-            for k in range(scan.shape[0]):
-                seen[k] = scan[k]
-            if under_way.delay[w, a] > 0.0 and scan.shape[0] > 1:
-                gather_points(scan, n, beams, under_way.way[w, a], seen)
-                fill_gaps(beams.limits[n, 0], beams.limits[n, 1], seen)
+        for n in range(beams.agents.shape[0]):
+            s, a = beams.scan.sensors[n], beams.agents[n]
+            measured, seen = beams.scan.ranges[w, s], beams.ranges[w, s]
+            for k in range(measured.shape[0]):
+                seen[k] = measured[k]
+            if under_way.delay[w, a] > 0.0 and measured.shape[0] > 1:
+                gather_points(measured, beams.scan, s, beams.edges[n], under_way.way[w, a], seen)
+                fill_gaps(np.float32(beams.scan.range_min[s]), np.float32(beams.scan.range_max[s]), seen)
 
 
 @kernel
-def gather_points(scan: Rays, n: int, beams: Beams, way: Floats, seen: Rays) -> None:
+def gather_points(measured: Rays, scan: OwnScan, s: int, edges: Rays, way: Floats, seen: Rays) -> None:
     """Write the distance of the nearest point of a scan that each beam sees after a move; infinity without one.
 
-    Reads: beams (ahead, edges, first, limits, mount, step).
+    Reads: scan (angles, beams_x, beams_y, offset, range_max).
+    Writes: seen.
 
     Args:
-        scan: The ranges [m], ``(n_beams,)``.
-        n: Number of the sensor among ``beams``.
-        beams: The beams.
+        measured: The ranges [m], ``(n_beams,)``.
+        scan: The sensors.
+        s: Number of the sensor.
+        edges: Of its beams, see ``beam_edges``, ``(2, n_beams + 1)``.
         way: The move in the body frame [m, m, rad].
-        seen: Written: the distances [m], likewise.
+        seen: The distances [m], ``(n_beams,)``.
     """
-    ahead, edges, mount, far = beams.ahead[n], beams.edges[n], beams.mount[n], beams.limits[n, 1]
-    x, y, turn, per_turn = np.float32(way[0]), np.float32(way[1]), np.float32(way[2]), TURN / beams.step
-    cosine, sine = np.cos(turn), np.sin(turn)
+    far, mount_x, mount_y = np.float32(scan.range_max[s]), np.float32(scan.offset[s, 0]), np.float32(scan.offset[s, 1])
+    x, y, turn, last = np.float32(way[0]), np.float32(way[1]), np.float32(way[2]), seen.shape[0] - 1
+    cosine, sine, step = np.cos(turn), np.sin(turn), (scan.angles[s, last] - scan.angles[s, 0]) / last
     seen[:] = np.inf
-    for i in range(scan.shape[0]):
-        at_x, at_y = scan[i] * ahead[0, i] + mount[0] - x, scan[i] * ahead[1, i] + mount[1] - y
-        here_x, here_y = cosine * at_x + sine * at_y - mount[0], cosine * at_y - sine * at_x - mount[1]
-        length = np.sqrt(here_x * here_x + here_y * here_y) if scan[i] < far else far
-        place = (nearly_arctan2(here_y, here_x) - beams.first[n]) / beams.step
+    for i in range(measured.shape[0]):
+        at_x = measured[i] * np.float32(scan.beams_x[s, i]) + mount_x - x
+        at_y = measured[i] * np.float32(scan.beams_y[s, i]) + mount_y - y
+        here_x, here_y = cosine * at_x + sine * at_y - mount_x, cosine * at_y - sine * at_x - mount_y
+        length = np.sqrt(here_x * here_x + here_y * here_y) if measured[i] < far else far
+        place = (nearly_arctan2(here_y, here_x) - scan.angles[s, 0]) / step + 0.5
         # Scans of a full turn may begin where they end: then the beams at both ends see the same.
         for turns in range(-1, 2):
-            near = place + turns * per_turn
-            for k in range(
-                max(int(np.floor(near - NEAR_EDGE)), 0), min(int(np.floor(near + NEAR_EDGE)) + 1, seen.size)
-            ):
-                if (
-                    here_y * edges[0, k] - here_x * edges[1, k] >= 0.0
-                    and here_y * edges[0, k + 1] - here_x * edges[1, k + 1] < 0.0
-                ):
+            near = place + turns * (TURN / step)
+            for k in range(max(int(np.floor(near - NEAR_EDGE)), 0), min(int(np.floor(near + NEAR_EDGE)), last) + 1):
+                begun = here_y * edges[0, k] - here_x * edges[1, k] >= 0.0
+                if begun and here_y * edges[0, k + 1] - here_x * edges[1, k + 1] < 0.0:
                     seen[k] = min(seen[k], length)
 
 

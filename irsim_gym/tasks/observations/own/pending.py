@@ -38,13 +38,10 @@ class Pending:
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns; components that an agent lacks are 0."""
-        named = [name for name, _ in term.components[agent]]
-        unused = [Columns("unused")] * (term.action_size - len(named))
-        return [
-            column
-            for k in range(self.steps)
-            for column in (*[Columns(f"{name}, as requested {k} steps before", "-1 to 1") for name in named], *unused)
-        ]
+        words, size = term.components[agent], term.action_size
+        newest = [Columns(f"{name}, as requested last", "-1 to 1, like actions") for name, _ in words]
+        rest = Columns(f"the same of the {self.steps - 1} actions before, newest first", count=size * (self.steps - 1))
+        return [*newest, *[Columns("unused")] * (size - len(words)), *([rest] if self.steps > 1 else [])]
 
     def mirrored(self, term: Term) -> Mirrored | str:
         """Return the columns as the drive says; what is positive to the left changes its sign."""
@@ -56,14 +53,11 @@ class Pending:
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
-        graph, older = robot.graph, self.steps - 1
-        if not older:
-            return robot.action
         # At first, nothing is remembered (NaN), and the action is the one for standing still.
-        sent = graph.state("sent_actions", np.full((older, term.action_size), np.nan, np.float32))
-        action = robot.action.spread(1)
-        kept = graph.join([action, sent.is_nan().where(action, sent)])
-        graph.keep("sent_actions", kept.columns(0, older))
+        graph, action = robot.graph, robot.action.spread(1)
+        sent = graph.state("sent_actions", np.full((self.steps, term.action_size), np.nan, np.float32))
+        kept = graph.join([action, sent.is_nan().where(action, sent)]).columns(0, self.steps)
+        graph.keep("sent_actions", kept)
         return graph.join([kept.take(np.array(k)) for k in range(self.steps)])
 
     @staticmethod
@@ -76,7 +70,7 @@ class Pending:
 def write_actions(worlds: Ints, column: int, sent: Floats, episode: EpisodeState) -> None:
     """Note the agents' actions, and write the latest ones.
 
-    Reads: sent, episode (action, steps).
+    Reads: episode (action, steps).
     Writes: sent, episode (observation).
     """
     count, size = sent.shape[2], episode.action.shape[2]
