@@ -259,19 +259,22 @@ def gather_points(measured: Rays, scan: OwnScan, s: int, edges: Rays, way: Float
         seen: The distances [m], ``(n_beams,)``.
     """
     far, mount_x, mount_y = np.float32(scan.range_max[s]), np.float32(scan.offset[s, 0]), np.float32(scan.offset[s, 1])
-    x, y, turn, last = np.float32(way[0]), np.float32(way[1]), np.float32(way[2]), seen.shape[0] - 1
-    cosine, sine, step = np.cos(turn), np.sin(turn), (scan.angles[s, last] - scan.angles[s, 0]) / last
+    x, y, turn, n_beams = np.float32(way[0]), np.float32(way[1]), np.float32(way[2]), seen.shape[0]
+    cosine, sine, first = np.cos(turn), np.sin(turn), scan.angles[s, 0]
+    per_angle = (n_beams - 1) / (scan.angles[s, n_beams - 1] - first)
     seen[:] = np.inf
-    for i in range(measured.shape[0]):
+    for i in range(n_beams):
         at_x = measured[i] * np.float32(scan.beams_x[s, i]) + mount_x - x
         at_y = measured[i] * np.float32(scan.beams_y[s, i]) + mount_y - y
         here_x, here_y = cosine * at_x + sine * at_y - mount_x, cosine * at_y - sine * at_x - mount_y
         length = np.sqrt(here_x * here_x + here_y * here_y) if measured[i] < far else far
-        place = (nearly_arctan2(here_y, here_x) - scan.angles[s, 0]) / step + 0.5
+        place = (nearly_arctan2(here_y, here_x) - first) * per_angle + 0.5
         # Scans of a full turn may begin where they end: then the beams at both ends see the same.
         for turns in range(-1, 2):
-            near = place + turns * (TURN / step)
-            for k in range(max(int(np.floor(near - NEAR_EDGE)), 0), min(int(np.floor(near + NEAR_EDGE)), last) + 1):
+            near = place + turns * TURN * per_angle
+            if not -NEAR_EDGE <= near < n_beams + NEAR_EDGE:
+                continue
+            for k in range(max(int(near - NEAR_EDGE), 0), min(int(near + NEAR_EDGE) + 1, n_beams)):
                 begun = here_y * edges[0, k] - here_x * edges[1, k] >= 0.0
                 if begun and here_y * edges[0, k + 1] - here_x * edges[1, k + 1] < 0.0:
                     seen[k] = min(seen[k], length)
