@@ -12,79 +12,59 @@ from time import process_time
 from types import SimpleNamespace
 from typing import Any
 
+Said = list[tuple[Any, list[tuple[Any, ...]], float]]
+"""For some robots: their number, the driver's methods with what they get, and the time of the tick."""
+
 
 class LoneDrivers:
-    """The other interpreter; ``python`` is its file."""
+    """The other interpreter.
+
+    Args:
+        folder: The export.
+        python: File of the interpreter.
+    """
 
     def __init__(self, folder: Path, python: str = sys.executable) -> None:
         asked = [python, "-I", __file__, str(folder)]
         self.process = subprocess.Popen(asked, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=folder)
-        self.count = 0
 
-    def driver(self) -> LoneDriver:
-        """Return another driver."""
-        self.count += 1
-        return LoneDriver(self, self.count)
+    def tick(self, said: Said) -> list[tuple[tuple[Any, ...], float]]:
+        """Return what the driver of each robot commands, and the CPU time of its tick [s]; new ones begin."""
+        given, found = self.process.stdin, self.process.stdout
+        assert given is not None
+        assert found is not None
+        pickle.dump([(number, [plain(one) for one in calls], now) for number, calls, now in said], given)
+        given.flush()
+        return list(pickle.load(found))
 
     def close(self) -> None:
         """End the interpreter."""
         self.process.communicate()
 
 
-class LoneDriver:
-    """A driver there, with the methods that tests use; ``spent`` is the CPU time of its latest tick [s]."""
-
-    def __init__(self, home: LoneDrivers, number: int) -> None:
-        self.home, self.number, self.spent = home, number, 0.0
-        self.said: list[tuple[str, tuple[Any, ...]]] = []
-
-    def goal(self, message: Any) -> None:
-        self.said.append(("goal", (plain(message),)))
-
-    def scan(self, message: Any) -> None:
-        self.said.append(("scan", (plain(message),)))
-
-    def odometry(self, message: Any) -> None:
-        self.said.append(("odometry", (plain(message),)))
-
-    def bodies(self, rows: Any, stamp: float) -> None:
-        self.said.append(("bodies", (rows, stamp)))
-
-    def tick(self, now: float) -> tuple[Any, ...]:
-        given, found = self.home.process.stdin, self.home.process.stdout
-        assert given is not None
-        assert found is not None
-        pickle.dump((self.number, self.said, now), given)
-        given.flush()
-        self.said = []
-        command, self.spent = pickle.load(found)
-        return tuple(command)
-
-
 def plain(message: Any) -> Any:
     """Return a message of rosbags as one that every interpreter can read."""
+    if isinstance(message, tuple):
+        return tuple(plain(one) for one in message)
     if not is_dataclass(message):
-        return [plain(one) for one in message] if isinstance(message, list) else message
+        return message
     return SimpleNamespace(**{name: plain(value) for name, value in vars(message).items() if name[0] != "_"})
 
 
 def answer(folder: Path) -> None:
-    """Drive by an export, as the lines of the standard input ask."""
+    """Drive by an export, as the standard input asks."""
     sys.modules["irsim_gym"] = None  # type: ignore[assignment]  # importing it is an ImportError
-    driver_class = runpy.run_path(str(folder / "drive.py"))["Driver"]
-    drivers: dict[int, Any] = {}
-    while True:
-        try:
-            number, said, now = pickle.load(sys.stdin.buffer)
-        except EOFError:
-            return
-        if number not in drivers:
-            drivers[number] = driver_class(folder / "contract.json")
-        for name, given in said:
-            getattr(drivers[number], name)(*given)
-        begin = process_time()
-        command = drivers[number].tick(now)
-        pickle.dump((command, process_time() - begin), sys.stdout.buffer)
+    new_driver = runpy.run_path(str(folder / "drive.py"))["Driver"]
+    drivers: dict[Any, Any] = {}
+    while sys.stdin.buffer.peek(1):
+        found = []
+        for number, calls, now in pickle.load(sys.stdin.buffer):
+            driver = drivers[number] = drivers.get(number) or new_driver(folder / "contract.json")
+            for name, *given in calls:
+                getattr(driver, name)(*given)
+            begin = process_time()
+            found.append((driver.tick(now), process_time() - begin))
+        pickle.dump(found, sys.stdout.buffer)
         sys.stdout.buffer.flush()
 
 
