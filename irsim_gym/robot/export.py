@@ -52,6 +52,8 @@ from irsim_gym.tasks.terms.term import NEEDS, needs_of
 from irsim_gym.training.settings.run import run_of
 
 LEVELS, SPLIT = 50, "test"
+LONG_ENOUGH = 100
+"""Steps of a level in which commands are compared, where its outcome does not count."""
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
@@ -169,7 +171,9 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
     scenario = among_discs(loaded, played)
     if scenario is loaded:
         return played
-    return Perceived(replace(asked, scenario=scenario, parameters=None).episodes(played.n_worlds)).of(policy)
+    among = Perceived(replace(asked, scenario=scenario, parameters=None).episodes(played.n_worlds)).of(policy)
+    among.limit(min(LONG_ENOUGH, among.task.max_steps))
+    return among
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
