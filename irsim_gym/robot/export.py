@@ -139,10 +139,8 @@ def export_for_robot(
     made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
     graph, check = replace(graph, content=_marked(graph.content, made_of)), _packed(samples)
     hashes = Hashes(**made_of, onnx=_sha256(graph.content), check=_sha256(check))
-    form = _form(played, graph, samples, period)
-    contract = RobotContract(
-        policy=name, hashes=hashes, scenario=_scenario_form(asked), predict=predict, results=results, **form
-    )
+    facts = {"policy": name, "hashes": hashes, "scenario": _scenario_form(asked), "predict": predict}
+    contract = RobotContract(**facts, results=results, **_form(played, graph, samples, period))
     _write(folder, contract, {"policy.onnx": graph.content, "check.npz": check}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
