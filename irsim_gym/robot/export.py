@@ -138,10 +138,8 @@ def export_for_robot(
     model, check = _marked(graph.content, made_of), io.BytesIO()
     np.savez_compressed(check, **dict[str, Any](samples))
     hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
-    form = _form(played, graph, samples, period)
-    contract = RobotContract(
-        policy=name, hashes=hashes, scenario=_scenario_form(asked), predict=predict, results=results, **form
-    )
+    form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
     _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
