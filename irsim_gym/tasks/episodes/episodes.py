@@ -18,6 +18,7 @@ from irsim_gym.tasks.endings.arrived import Arrived
 from irsim_gym.tasks.episodes import account, team_state
 from irsim_gym.tasks.episodes.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.episodes.levels import CHAIN, check_split, take_levels
+from irsim_gym.tasks.episodes.prediction import Predictor
 from irsim_gym.tasks.episodes.transition import transition_of
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
 from irsim_gym.tasks.terms.outcome import PRECEDENCE
@@ -60,6 +61,9 @@ class Episodes:
         self._turned = self._agents[is_turned & (getattr(task.action, "frame", "command") == "body")]
         self._action = bind(ACTIONS, [task.action], simulation, task)[0]
         self._observations = bind(OBSERVATIONS, task.observations, simulation, task)
+        self._predictor = Predictor(simulation, task) if task.predict else None
+        if self._predictor is not None:
+            self._predictor.show(self._observations)
         self._rewards = bind(REWARDS, task.rewards, simulation, task)
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
@@ -333,8 +337,13 @@ class Episodes:
         )
 
     def _observe(self, shard: Shard) -> None:
+        if self._predictor is not None:
+            self._predictor.look_ahead(self.state, shard)
         for term in self._observations:
-            term.options.write(term, *self._known_to(term), self.state, shard)
+            model, state = self._known_to(term)
+            if self._predictor is not None:
+                state = self._predictor.state
+            term.options.write(term, model, state, self.state, shard)
 
     def _known_to(self, term: Term) -> tuple[Model, WorldState]:
         """Return what a term reads: for observations, except those of true bodies, what the robot knows."""
