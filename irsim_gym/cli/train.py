@@ -42,6 +42,7 @@ def train(
     test_levels: opt.TestLevels = 1000,
     mixture: opt.Mixture = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -56,7 +57,7 @@ def train(
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given, perturb), not lenient),
         *(device, origin),
         changes=read_changes(changes),
         until=until,

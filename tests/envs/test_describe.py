@@ -41,6 +41,7 @@ EVERYTHING: dict[str, Any] = {
         "goal_heading",
         "velocity",
         "last_action",
+        {"name": "pending", "steps": 2},
         "drive",
         "own_body",
         {"name": "nearest_bodies", "count": 2},
