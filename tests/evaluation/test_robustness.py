@@ -178,7 +178,7 @@ def test_a_change_is_noticed(tmp_path: Path, plays: list[str]) -> None:
         (lambda: scenario.write_text(scenario.read_text().replace("range_max: 6", "range_max: 5")), "sha256"),
     ):
         change()
-        with pytest.raises(IrsimGymError, match=f"out holds rows that cannot be compared: .*{why}"):
+        with pytest.raises(IrsimGymError, match=f"out holds rows of before a change: .*{why}"):
             robustness(scenario, policy, factors=["latency"], levels=2, folder=folder)
     with pytest.raises(IrsimGymError, match=r"levels 2, now 3.*--overwrite"):
         robustness(scenario, policy, factors=["latency"], levels=3, folder=folder)

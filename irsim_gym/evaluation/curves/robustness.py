@@ -2,15 +2,14 @@
 
 import math
 import secrets
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter
-from rich.console import Console
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.outside_files import json_object, reading
@@ -23,7 +22,7 @@ from irsim_gym.evaluation.measures.metrics import Rate
 from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
-from irsim_gym.evaluation.protocol.tables import PLAIN, interval, number, percent, write_csv, write_json, write_text
+from irsim_gym.evaluation.protocol.tables import interval, number, percent, write_csv, write_json, write_text
 from irsim_gym.evaluation.requests.machine import machine
 from irsim_gym.evaluation.requests.methods import Sources, by_method, names_of_policies
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -40,6 +39,7 @@ UNDISTURBED = Factor("undisturbed", "", (0.0,))
 LOST = 5.0
 """The loss of success whose strength is looked for [%]."""
 EVERY = "Success [%] with its 95 % interval; collisions [%]"
+CURE = "Choose another folder with --out, or replace them with --overwrite"
 COLUMNS = ("factor", "strength", "unit", "disturbances", "noise", "policy", "success", "low", "high", "collision")
 LOW = 80.0
 """Undisturbed success below which a table says so, since a loss of 5 points means less there [%]."""
@@ -51,7 +51,7 @@ class StrengthRow:
 
     Attributes:
         factor: Name of the factor; ``undisturbed`` for a strength of 0.
-        strength: Its strength, in ``unit``.
+        strength: Its strength [``unit``].
         unit: Unit of the strength.
         disturbances: The scenario's argument ``disturbances``.
         noise: Standard deviation of the noise that is added to each range [m].
@@ -106,14 +106,15 @@ class Robustness:
         return {row.factor: row.unit for row in self.rows if row.strength}
 
     def curve(self, factor: str, policy: str) -> list[StrengthRow]:
-        """Return the rows of a policy by ascending strength, from the undisturbed one on."""
+        """Return the rows of ``policy`` with ``factor`` by ascending strength, from the undisturbed one on."""
         rows = [row for row in self.rows if row.policy == policy and (row.factor == factor or not row.strength)]
         return sorted(rows, key=lambda row: row.strength)
 
     def lost_at(self, factor: str, policy: str) -> float:
-        """Return the strength at which 5 points of success are lost, by straight lines between the strengths.
+        """Return the strength of ``factor``, in its unit, at which ``policy`` has lost 5 points of success.
 
-        Infinite if none costs as much; NaN if there are no 5 points to lose, or the policy has not played it.
+        Between strengths that were played, success follows a straight line. Infinite if no strength costs as much; NaN
+        if there are no 5 points to lose, or the policy has not played the factor.
         """
         points = [(row.strength, 100.0 * row.success.value) for row in self.curve(factor, policy)]
         least = points[0][1] - LOST if len(points) > 1 else math.nan
@@ -135,20 +136,16 @@ class Robustness:
         weak = [row for row in self.rows if not row.strength and 100.0 * row.success.value < LOW]
         notes = [f"Undisturbed success of {row.policy} is only {percent(row.success)} %." for row in weak]
         notes += [f"Without {name}: {reason}." for name, reason in self.left_out.items()]
-        heads = ["disturbance", *self.policies]
-        return "\n".join(
-            (
-                markdown_table(f"{self.title}: strength that costs {LOST:g} points of success", notes, heads, lost),
-                markdown_table(EVERY, [], heads, [[label, *cells] for label, cells in rows.items()]),
-            )
-        )
+        heads, title = ["disturbance", *self.policies], f"{self.title}: strength that costs {LOST:g} points of success"
+        every = markdown_table(EVERY, [], heads, [[label, *cells] for label, cells in rows.items()])
+        return f"{markdown_table(title, notes, heads, lost)}\n{every}"
 
     def _lost_text(self, factor: str, policy: str) -> str:
         found = self.lost_at(factor, policy)
         return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else number(found, 2)
 
     def write(self, folder: Path) -> None:
-        """Write ``robustness.json``, ``.csv`` and ``.md``; in JSON, a strength that is nowhere reached is null."""
+        """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, NaN and infinite numbers are null."""
         file = folder / RECORD
         lost = {name: {factor: self.lost_at(factor, name) for factor in self.factors} for name in self.policies}
         write_json(file, {**asdict(self), "lost_5_points_at": lost, "machine": machine()})
@@ -223,8 +220,7 @@ def _play(
         before: Its undisturbed worlds.
     """
     base, of, noise = before.simulation.scenario, record.played, factor.noise * strength
-    text = "; ".join(filter(None, (base.parameters.get(PERTURBED), factor.text(strength))))
-    row = partial(StrengthRow, factor.name, strength, factor.unit, text, noise)
+    text = "; ".join(filter(None, (str(base.parameters.get(PERTURBED, "")), factor.text(strength))))
     try:
         disturbed = _disturbed(base, before.task.agents, read_perturbations(text), noise)
         worlds = Perceived(replace(request, scenario=disturbed, parameters=None).episodes(before.n_worlds))
@@ -235,8 +231,9 @@ def _play(
     found = play(named, {}, worlds, of["levels"], of["split"], team=of["team"], optima=optima)
     for name, one in zip(policies, found.summaries, strict=True):
         success = one.cooperative_success if of["team"] else one.success
-        record.rows.append(row(name, success, one.collision))
-        Console(stderr=True).print(f"{record.rows[-1].label}, {name}: {percent(success)} %", **PLAIN)
+        row = StrengthRow(factor.name, strength, factor.unit, text, noise, name, success, one.collision)
+        record.rows.append(row)
+        print(f"{row.label}, {name}: {percent(success)} %", file=sys.stderr)
 
 
 def _hashes(sources: Sources) -> Iterator[tuple[str, str]]:
@@ -244,8 +241,8 @@ def _hashes(sources: Sources) -> Iterator[tuple[str, str]]:
     methods = by_method(sources)
     for method, names in names_of_policies(methods).items():
         for name, one in zip(names, methods[method], strict=True):
-            is_named = isinstance(one, str | Path)
-            yield f"policy {name}", (policy_digest(one) or str(one)) if is_named else secrets.token_hex()
+            known = policy_digest(one) or str(one) if isinstance(one, str | Path) else secrets.token_hex()
+            yield f"policy {name}", known
 
 
 def _begun(played: dict[str, Any], folder: Path | None, overwrite: bool) -> Robustness:
@@ -261,10 +258,7 @@ def _begun(played: dict[str, Any], folder: Path | None, overwrite: bool) -> Robu
     pairs = {key: (before.played.get(key, now), now) for key, now in played.items()}
     changed = [f"{key} {old}, now {now}" for key, (old, now) in pairs.items() if old != now]
     if changed:
-        raise IrsimGymError(
-            f"{folder} holds rows that cannot be compared: {'; '.join(changed)}. Choose another folder with --out, or "
-            "replace them with --overwrite"
-        )
+        raise IrsimGymError(f"{folder} holds rows of before a change: {'; '.join(changed)}. {CURE}")
     return Robustness({**before.played, **played}, before.rows)
 
 

@@ -59,8 +59,8 @@ def _draw_panel(axes: Axes, curves: Mapping[str, Curve], lowest: float) -> None:
         colour, marker = COLOURS[k % len(COLOURS)], MARKERS[k % len(MARKERS)]
         strengths, success, low, high = zip(*points, strict=True)
         axes.fill_between(strengths, low, high, color=colour, alpha=0.18, linewidth=0.0)
-        look = {"color": colour, "marker": marker, "ms": 3.5, "lw": 1.4, "clip_on": False}
-        axes.plot(strengths, success, label=fonts.label(name), **look)
+        (line,) = axes.plot(strengths, success, color=colour, marker=marker, ms=3.5, lw=1.4, label=fonts.label(name))
+        line.set_clip_on(False)
         if math.isfinite(lost):
             axes.vlines(lost, lowest, success[0] - 5.0, color=colour, lw=1.0, ls=":")
     axes.set(ylim=(lowest, 100.5), xlim=(0.0, None))
