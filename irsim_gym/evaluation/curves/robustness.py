@@ -145,7 +145,7 @@ class Robustness:
         return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else number(found, 2)
 
     def write(self, folder: Path) -> None:
-        """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, NaN and infinite numbers are null."""
+        """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, infinite numbers are null."""
         file = folder / RECORD
         lost = {name: {factor: self.lost_at(factor, name) for factor in self.factors} for name in self.policies}
         write_json(file, {**asdict(self), "lost_5_points_at": lost, "machine": machine()})
