@@ -189,6 +189,18 @@ def test_a_change_is_noticed(tmp_path: Path, plays: list[str]) -> None:
         robustness(scenario, policy, factors=["latency"], levels=3, folder=folder)
 
 
+def test_a_factor_with_other_disturbances_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As after a new release, or where another module registers a kind."""
+    how = {"factors": ["latency"], "levels": 2, "folder": tmp_path}
+    robustness("empty_goal", "dash", **how)
+    other = replace(chosen_factors(["latency"])[0], perturb=("latency:time={}", "drive_lag:tau={}"))
+    monkeypatch.setattr(module, "chosen_factors", lambda names: [other])
+    with pytest.raises(
+        IrsimGymError, match=r"factor latency latency:time=\{\}, noise 0, now latency:time=\{\}; drive_lag"
+    ):
+        robustness("empty_goal", "dash", **how)
+
+
 def test_functions_are_never_taken_for_those_of_before(tmp_path: Path) -> None:
     """Nothing on disk tells two functions apart."""
     how = {"factors": ["latency"], "levels": 2, "folder": tmp_path}

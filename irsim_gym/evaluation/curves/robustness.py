@@ -81,7 +81,7 @@ class Robustness:
 
     Attributes:
         played: What rows in one folder have in common: scenario, its hash, split, number of levels, team and version;
-            and, by the name of each policy, the hash of its file.
+            for each policy the hash of its file, for each factor its disturbances.
         rows: What was played.
         left_out: Factors that do not fit the robot, with the reason.
     """
@@ -191,7 +191,9 @@ def robustness(
     loaded, _, worlds = prepare(request, sources, min(WORLDS, levels))
     base, place = worlds.episodes.simulation.scenario, None if folder is None else Path(folder)
     played = {"scenario": base.label, "sha256": snapshot_of(base, task).digest, "split": split, "levels": levels}
-    record = _begun({**played, "team": team, "version": __version__, **dict(_hashes(sources))}, place, overwrite)
+    played |= {"team": team, "version": __version__, **dict(_hashes(sources))}
+    played |= {f"factor {one.name}": f"{'; '.join(one.perturb)}, noise {one.noise:g}" for one in chosen}
+    record = _begun(played, place, overwrite)
     for factor, strength in ((one, strength) for one in (UNDISTURBED, *chosen) for strength in one.strengths):
         done = {row.policy for row in record.rows if (row.factor, row.strength) == (factor.name, strength)}
         missing = {name: policy for name, policy in loaded.items() if name not in done}
@@ -266,7 +268,7 @@ def _disturbed(base: Scenario, agents: Sequence[int], disturbances: tuple[Any, .
     """Return a scenario whose learners have disturbances, and noise of their ranges [m] besides their own."""
     bodies = list(base.bodies)
     for b in agents if noise else ():
-        sensors = [_noisy(sensor, noise) if hasattr(sensor, "noise") else sensor for sensor in bodies[b].sensors]
+        sensors = [_noisy(sensor, noise) if hasattr(sensor, "angle_std") else sensor for sensor in bodies[b].sensors]
         bodies[b] = replace(bodies[b], sensors=tuple(sensors))
         if bodies[b] == base.bodies[b]:
             raise IrsimGymError(f"{bodies[b].name} has no sensor with noise")
