@@ -26,7 +26,7 @@ PICTURE = DOCS / "cluttered_room.png"
 READ = (
     *("start", "own_scenario", "policies", "irsim_files", "scripts", "rendering", "driving", "training"),
     *("images", "teams", "guides", "plugins", "performance", "reproducibility", "submitting", "questions"),
-    *("from_irsim", "from_vmas", "from_navground_learning", "disturbances"),
+    *("from_irsim", "from_vmas", "from_navground_learning"),
 )
 """Pages of docs/ in the order of reading; other tests run the blocks of the rest."""
 PAGES = (README, *(DOCS / f"{name}.md" for name in READ), CONTRIBUTING)

@@ -42,12 +42,14 @@ from irsim_gym.robot.contract import (
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only, steers
+from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
+from irsim_gym.scenario.reading.parameters import PERTURBED
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.tasks.episodes.prediction import steers
 from irsim_gym.tasks.terms.term import NEEDS, needs_of
 from irsim_gym.training.settings.run import run_of
 
@@ -113,7 +115,7 @@ def export_for_robot(
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
     is_own, asked = asked is None, asked or _trained_in(source, loaded)
     name = policy_names([source])[0]
-    played = Perceived(asked.episodes(min(levels, LEVELS))).of(loaded)
+    played = _played(asked, loaded, min(levels, LEVELS))
     loaded.check(played)
     network = _network(loaded)
     graph = policy_graph(network, played, name)
@@ -167,7 +169,14 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
     scenario = among_discs(loaded, played)
     if scenario is loaded:
         return played
-    return Perceived(replace(asked, scenario=scenario, parameters=None).episodes(played.n_worlds)).of(policy)
+    return _played(replace(asked, scenario=scenario, parameters=None), policy, played.n_worlds)
+
+
+def _played(asked: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
+    """Return worlds for a policy without disturbances from outside and predictions: on a robot, the graph predicts."""
+    kept = {name: value for name, value in (asked.parameters or {}).items() if name != PERTURBED}
+    played = Perceived(replace(asked, parameters=kept).episodes(n_worlds)).of(policy)
+    return Episodes(played.simulation, replace(played.task, predict=False)) if played.task.predict else played
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
@@ -249,7 +258,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         "bodies": None if rows is None else BodiesForm(source="tracked", most=most, moving=sees_moving_only(played)),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
-            steers=steers(played, b),
+            steers=steers(played.simulation, b),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
             radii=(float(model.reach[0, b]),) * 2,

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from command_line import run
+from test_readme import DOCS, blocks, commands
 
 import irsim_gym
 from irsim_gym.base.families import DISTURBANCES
@@ -264,3 +265,12 @@ def test_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     assert capsys.readouterr().err == ""
     assert run(monkeypatch, *command, "--factors", "lag") == 1
     assert "no factor named 'lag'" in capsys.readouterr().err
+
+
+def test_the_page_shows_what_works(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    page = DOCS / "disturbances.md"
+    monkeypatch.chdir(tmp_path)
+    (command,) = (line for line in commands(page) if line.startswith("irsim-gym robustness "))
+    assert run(monkeypatch, *command.split()[1:]) == 0
+    (block,) = (block for block in blocks(page, "python") if "robustness(" in block.text)
+    exec(compile(block.text, str(block), "exec", dont_inherit=True), {})
