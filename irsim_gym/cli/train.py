@@ -57,18 +57,8 @@ def train(
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        *(
-            scenario[0],
-            algorithm,
-            seed,
-            steps,
-            task,
-            hyperparameters,
-            team,
-            read_parameters(given, perturb),
-            not lenient,
-        ),
-        *(device, origin),
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given, perturb)),
+        *(not lenient, device, origin),
         changes=read_changes(changes),
         until=until,
     )

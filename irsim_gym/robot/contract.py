@@ -10,6 +10,8 @@ from irsim_gym.base.outside_files import json_object, reading
 from irsim_gym.tasks.terms.term import Needs
 
 FORMAT = 1
+MADE_OF = ("policy", "scenario")
+"""Hashes that a graph holds as metadata."""
 Span = tuple[float, float]
 
 
@@ -18,11 +20,12 @@ class _Fixed(BaseModel):
 
 
 class Hashes(_Fixed):
-    """SHA-256 of what belongs together."""
+    """SHA-256 of what belongs together; policy.onnx holds those of the scenario and the policy, too."""
 
     scenario: str = Field(description="Scenario and task, without image files.")
     policy: str = Field(description="The file that was exported.")
     onnx: str = Field(description="policy.onnx.")
+    check: str = Field(description="check.npz.")
 
 
 class ScenarioForm(_Fixed):
@@ -166,13 +169,22 @@ def read_export(folder: Path) -> tuple[RobotContract, bytes]:
     """Return the contract of an export, and the content of its policy.onnx.
 
     Raises:
-        UnreadableFileError: A file is missing or broken, or the two do not belong together.
+        UnreadableFileError: A file is missing or broken, or they do not belong together.
     """
-    file, model = folder / "contract.json", folder / "policy.onnx"
+    from onnx import load_from_string
+
+    file = folder / "contract.json"
     with reading(file, "contract of an exported policy"):
         contract = RobotContract.model_validate(json_object(file))
+    hashes, model = contract.hashes.model_dump(), folder / "policy.onnx"
+    for key, part in (("check", folder / "check.npz"), ("onnx", model)):
+        with reading(part, f"file that belongs to {file}"):
+            content = part.read_bytes()
+            if hashlib.sha256(content).hexdigest() != hashes[key]:
+                raise ValueError("its hash is not that in the contract")
     with reading(model, f"graph of {file}"):
-        content = model.read_bytes()
-        if hashlib.sha256(content).hexdigest() != contract.hashes.onnx:
-            raise ValueError("its hash is not that in the contract")
+        made_of = {one.key: one.value for one in load_from_string(content).metadata_props}
+        for key in MADE_OF:
+            if made_of.get(key) != hashes[key]:
+                raise ValueError(f"it was made of another {key} than the contract says")
     return contract, content

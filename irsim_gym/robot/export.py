@@ -54,6 +54,8 @@ from irsim_gym.tasks.terms.term import NEEDS, needs_of
 from irsim_gym.training.settings.run import run_of
 
 LEVELS, SPLIT = 50, "test"
+LONG_ENOUGH = 100
+"""Steps of a level in which commands are compared, where its outcome does not count."""
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
@@ -134,12 +136,12 @@ def export_for_robot(
         results = results_of(GraphPolicy(graph), played, levels)
     elif is_own:
         results = _known_results(loaded) or results
-    hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
-    form = _form(played, graph, samples, period)
-    contract = RobotContract(
-        policy=name, hashes=hashes, scenario=_scenario_form(asked), predict=predict, results=results, **form
-    )
-    _write(folder, contract, graph, samples, played, node)
+    made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
+    graph, check = replace(graph, content=_marked(graph.content, made_of)), _packed(samples)
+    hashes = Hashes(**made_of, onnx=_sha256(graph.content), check=_sha256(check))
+    facts = {"policy": name, "hashes": hashes, "scenario": _scenario_form(asked), "predict": predict}
+    contract = RobotContract(**facts, results=results, **_form(played, graph, samples, period))
+    _write(folder, contract, {"policy.onnx": graph.content, "check.npz": check}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
@@ -169,7 +171,9 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
     scenario = among_discs(loaded, played)
     if scenario is loaded:
         return played
-    return _played(replace(asked, scenario=scenario, parameters=None), policy, played.n_worlds)
+    among = _played(replace(asked, scenario=scenario, parameters=None), policy, played.n_worlds)
+    among.limit(min(LONG_ENOUGH, among.task.max_steps))
+    return among
 
 
 def _played(asked: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
@@ -305,19 +309,28 @@ def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _write(
-    folder: Path,
-    contract: RobotContract,
-    graph: PolicyGraph,
-    samples: Mapping[str, NDArray[Any]],
-    played: Episodes,
-    node: str | None,
-) -> None:
+def _marked(content: bytes, made_of: Mapping[str, str]) -> bytes:
+    """Return a graph that holds the hashes of what it was made of."""
+    from onnx import helper, load_from_string
+
+    model = load_from_string(content)
+    helper.set_model_props(model, dict(made_of))
+    return bytes(model.SerializeToString())
+
+
+def _packed(samples: Mapping[str, NDArray[Any]]) -> bytes:
+    """Return arrays as the content of an .npz file."""
     check = io.BytesIO()
     arrays: dict[str, Any] = dict(samples)
     np.savez_compressed(check, **arrays)
-    write_bytes(folder / "policy.onnx", graph.content)
-    write_bytes(folder / "check.npz", check.getvalue())
+    return check.getvalue()
+
+
+def _write(
+    folder: Path, contract: RobotContract, contents: Mapping[str, bytes], played: Episodes, node: str | None
+) -> None:
+    for name, content in contents.items():
+        write_bytes(folder / name, content)
     for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
