@@ -137,11 +137,12 @@ def export_for_robot(
     elif is_own:
         results = _known_results(loaded) or results
     made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
-    graph, check = replace(graph, content=_marked(graph.content, made_of)), _packed(samples)
-    hashes = Hashes(**made_of, onnx=_sha256(graph.content), check=_sha256(check))
-    facts = {"policy": name, "hashes": hashes, "scenario": _scenario_form(asked), "predict": predict}
-    contract = RobotContract(**facts, results=results, **_form(played, graph, samples, period))
-    _write(folder, contract, {"policy.onnx": graph.content, "check.npz": check}, played, node)
+    model, check = _marked(graph.content, made_of), io.BytesIO()
+    np.savez_compressed(check, **dict[str, Any](samples))
+    hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
+    form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
+    _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
@@ -316,14 +317,6 @@ def _marked(content: bytes, made_of: Mapping[str, str]) -> bytes:
     model = load_from_string(content)
     helper.set_model_props(model, dict(made_of))
     return bytes(model.SerializeToString())
-
-
-def _packed(samples: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return arrays as the content of an .npz file."""
-    check = io.BytesIO()
-    arrays: dict[str, Any] = dict(samples)
-    np.savez_compressed(check, **arrays)
-    return check.getvalue()
 
 
 def _write(

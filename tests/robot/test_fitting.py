@@ -265,5 +265,5 @@ def test_a_broken_export_is_one_error_that_names_the_file(robot: Path, name: str
 
 def test_another_check_is_refused(robot: Path) -> None:
     (robot / "check.npz").write_bytes(b"")
-    with pytest.raises(UnreadableFileError, match=r"check\.npz is no file that belongs to .*: its hash is not that"):
+    with pytest.raises(UnreadableFileError, match=r"check\.npz is no check of .*: its hash is not that"):
         read_export(robot)
