@@ -65,10 +65,11 @@ SECTIONS = {
     ),
     "evaluation": Section(
         "irsim_gym.evaluation",
-        "What ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
+        "``robustness``, and what ``evaluate``, ``arena``, ``load_policy`` and ``load_demonstrations`` return.",
         names=tuple(
             f"irsim_gym.evaluation.{name}"
             for name in (
+                *("robustness", "Robustness", "StrengthRow"),
                 *(
                     "Evaluation",
                     "TeamEvaluation",

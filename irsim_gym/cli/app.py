@@ -14,7 +14,7 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.extras import require
 from irsim_gym.cli import completion as cli_completion
 from irsim_gym.cli import options as opt
-from irsim_gym.cli.arena import arena
+from irsim_gym.cli.arena import arena, robustness
 from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
 from irsim_gym.cli.robot import bag, export, fit
@@ -114,6 +114,7 @@ def evaluate(
 
 
 app.command()(arena)
+app.command()(robustness)
 
 
 @app.command()

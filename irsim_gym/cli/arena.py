@@ -1,4 +1,4 @@
-"""The command ``irsim-gym arena``."""
+"""The commands ``irsim-gym arena`` and ``irsim-gym robustness``."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -41,3 +41,35 @@ def arena(
     found = play(policies=methods, folder=folder, **vars(asked), **chosen)
     print_evaluation(found.evaluation)
     print(f"rows, figures and table: {folder}\npage: {found.page}")
+
+
+def robustness(
+    scenario: opt.Scenario,
+    policies: Annotated[
+        list[str], typer.Argument(help=opt.HELP["robustness policies"], autocompletion=policies_that_begin)
+    ],
+    factors: Annotated[str | None, typer.Option(metavar="FACTOR[,...]", help=opt.HELP["robustness factors"])] = None,
+    levels: opt.Levels = 500,
+    split: opt.Split = "test",
+    task: opt.Task = None,
+    out: Annotated[Path | None, typer.Option(help=opt.HELP["robustness out"])] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["robustness overwrite"])] = False,
+    team: opt.Team = False,
+    given: opt.Given = None,
+    perturb: opt.Perturbed = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Play the same levels with stronger and stronger disturbances: curves, and the strengths that cost 5 points.
+
+    The same command continues an interrupted run.
+    """
+    from irsim_gym.cli.work.commands import requested_evaluation
+    from irsim_gym.evaluation.curves.robustness import robustness as play
+
+    asked = scenario_request(scenario, task, team, given, lenient, perturb)
+    asked, methods, folder = requested_evaluation(asked, policies, split, out, True, "robustness")
+    names = None if factors is None else factors.split(",")
+    chosen: dict[str, Any] = {"levels": levels, "split": split, "overwrite": overwrite, "factors": names}
+    print(play(policies=methods, folder=folder, **vars(asked), **chosen))
+    print(f"rows, tables and figure: {folder}")

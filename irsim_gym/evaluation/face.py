@@ -4,6 +4,7 @@ from irsim_gym.evaluation.arena.contest import Arena
 from irsim_gym.evaluation.arena.standings import Standings
 from irsim_gym.evaluation.comparison.demonstrations import Demonstrations
 from irsim_gym.evaluation.comparison.evaluate import Evaluation, TeamEvaluation
+from irsim_gym.evaluation.curves.robustness import Robustness, StrengthRow, robustness
 from irsim_gym.evaluation.measures.metrics import EpisodeRow, Rate, Summary
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow, TeamSummary
 from irsim_gym.evaluation.measures.worst_levels import worst_shares
@@ -34,7 +35,7 @@ from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
 
 __all__ = ["ALWAYS_SHOWN", "AgentRow", "Arena", "BehaviorPolicy", "CardAction", "CardNetwork", "CardPart"]
 __all__ += ["CardResult", "CardScenario", "CardShare", "CardTerm", "CardTraining", "Demonstrations", "EpisodeRow"]
-__all__ += ["Evaluation", "Perceived", "Policy", "PolicyCard", "Rate", "SavedPolicy", "ShelfPolicy", "Standings"]
-__all__ += ["Summary", "TeamEvaluation", "TeamRow", "TeamSummary", "as_policy", "by_agent", "conditions", "machine"]
-__all__ += ["make_episodes", "plain", "play_levels", "reference_policy", "to_actions", "top_speed", "worst_shares"]
-__all__ += ["write_json", "write_text"]
+__all__ += ["Evaluation", "Perceived", "Policy", "PolicyCard", "Rate", "Robustness", "SavedPolicy", "ShelfPolicy"]
+__all__ += ["Standings", "StrengthRow", "Summary", "TeamEvaluation", "TeamRow", "TeamSummary", "as_policy"]
+__all__ += ["by_agent", "conditions", "machine", "make_episodes", "plain", "play_levels", "reference_policy"]
+__all__ += ["robustness", "to_actions", "top_speed", "worst_shares", "write_json", "write_text"]

@@ -21,7 +21,7 @@ from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.policies.reference_policies import ALWAYS_SHOWN, TEAM_SHOWN
 from irsim_gym.evaluation.protocol.progress_bars import progress_bar
-from irsim_gym.evaluation.protocol.protocol import evaluate
+from irsim_gym.evaluation.protocol.protocol import evaluate, optima_of
 from irsim_gym.evaluation.protocol.tables import legend, percent, table_text, worst_table, write_json, write_text
 from irsim_gym.evaluation.protocol.team_tables import figure_tables, write_levels, write_rows
 from irsim_gym.evaluation.protocol.teams import evaluate_team
@@ -199,6 +199,7 @@ def play(
     team: bool,
     follow: Callable[[str], Watcher | None] = lambda name: None,
     console: Console | None = None,
+    optima: Optima | None = None,
 ) -> Evaluation:
     """Play the same levels with several policies, and show a progress bar.
 
@@ -208,8 +209,9 @@ def play(
         team: Whether each policy drives all robots.
         follow: Returns what observes the steps of a policy, by its name.
         console: Console of the progress bar; None for standard error.
+        optima: Optima of earlier evaluations of the same levels; new ones are added.
     """
-    optima, rows, simulation = Optima(split), dict[str, list[Any]](), worlds.episodes.simulation
+    optima, rows, simulation = optima_of(split, optima), dict[str, list[Any]](), worlds.episodes.simulation
     evaluation: Any = evaluate_team if team else evaluate
     with progress_bar(console) as bar:
         for name, policy in policies.items():

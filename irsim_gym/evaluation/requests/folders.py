@@ -30,7 +30,7 @@ def evaluation_folder(
         parameters: Values that the user sets for the scenario's parameters.
         team: Whether whole teams are evaluated.
         overwrite: Replace existing results.
-        kind: ``evaluation`` or ``arena``.
+        kind: ``evaluation``, ``arena`` or ``robustness``.
     """
     whose = "-team" if team else ""
     first = Path("runs") / f"{kind}-{labelled(scenario, parameters)}{whose}-{split}"

@@ -59,7 +59,7 @@ def overview(record: SuiteRecord) -> str:
         for name, scores in record.figures.items()
     ]
     note = "Success [%], of whole teams where several robots learn, with its 95 % interval."
-    return _markdown("Benchmarks", [note], ["benchmark", *methods], rows)
+    return markdown_table("Benchmarks", [note], ["benchmark", *methods], rows)
 
 
 def _overall(record: SuiteRecord) -> str:
@@ -77,7 +77,7 @@ def _overall(record: SuiteRecord) -> str:
         "Interquartile mean over benchmarks and policies with a stratified bootstrap interval, and the probability "
         f"that a policy does better than one of another method, over: {', '.join(names)}."
     )
-    return _markdown("Overall", [note], heads, rows)
+    return markdown_table("Overall", [note], heads, rows)
 
 
 def member_markdown(record: SuiteRecord, name: str) -> str:
@@ -89,7 +89,7 @@ def member_markdown(record: SuiteRecord, name: str) -> str:
     shown["needs"] = [_needs(record, name, method) for method in scores]
     shown = {head: cells for head, cells in shown.items() if any(cell != DASH for cell in cells)}
     rows = [[method, *(cells[row] for cells in shown.values())] for row, method in enumerate(scores)]
-    return _markdown(name, _notes(record, name), ["method", *shown], rows)
+    return markdown_table(name, _notes(record, name), ["method", *shown], rows)
 
 
 def _needs(record: SuiteRecord, member: str, method: str) -> str:
@@ -139,7 +139,7 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     return [note for note in notes if note]
 
 
-def _markdown(title: str, notes: Sequence[str], heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def markdown_table(title: str, notes: Sequence[str], heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table with its heading and notes; the first column holds text."""
     lines = [f"### {title}", "", *(line for note in notes for line in (note, ""))]
     if rows:

@@ -1,0 +1,1 @@
+"""Curves of success over the strength of disturbances."""
