@@ -20,8 +20,8 @@ from irsim_gym.scenario.reading import notes
 from irsim_gym.scenario.reading.level_checks import home_of, misfits, read_level_file, tell, with_levels
 from irsim_gym.scenario.reading.level_reading import read_levels
 from irsim_gym.scenario.reading.map_cells import map_extent, read_cells, read_map
-from irsim_gym.scenario.reading.parameters import PERTURBED, fill_in
-from irsim_gym.scenario.reading.perturbations import read_perturbations
+from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED, fill_in
+from irsim_gym.scenario.reading.perturbations import read_perturbations, read_shield
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.ids import IDS
@@ -96,7 +96,8 @@ def read_scenario(
         UnknownNameError: If the scenario has no such parameter.
     """
     given = dict(parameters or {})
-    perturbed = given.pop(PERTURBED, None)
+    perturbed, shielded = given.pop(PERTURBED, None), given.pop(SHIELDED, None)
+    outside = {key: str(text) for key, text in ((PERTURBED, perturbed), (SHIELDED, shielded)) if text is not None}
     source, values = fill_in(source, given, strict=strict)
     source = with_presets(source)
     report = Report(source, strict=strict)
@@ -139,8 +140,9 @@ def read_scenario(
         doubts=tuple(report.doubts),
         ignored=tuple(report.ignored),
         strict=strict,
-        parameters=values if perturbed is None else {**values, PERTURBED: str(perturbed)},
+        parameters={**values, **outside},
         disturbances=() if perturbed is None else read_perturbations(perturbed),
+        shield=None if shielded is None else read_shield(shielded),
     )
 
 

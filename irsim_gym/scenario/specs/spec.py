@@ -355,6 +355,7 @@ class Scenario:
         strict: Whether unused keys are errors, also in the section ``task``.
         parameters: Values of its parameters by name: given ones, else the defaults.
         disturbances: Disturbances of all learners, besides those of their entries.
+        shield: The shield of all learners, in place of the task's; None for the task's.
     """
 
     name: str
@@ -374,6 +375,7 @@ class Scenario:
     strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
     disturbances: tuple[Any, ...] = ()
+    shield: Any = None
 
     def __repr__(self) -> str:
         n_robots, n_bodies = len(self.robots), len(self.bodies)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from irsim_gym.base.errors import Problem, ScenarioError, UnknownNameError
-from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS, SHIELDS
 from irsim_gym.base.options import kind, option
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.validation import Report, build, build_named
@@ -16,7 +16,7 @@ from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import MissingFileError, Place, Source, read_file, read_mapping
 from irsim_gym.tasks.definition.audit import Sharing, check_audit
-from irsim_gym.tasks.definition.checks import check_action, check_fit, check_terms, choose_agents
+from irsim_gym.tasks.definition.checks import check_action, check_fit, check_shield, check_terms, choose_agents
 from irsim_gym.tasks.definition.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -58,6 +58,7 @@ class TaskOptions:
         True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
     )
     action: Any = option("velocity", meaning="What a learner commands.")
+    shield: Any = option(None, meaning="What stands between a learner's commands and its drive.")
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
     rewards: tuple[Any, ...] = option((), meaning=f"Reward terms; the reward is their sum{_CHANGES}")
     endings: tuple[Any, ...] = option((), meaning=f"What ends an episode, besides the time limit{_CHANGES}")
@@ -81,6 +82,7 @@ class Task:
         team_reward: Share of each reward term that is the mean over the agents of a world.
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
         deadlock_time: Time after which a stalled agent is deadlocked [s].
+        shield: Instance of a registered shield; None without one.
     """
 
     name: str
@@ -96,6 +98,7 @@ class Task:
     deadlock_speed: float = 0.05
     deadlock_time: float = 5.0
     names_agents: bool = False
+    shield: Any = None
 
 
 def load_task(
@@ -124,8 +127,11 @@ def load_task(
     name, layers = _layers(scenario, task)
     merged = merge(layers, strict=scenario.strict)
     report, data = merged.report, merged.data
-    options = build(TaskOptions, data, (), report, skip={"name", "action", *FAMILIES})
+    options = build(TaskOptions, data, (), report, skip={"name", "action", "shield", *FAMILIES})
     action = build_named(ACTIONS, data.get("action", {"name": "velocity"}), ("action",), report)
+    shield = scenario.shield
+    if shield is None and data.get("shield") is not None:
+        shield = build_named(SHIELDS, data["shield"], ("shield",), report)
     terms = {key: _terms(family, key, data, report) for key, family in FAMILIES.items()}
     is_sound = not report.problems and not merged.outside
     if options is not None:
@@ -133,6 +139,8 @@ def load_task(
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
+            if shield is not None:
+                check_shield(scenario, agents, merged)
         if is_sound:
             check_terms(terms, merged)
             if options.audit:
@@ -154,6 +162,7 @@ def load_task(
         deadlock_speed=options.deadlock_speed,
         deadlock_time=options.deadlock_time,
         names_agents=bool(options.agents),
+        shield=shield,
     )
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.simulator.engine.shielding import lay_shield
 from irsim_gym.simulator.running.direct import Direct
 from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks.actions import commands
@@ -38,6 +39,7 @@ class Episodes:
         observation_terms: Name, lower and upper bounds of each part of the observation, in order; images have no
             columns and are only in ``view.percepts``.
         reward_names: Names of the reward terms, in order.
+        extra_names: Names of the infos that only this task has, in order.
         agent_names: Names of the agents' bodies, in order.
         action_sizes: Number of components of each agent's actions, shape ``(n_agents,)``; further ones are ignored.
         feature_mask: Columns of the observation that each agent has, shape ``(n_agents, n_features)``; the others are
@@ -62,6 +64,8 @@ class Episodes:
         self._rewards = bind(REWARDS, task.rewards, simulation, task)
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
+        self._shielding = None if task.shield is None else lay_shield(simulation, task.shield, self._agents)
+        self.extra_names = () if task.shield is None else ("shield",)
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
         self._on_the_way = np.array([is_paid_on_the_way(reward) for reward in task.rewards], np.bool_)
@@ -74,9 +78,10 @@ class Episodes:
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
-        self.view = transition_of(self.state, images)
+        self.view = transition_of(self.state, images, self.extra_names)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
+        kinds += [] if task.shield is None else [type(task.shield)]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
@@ -315,6 +320,9 @@ class Episodes:
         commands.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
             commands.turn_commands(shard.worlds, self._turned, self.simulation.state)
+        if self._shielding is not None:
+            self._shielding.act(self.simulation, shard)
+            account.count_shielded(shard.worlds, self._shielding.acted, self.extra_names.index("shield"), state)
 
     def _record_step(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state
@@ -341,6 +349,7 @@ class Episodes:
                 "action": self._size,
                 "ending": len(self._endings),
                 "reward": len(self._rewards),
+                "extra": len(self.extra_names),
                 "feature": self.n_features,
             }
         )

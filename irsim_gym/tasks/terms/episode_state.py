@@ -18,6 +18,7 @@ class EpisodeState(Arrays):
         ("outcome", "hit", "hit_kind", "steps", "level"),
         ("success", "deadlocked"),
         ("reward_term",),
+        ("extra",),
         ("reward",),
         ("terminated", "truncated"),
     )
@@ -56,5 +57,6 @@ class EpisodeState(Arrays):
     terminated: Flags = column("world agent", np.bool_, "", "the task has ended")
     truncated: Flags = column("world agent", np.bool_, "", "the time limit has truncated the episode")
     reward_term: Floats = column("world agent reward", np.float64, "", "weighted reward terms of the latest step")
+    extra: Ints = column("world agent extra", np.int64, "", "what shields count, see ``EXTRAS``")
     reward: Floats = column("world agent", np.float64, "", "their sum")
     observation: Rays = column("world agent feature", np.float32, "", "observations of the agents, in [-1, 1]")
