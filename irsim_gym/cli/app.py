@@ -103,13 +103,14 @@ def evaluate(
     team: opt.Team = False,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
+    shield: opt.Shield = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.cli.work.commands import run_evaluation
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb, shield)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
     run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
@@ -133,6 +134,7 @@ def record(
     team: opt.Team = False,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
+    shield: opt.Shield = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -145,7 +147,7 @@ def record(
     kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet)) if wanted]
     if len(kinds) > 1:
         raise IrsimGymError("--html and --sheet exclude each other: call record once for each")
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb, shield)
     run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
 
 

@@ -14,6 +14,7 @@ HIT_OF_KIND = ("", *HITS, "obstacle")
 """The word for each ``HitKind``; a map counts as an obstacle."""
 CONFIDENCE = 0.95
 MEANS = ("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision")
+MEANS += ("shield",)
 MEANS_OF_SUCCESSES = ("path_length", "path_ratio")
 
 
@@ -40,6 +41,7 @@ class EpisodeRow:
             there are no people.
         goals_reached: Number of its successive goals that it reached, without unit; NaN if it has only one.
         goals_per_minute: ``goals_reached`` by duration, or by the time limit if it did not reach all [1/min]; likewise.
+        shield: Share of steps in which the shield changed the command; NaN without one.
     """
 
     level: int
@@ -58,6 +60,7 @@ class EpisodeRow:
     time_to_collision: float = math.nan
     goals_reached: float = math.nan
     goals_per_minute: float = math.nan
+    shield: float = math.nan
 
     @property
     def is_success(self) -> bool:
@@ -174,6 +177,7 @@ class SharedFigures:
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
         throughput: Mean over levels of the rate of reached goals, of a team all its goals [1/min]; NaN if a robot has
             only one goal.
+        shield: Mean share of steps in which the shield changed the command; NaN without one.
     """
 
     policy: str
@@ -193,6 +197,7 @@ class SharedFigures:
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
     throughput: float = math.nan
+    shield: float = math.nan
 
 
 @dataclass(frozen=True, kw_only=True)
