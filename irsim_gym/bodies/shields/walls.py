@@ -15,6 +15,8 @@ NEAREST = 1e-3
 """Shorter ranges count as this [m]."""
 FLAT = 3e-4
 """Points that lie on one line up to this share of their inverse range are of one surface."""
+NEAR = 0.2 * TOLERANCE
+"""Guesses end this far from the body [m]."""
 HALVINGS = 10
 """Steps in which the length of a guess is found."""
 ROUNDING = 1e-9
@@ -84,13 +86,13 @@ def gap_to(wall: Floats, outline: BodyOutline, is_guess: bool, margin: float, wa
         j: The row.
     """
     gap, x, y, low, high = outline_distance(outline, wall_outline(walls, j, outline), margin), wall[2], wall[3], 0.0, 1.0
-    if gap > 0.0 or not is_guess:
+    if gap >= NEAR or not is_guess:
         return gap
     for step in range(HALVINGS + 1):
         share = low if step == HALVINGS else 0.5 * (low + high)
         wall[2], wall[3] = wall[0] + share * (x - wall[0]), wall[1] + share * (y - wall[1])
         gap = outline_distance(outline, wall_outline(walls, j, outline), margin)
-        low, high = (share, high) if gap > 0.0 else (low, share)
+        low, high = (share, high) if gap >= NEAR else (low, share)
     return gap
 
 
@@ -112,7 +114,8 @@ def corner_between(ranges: Rays, i: int, step: float, far: float) -> tuple[float
     rise, knows_left = slope_at(ranges, i, 1, step)
     fall, knows_right = slope_at(ranges, i + 1, -1, step)
     above, behind = left + rise - right, right + fall - left
-    if min(np.abs(above), np.abs(behind)) < FLAT * max(left, right):
+    flat = FLAT * max(left, right)
+    if (knows_left and np.abs(above) < flat) or (knows_right and np.abs(behind) < flat):
         return 0.0, 0.0  # one surface
     if above > 0.0 and behind > 0.0 and knows_left and knows_right:
         share = behind / (rise + fall)
