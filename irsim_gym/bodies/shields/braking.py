@@ -4,7 +4,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.bodies.shields.tables import ShieldTables
-from irsim_gym.bodies.shields.walls import TOLERANCE, Pose, is_too_near
+from irsim_gym.bodies.shields.walls import Pose, is_too_near
 from irsim_gym.simulator.step.command_limits import hold_speed
 from irsim_gym.simulator.world.names import (
     ACKERMANN,
@@ -18,6 +18,8 @@ from irsim_gym.simulator.world.names import (
 )
 from irsim_gym.simulator.world.outline import own_outline
 
+REST = 2e-5
+"""A body that goes no farther than this has stopped [m]."""
 LONGEST = 10_000
 """A body that does not stand after so many steps counts as one that cannot stop."""
 
@@ -73,7 +75,7 @@ def brakes_in_time(
         moves, pose = np.sqrt(ahead * ahead + left * left) * dt, following
         length += moves
         # With a lag, velocities never reach 0, but what is left of the way has a sum: no more than this by the share.
-        if step > n and moves + reach * np.abs(rate) * dt < 0.5 * TOLERANCE * share:
+        if step > n and moves + reach * np.abs(rate) * dt < REST * share:
             return True, length
     return False, length
 
