@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.bodies.shields.braking import brakes_in_time, twist_of
+from irsim_gym.bodies.shields.rolling import brakes_in_time, twist_of
 from irsim_gym.bodies.shields.tables import ShieldTables, lay_tables
 from irsim_gym.bodies.shields.walls import ROUNDING, lay_walls
 from irsim_gym.simulator.geometry.angles import wrap
@@ -65,7 +65,6 @@ def slow_down(worlds: Ints, slot: int, tables: ShieldTables, model: Model, state
             take_share(command, 1.0, 1.0, model.drive[b], tried)
             _, travel = brakes_in_time(w, k, slot, 0, tables, model, state)
             n_walls = lay_walls(w, k, slot, travel, tables, model, state)
-            tables.acted[w, place] = 0
             if is_seen and brakes_in_time(w, k, slot, n_walls, tables, model, state)[0]:
                 continue
             take_share(command, 0.0, 1.0, model.drive[b], tried)

@@ -20,11 +20,13 @@ class ShieldTables(Struct):
     Attributes:
         members: Body of each member, shape ``(n_members,)``.
         margin: Distance that it keeps from what it sees [m], shape ``(n_members,)``.
+        horizon: How far ahead others' ways are followed [s], likewise; 0 for a shield that follows none.
         by_rate: The second number of an Ackermann drive's command is a turn rate, shape ``(n_members,)``.
         scan: What the members see.
         response: How bodies respond to commands.
         command: The command that is tried [m/s or rad/s], shape ``(n_slots, 3)``.
-        now: The velocity on the way to a stop, likewise.
+        now: The velocity on the way that a command leads to, likewise.
+        place: The pose there, and the steering angle [m, m, rad, rad], shape ``(n_slots, 4)``.
         walls: What stands nearby: x0, y0, x1, y1 in the body frame [m], shape ``(n_slots, n + 1, 4)``.
         need: Distance that has to remain to each of them [m], shape ``(n_slots, n)``.
         acted: Whether a learner's command was changed, 0 or 1, shape ``(n_worlds, n_agents)``.
@@ -32,11 +34,13 @@ class ShieldTables(Struct):
 
     members: Ints
     margin: Floats
+    horizon: Floats
     by_rate: Flags
     scan: OwnScan
     response: Response
     command: Floats
     now: Floats
+    place: Floats
     walls: Floats
     need: Floats
     acted: Ints
@@ -56,11 +60,13 @@ def lay_tables(group: Group, response: Response, n_slots: int) -> ShieldTables:
     return ShieldTables(
         members=group.members,
         margin=np.array([one.margin for one in group.options], np.float64),
+        horizon=np.array([getattr(one, "horizon", 0.0) for one in group.options], np.float64),
         by_rate=np.array([mode == "angular" for mode in modes], np.bool_),
         scan=group.scan,
         response=response,
         command=np.zeros((n_slots, 3)),
         now=np.zeros((n_slots, 3)),
+        place=np.zeros((n_slots, 4)),
         walls=np.zeros((n_slots, n_walls + 1, 4)),
         need=np.zeros((n_slots, n_walls)),
         acted=group.arrays["acted"],

@@ -30,7 +30,7 @@ class Shielding:
 
     def act(self, simulation: Simulation, shard: Shard) -> None:
         """Change the agents' commands where they are not safe."""
-        respond_at_once(shard.worlds, self.response)
+        respond_at_once(shard.worlds, self.response, self.acted)
         for group in self.disturbances:
             group.kind.foresee(group, simulation.model, self.response, shard)
         for group in self.groups:

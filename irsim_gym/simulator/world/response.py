@@ -28,11 +28,12 @@ class Response(Struct):
 
 
 @kernel
-def respond_at_once(worlds: Ints, response: Response) -> None:
-    """Write the response of a drive that nothing disturbs.
+def respond_at_once(worlds: Ints, response: Response, acted: Ints) -> None:
+    """Write the response of drives that nothing disturbs, and that no shield has acted yet.
 
-    Writes: response (dead_band, n_pending, share).
+    Writes: response (dead_band, n_pending, share), acted.
     """
     for w in worlds:
         for k in range(response.share.shape[1]):
             response.n_pending[w, k], response.share[w, k], response.dead_band[w, k] = 0, 1.0, 0.0
+            acted[w, k] = 0
