@@ -214,6 +214,11 @@ class Summary(SharedFigures):
     success: Rate
     time: float
 
+    @property
+    def goals_per_collision(self) -> float:
+        """Number of reached goals for each collision; infinite without any."""
+        return self.success.count / self.collision.count if self.collision.count else math.inf
+
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     """Summarise the episodes of one policy."""

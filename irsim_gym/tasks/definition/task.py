@@ -57,6 +57,12 @@ class TaskOptions:
     audit: bool = option(
         True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
     )
+    near: float | None = option(
+        None,
+        ge=0.0,
+        unit="m",
+        meaning="A step with a contact, or nearer than this to another body, costs 1 in info['cost']; default: no costs.",
+    )
     action: Any = option("velocity", meaning="What a learner commands.")
     shield: Any = option(None, meaning="What stands between a learner's commands and its drive.")
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
@@ -83,6 +89,7 @@ class Task:
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
         deadlock_time: Time after which a stalled agent is deadlocked [s].
         shield: Instance of a registered shield; None without one.
+        near: Clearance below which a step costs 1 [m]; None if nothing does.
     """
 
     name: str
@@ -99,6 +106,7 @@ class Task:
     deadlock_time: float = 5.0
     names_agents: bool = False
     shield: Any = None
+    near: float | None = None
 
 
 def load_task(
@@ -163,6 +171,7 @@ def load_task(
         deadlock_time=options.deadlock_time,
         names_agents=bool(options.agents),
         shield=shield,
+        near=options.near,
     )
 
 

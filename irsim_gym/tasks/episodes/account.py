@@ -87,6 +87,19 @@ def count_shielded(worlds: Ints, acted: Ints, column: int, episode: EpisodeState
 
 
 @kernel
+def note_cost(worlds: Ints, near: float, column: int, episode: EpisodeState) -> None:
+    """Write the cost of a step, 1 with a contact or a clearance below ``near`` [m]; 0 for an episode that had ended.
+
+    Reads: episode (clearance, hit, over).
+    Writes: episode (extra).
+    """
+    for w in worlds:
+        for a in range(episode.over.shape[1]):
+            costs = episode.hit[w, a] >= 0 or episode.clearance[w, a] < near
+            episode.extra[w, a, column] = 1 if costs and not episode.over[w, a] else 0
+
+
+@kernel
 def record_step(worlds: Ints, agents: Ints, state: State, episode: EpisodeState, kinds: Ints) -> None:
     """Record a step for agents whose episode is running.
 

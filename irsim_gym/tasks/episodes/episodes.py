@@ -20,6 +20,7 @@ from irsim_gym.tasks.episodes.binding import action_sizes, bind, hit_kinds, plac
 from irsim_gym.tasks.episodes.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.episodes.transition import transition_of
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
+from irsim_gym.tasks.terms.episode_state import EXTRAS
 from irsim_gym.tasks.terms.outcome import PRECEDENCE
 from irsim_gym.tasks.terms.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
 
@@ -65,14 +66,15 @@ class Episodes:
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
         self._shielding = None if task.shield is None else lay_shield(simulation, task.shield, self._agents)
-        self.extra_names = () if task.shield is None else ("shield",)
+        has = {"shield": task.shield is not None, "cost": task.near is not None}
+        self.extra_names = tuple(name for name in EXTRAS if has[name])
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
         self._on_the_way = np.array([is_paid_on_the_way(reward) for reward in task.rewards], np.bool_)
         terms = [*self._observations, *self._rewards]
-        self._minded_clearance = max(
-            (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance)), default=0.0
-        )
+        minded = (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance))
+        self._minded_clearance = max(minded, default=0.0)
+        self._minded_clearance = max(self._minded_clearance, task.near or 0.0)
         self._remembering = [term for term in terms if isinstance(term.options, Remembers)]
         self.observation_terms, self.feature_mask = place_observations(self._observations, simulation)
         self.reward_names = tuple(term.name for term in self._rewards)
@@ -336,6 +338,8 @@ class Episodes:
             self.task.deadlock_speed,
             self.task.deadlock_time,
         )
+        if self.task.near is not None:
+            account.note_cost(shard.worlds, self.task.near, self.extra_names.index("cost"), state)
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:

@@ -48,8 +48,8 @@ class Transition:
         over: Whether the agent's episode had ended before the step, so that its row is no experience, shape
             ``(n_worlds, n_agents)``.
         infos: Arrays of shape ``(n_worlds, n_agents)``: outcome, hit, hit_kind, path_length [m], min_clearance [m],
-            goal_distance [m], is_success, steps, stalled [s], deadlocked, level; with a shield also ``shield``, the steps
-            of the episode in which it has changed the command.
+            goal_distance [m], is_success, steps, stalled [s], deadlocked, level; some tasks have those of
+            ``EXTRAS``, too.
         images: The agents' images, by the name of their observation, uint8, shape
             ``(n_worlds, n_agents, height, width, n_channels)`` each.
     """
