@@ -19,7 +19,9 @@ CONDITIONS = ["", "latency:time=0.3", "drive_lag:tau=0.5"]
 
 def episodes(scenario: Any, n_worlds: int = 1, **given: str) -> Episodes:
     """Return begun episodes behind a shield."""
-    loaded = ig.load_scenario(scenario, {"shield": "stop_in_time", **{key: text for key, text in given.items() if text}})
+    loaded = ig.load_scenario(
+        scenario, {"shield": "stop_in_time", **{key: text for key, text in given.items() if text}}
+    )
     task = load_task(loaded)
     found = Episodes(ig.compile(loaded, n_worlds, agents=task.agents), task)
     found.begin(np.arange(n_worlds), np.arange(n_worlds), "test")
@@ -42,11 +44,17 @@ def before_a_wall(**keys: Any) -> dict[str, Any]:
     return {"world": {"name": "wall", "step_time": STEP}, "robot": robot, "obstacle": wall}
 
 
-def approach(played: Episodes, steps: int = 120, action: tuple[float, ...] = (1.0, 0.0)) -> list[tuple[float, float, int]]:
+def approach(
+    played: Episodes, steps: int = 120, action: tuple[float, ...] = (1.0, 0.0)
+) -> list[tuple[float, float, int]]:
     """Drive at full speed; return gap and speed before each step, and whether the shield acts in it."""
     state, found = played.simulation.state, []
     for _ in range(steps):
-        gap, speed, acted = WALL - RADIUS - state.pose[0, 0, 0], state.velocity[0, 0, 0], int(played.state.extra[0, 0, 0])
+        gap, speed, acted = (
+            WALL - RADIUS - state.pose[0, 0, 0],
+            state.velocity[0, 0, 0],
+            int(played.state.extra[0, 0, 0]),
+        )
         played.step(np.array([[action]]))
         found.append((gap, speed, int(played.state.extra[0, 0, 0]) - acted))
     assert played.state.outcome[0, 0] != Outcome.COLLISION
@@ -117,7 +125,10 @@ def test_nobody_drives_where_the_sensor_does_not_look() -> None:
     [
         {"kinematics": {"name": "omni"}},
         {"kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -1], "vel_max": [1, 1, 1]},
-        {"kinematics": {"name": "acker"}, "shape": {"name": "rectangle", "length": 1.0, "width": 0.4, "wheelbase": 0.6}},
+        {
+            "kinematics": {"name": "acker"},
+            "shape": {"name": "rectangle", "length": 1.0, "width": 0.4, "wheelbase": 0.6},
+        },
         {"shape": {"name": "rectangle", "length": 0.8, "width": 0.4}},
     ],
 )
@@ -159,6 +170,47 @@ def test_nobody_touches_what_stands_still(condition: str) -> None:
 @pytest.mark.parametrize("condition", CONDITIONS)
 def test_nobody_touches_what_stands_still_in_1000_levels(condition: str, hold: int) -> None:
     assert collisions("cluttered_room", 1000, 300, condition, hold) == 0
+
+
+def meeting_another(shield: str, lane: float) -> Episodes:
+    """Return a robot behind a shield, and another one that drives towards it on a lane."""
+    data = before_a_wall()
+    other = {
+        "kinematics": {"name": "diff"},
+        "shape": {"name": "circle", "radius": RADIUS},
+        "behavior": {"name": "dash"},
+        "state": [2.5, lane, np.pi],
+        "goal": [-9, lane, 0],
+        "vel_max": [0.5, 1.5],
+    }
+    data["obstacle"] = [data["obstacle"], other]
+    return episodes(data, shield=shield)
+
+
+@pytest.mark.parametrize(("shield", "touches"), [("stop_in_time", True), ("velocity_obstacle", False)])
+def test_only_velocity_obstacle_makes_way_for_others(shield: str, touches: bool) -> None:
+    played = meeting_another(shield, 0.0)
+    for _ in range(50):
+        played.step(np.array([[[1.0, 0.0]]]))
+    assert (played.state.outcome[0, 0] == Outcome.COLLISION) == touches
+    assert played.state.extra[0, 0, 0] > 0
+
+
+def test_velocity_obstacle_lets_commands_pass_that_meet_nobody() -> None:
+    played = meeting_another("velocity_obstacle", 1.0)
+    for _ in range(20):
+        played.step(np.array([[[1.0, 0.0]]]))
+    assert played.simulation.state.pose[0, 0].tolist() == pytest.approx([2.0, 0.0, 0.0])
+    assert played.state.extra[0, 0, 0] == 0
+
+
+def test_a_step_costs_1_where_the_robot_is_too_near() -> None:
+    scenario = before_a_wall(state=[2.0, 0, 0])
+    env = ig.make(scenario, task={"name": "navigation", "near": 0.35})
+    env.reset(seed=0)
+    costs = [env.step(np.array([1.0, 0.0], np.float32))[4]["cost"] for _ in range(8)]
+    # Gaps after each step: 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1 m, contact.
+    assert costs == [0, 0, 0, 0, 1, 1, 1, 1]
 
 
 def test_batch_single_and_threads_are_shielded_alike() -> None:

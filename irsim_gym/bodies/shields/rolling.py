@@ -28,7 +28,7 @@ LONGEST = 10_000
 def begin_rolling(w: int, k: int, slot: int, tables: ShieldTables, state: State) -> None:
     """Begin with the present velocity of member k, at the origin of its own frame.
 
-    Reads: tables (members, now, place), state (steering, velocity).
+    Reads: tables (members), state (steering, velocity).
     Writes: tables (now, place).
     """
     for axis in range(3):
@@ -49,8 +49,8 @@ def roll_on(
         step_time, velocity_max, velocity_min, wheelbase), state (pose).
     Writes: tables (now, place).
     """
-    b, response, now, at, dt = tables.members[k], tables.response, tables.now[slot], tables.place[slot], model.step_time[0]
-    a = response.place[b]
+    b, response, dt = tables.members[k], tables.response, model.step_time[0]
+    now, at, a = tables.now[slot], tables.place[slot], response.place[b]
     n, share, dead_band = response.n_pending[w, a], response.share[w, a], response.dead_band[w, a]
     low = model.velocity_min[row_of(model.velocity_min, w), b]
     high = model.velocity_max[row_of(model.velocity_max, w), b]
@@ -80,8 +80,10 @@ def brakes_in_time(
 ) -> tuple[bool, float]:
     """Return whether member k can stop before all walls after the command ``tables.command``, and how far it goes [m].
 
-    Reads: tables (members, need, place, response, walls), model (disc_count, disc_start, local_discs, local_segments,
-        reach, segment_count, segment_start, solid).
+    Reads: tables (by_rate, command, members, need, now, place, response, walls), model (acceleration_limit, disc_count,
+        disc_start, drive, local_discs, local_segments, reach, segment_count, segment_start, solid, speed_bound,
+        step_time, velocity_max, velocity_min, wheelbase), state (pose, steering, velocity).
+    Writes: tables (now, place, walls).
 
     Args:
         w: The world.

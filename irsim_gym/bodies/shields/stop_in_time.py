@@ -54,8 +54,11 @@ def slow_down(worlds: Ints, slot: int, tables: ShieldTables, model: Model, state
 
     If there is none, it is a full stop, for which the command before has left room.
 
-    Reads: tables (acted, command, members, response), model (drive), state (command).
-    Writes: tables (acted, command), state (command).
+    Reads: tables (acted, by_rate, command, margin, members, need, now, place, response, scan, walls), model
+        (acceleration_limit, disc_count, disc_start, drive, local_discs, local_segments, reach, segment_count,
+        segment_start, solid, speed_bound, step_time, velocity_max, velocity_min, wheelbase), state (command, pose,
+        steering, velocity).
+    Writes: tables (acted, command, need, now, place, walls), state (command).
     """
     for w in worlds:
         for k in range(tables.members.shape[0]):
@@ -98,7 +101,7 @@ def take_share(command: Floats, share: float, turn_share: float, drive: int, tri
 def looks_there(w: int, k: int, tables: ShieldTables, model: Model, state: State) -> bool:
     """Return whether member k's command drives in a direction in which its sensor looks, or nowhere.
 
-    Reads: tables (by_rate, members, scan), model (drive), state (command, pose).
+    Reads: tables (members, scan), model (drive), state (command, pose).
     """
     b, angles = tables.members[k], tables.scan.angles[tables.scan.sensors[k]]
     ahead, left, _ = twist_of(state.command[w, b], 0.0, state.pose[w, b, 2], model.drive[b], 1.0)

@@ -17,10 +17,10 @@ URGENCY = 4.0
 
 @kind
 class VelocityObstacle:
-    """What stop_in_time does, and a command that leads to a moving body within ``horizon`` is exchanged for another one.
+    """Besides what stop_in_time does, a command that leads to a moving body within ``horizon`` is exchanged.
 
-    Bodies count as discs that keep their velocity, as they truly are: the robot needs a tracker. The command whose way
-    is free and that differs least takes the place of the learner's; where none is free, a later meeting counts.
+    Bodies count as discs that keep their velocity, as they truly are: a robot needs a tracker. The command whose way is
+    free and that differs least takes the place of the learner's; where none is free, a later meeting is better.
     """
 
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Distance that is kept, where the robot is not nearer yet.")
@@ -42,9 +42,11 @@ class VelocityObstacle:
 def evade(worlds: Ints, slot: int, tables: ShieldTables, model: Model, state: State) -> None:
     """Replace each command that leads to a moving body by the best one of a grid after which the body can stop.
 
-    Reads: tables (acted, command, horizon, members, response), model (drive, velocity_max, velocity_min), state
-        (command).
-    Writes: tables (acted, command), state (command).
+    Reads: tables (by_rate, command, horizon, margin, members, need, now, place, response, scan, walls), model
+        (acceleration_limit, disc_count, disc_start, drive, local_discs, local_segments, movable, present, reach,
+        segment_count, segment_start, solid, speed_bound, step_time, unobstructed, velocity_max, velocity_min,
+        wheelbase), state (command, pose, steering, twist, velocity).
+    Writes: tables (acted, command, need, now, place, walls), state (command).
     """
     for w in worlds:
         for k in range(tables.members.shape[0]):
@@ -76,8 +78,10 @@ def evade(worlds: Ints, slot: int, tables: ShieldTables, model: Model, state: St
 def meeting(w: int, k: int, slot: int, tables: ShieldTables, model: Model, state: State) -> float:
     """Return when member k meets a moving body if it holds ``tables.command``, as a share of the horizon; 1 for never.
 
-    Reads: tables (horizon, margin, members, place, response), model (movable, present, reach, step_time, unobstructed),
-        state (pose, twist).
+    Reads: tables (by_rate, command, horizon, margin, members, now, place, response), model (acceleration_limit, drive,
+        movable, present, reach, speed_bound, step_time, unobstructed, velocity_max, velocity_min, wheelbase), state
+        (pose, steering, twist, velocity).
+    Writes: tables (now, place).
     """
     b, at, dt = tables.members[k], tables.place[slot], model.step_time[0]
     here, reaches = state.pose[w, b], model.reach[row_of(model.reach, w)]
@@ -95,5 +99,5 @@ def meeting(w: int, k: int, slot: int, tables: ShieldTables, model: Model, state
             dx = state.pose[w, q, 0] + time * state.twist[w, q, 0] - x
             dy = state.pose[w, q, 1] + time * state.twist[w, q, 1] - y
             if dx * dx + dy * dy < need * need:
-                return step / n
+                return float(step / n)
     return 1.0

@@ -33,8 +33,8 @@ def lay_walls(w: int, k: int, slot: int, travel: float, tables: ShieldTables, mo
     Two neighbouring beams give a line between the points that they hit, and two more to a corner that may stand out
     between them (``corner_between``).
 
-    Reads: tables (margin, members, need, scan, walls), model (disc_count, disc_start, local_discs, local_segments,
-        reach, segment_count, segment_start, solid), state (pose).
+    Reads: tables (margin, members, scan, walls), model (disc_count, disc_start, local_discs, local_segments, reach,
+        segment_count, segment_start, solid).
     Writes: tables (need, walls).
 
     Args:
@@ -85,7 +85,8 @@ def gap_to(wall: Floats, outline: BodyOutline, is_guess: bool, margin: float, wa
         walls: The table of walls.
         j: The row.
     """
-    gap, x, y, low, high = outline_distance(outline, wall_outline(walls, j, outline), margin), wall[2], wall[3], 0.0, 1.0
+    gap = outline_distance(outline, wall_outline(walls, j, outline), margin)
+    x, y, low, high = wall[2], wall[3], 0.0, 1.0
     if gap >= NEAR or not is_guess:
         return gap
     for step in range(HALVINGS + 1):
@@ -163,7 +164,9 @@ def turned_wall(wall: Floats, pose: Pose, into: Floats) -> None:
 
 
 @kernel
-def is_too_near(outline: BodyOutline, reach: float, way: tuple[Pose, Pose], walls: Floats, need: Floats, n: int) -> bool:
+def is_too_near(
+    outline: BodyOutline, reach: float, way: tuple[Pose, Pose], walls: Floats, need: Floats, n: int
+) -> bool:
     """Return whether a body on its way from one pose to another comes nearer to a wall than it may.
 
     A disc about the origin counts all along the way, other outlines at its end.

@@ -13,8 +13,10 @@ HITS = ("obstacle", "moving obstacle", "robot")
 HIT_OF_KIND = ("", *HITS, "obstacle")
 """The word for each ``HitKind``; a map counts as an obstacle."""
 CONFIDENCE = 0.95
-MEANS = ("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision")
-MEANS += ("shield",)
+MEANS = (
+    *("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision"),
+    "shield",
+)
 MEANS_OF_SUCCESSES = ("path_length", "path_ratio")
 
 

@@ -1,5 +1,4 @@
-"""Disturbances of all learners of a scenario, as one text, ``latency:time=[0, 0.2]; drive_lag:tau=0.1``, and a shield.
-"""
+"""Disturbances of all learners as one text, ``latency:time=[0, 0.2]; drive_lag:tau=0.1``, and their shield."""
 
 import re
 from collections.abc import Mapping

@@ -306,7 +306,10 @@ class DisturbanceKind(Protocol):
 
 @runtime_checkable
 class Foreseen(Protocol):
-    """A disturbance of commands that shields reckon with; ``group.arrays["queue"]`` holds the commands that it delays."""
+    """A disturbance of commands that shields reckon with.
+
+    If it delays commands, they are in ``group.arrays["queue"]``, shape ``(n_worlds, n_members, n, 3)``.
+    """
 
     @staticmethod
     def foresee(group: Group, model: Model, response: Response, shard: Shard) -> None:

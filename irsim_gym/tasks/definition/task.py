@@ -22,6 +22,8 @@ from irsim_gym.tasks.definition.layers import Layer, merge
 DEFAULT = "navigation"
 FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
 LONGEST_CHAIN = 8
+CARRIED = ("observation_form", "ended", "team_reward", "deadlock_speed", "deadlock_time", "near")
+"""Options that a task has as they are."""
 _CHANGES = "; changes the terms of the named task by name."
 
 
@@ -58,10 +60,7 @@ class TaskOptions:
         True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
     )
     near: float | None = option(
-        None,
-        ge=0.0,
-        unit="m",
-        meaning="A step with a contact, or nearer than this to another body, costs 1 in info['cost']; default: no costs.",
+        None, ge=0.0, unit="m", meaning="Closer to another body a step costs 1 (info['cost']); default: no costs."
     )
     action: Any = option("velocity", meaning="What a learner commands.")
     shield: Any = option(None, meaning="What stands between a learner's commands and its drive.")
@@ -156,7 +155,7 @@ def load_task(
     merged.refuse(_title(scenario))
     warn_of_keys(_title(scenario), merged.ignored(_title(scenario)))
     assert options is not None
-    parts = {key: tuple(item for _, item in items) for key, items in terms.items()}
+    parts: dict[str, Any] = {key: tuple(item for _, item in items) for key, items in terms.items()}
     limit = options.max_steps if max_steps is None else max_steps
     return Task(
         name,
@@ -164,14 +163,9 @@ def load_task(
         limit,
         action,
         **parts,
-        observation_form=options.observation_form,
-        ended=options.ended,
-        team_reward=options.team_reward,
-        deadlock_speed=options.deadlock_speed,
-        deadlock_time=options.deadlock_time,
+        **{name: getattr(options, name) for name in CARRIED},
         names_agents=bool(options.agents),
         shield=shield,
-        near=options.near,
     )
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from irsim_gym.base.arraytypes import Flags, Floats, Ints, Rays, Words
 from irsim_gym.simulator.world.arrays import Arrays, column
 
-
 EXTRAS = {
     "shield": "steps of the episode in which the shield has changed the command",
     "cost": "1 in a step with a contact, or nearer to another body than the task's ``near``; else 0",
