@@ -99,10 +99,10 @@ def read_parameters(
         IrsimGymError: If a setting is not of the form ``name=value``, a name appears twice, or it is not allowed.
     """
     given: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
-    from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED, is_free
-
+    if given or perturbed or shield:
+        from irsim_gym.scenario.reading.parameters import BESIDE, PERTURBED, SHIELDED, is_free
     for name in given:
-        if not is_free(name) and name not in (PERTURBED, SHIELDED):
+        if not is_free(name) and name not in BESIDE:
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )

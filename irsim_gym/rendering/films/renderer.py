@@ -13,7 +13,7 @@ from irsim_gym.rendering.frames.frame_painter import FramePainter, Share
 from irsim_gym.rendering.looks.styles import TOP
 from irsim_gym.rendering.scene.frame_layout import Layout, Limits, lay_out
 from irsim_gym.rendering.scene.reader import DrawnSimulation, SceneReader
-from irsim_gym.rendering.scene.scene import DrawnBody, Scene
+from irsim_gym.rendering.scene.scene import Scene
 from irsim_gym.simulator.readings.marks import Overlay
 from irsim_gym.simulator.readings.trails import Trails
 from irsim_gym.simulator.world.group import Group
@@ -98,10 +98,6 @@ class Renderer:
     def scene(self, world: int = 0, status: str = "") -> Scene:
         """Return the content of a frame of the world, as data."""
         return self._reader.read(world, status)
-
-    def moving(self, world: int) -> tuple[DrawnBody, ...]:
-        """Return the bodies of ``scene`` that can move."""
-        return self._reader.moving(world)
 
     def clear(self, world: int | None = None) -> None:
         """Clear the trails of one world, or of all worlds, at the start of an episode."""

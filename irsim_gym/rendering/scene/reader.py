@@ -89,7 +89,7 @@ class SceneReader:
         self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         present = model.present[world]
         fixed = self._fixed_views(world, present)
-        moving = self.moving(world)
+        moving = tuple(self._bodies.view(world, body) for body in self._moving_bodies if present[body])
         goals = self._goals(world)
         return Scene(
             world=world,
@@ -111,11 +111,6 @@ class SceneReader:
             fog=self._fog_view(world),
             overlay=self.overlay(world),
         )
-
-    def moving(self, world: int) -> tuple[DrawnBody, ...]:
-        """Return views of the bodies of a world that can move."""
-        present = self._model.present[world]
-        return tuple(self._bodies.view(world, body) for body in self._moving_bodies if present[body])
 
     def clear(self, world: int | None = None) -> None:
         """Clear the trails of one world, or of all worlds."""

@@ -62,8 +62,8 @@ def begin_again(found: Disturbances, shard: Shard, begun: Flags) -> None:
 
 @kernel
 def copy_rows(worlds: Ints, bodies: Ints, values: Floats, copied: Floats) -> None:
-    """Copy the rows of some bodies, of arrays ``(n_worlds, n_bodies, 3)``."""
+    """Copy the rows of some bodies, of arrays ``(n_worlds, n_bodies, n)``."""
     for w in worlds:
         for b in bodies:
-            for axis in range(3):
+            for axis in range(values.shape[2]):
                 copied[w, b, axis] = values[w, b, axis]

@@ -18,6 +18,7 @@ from irsim_gym.tasks.endings.arrived import Arrived
 from irsim_gym.tasks.episodes import account, team_state
 from irsim_gym.tasks.episodes.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.episodes.levels import CHAIN, check_split, take_levels
+from irsim_gym.tasks.episodes.prediction import Predictor
 from irsim_gym.tasks.episodes.transition import transition_of
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
 from irsim_gym.tasks.terms.episode_state import EXTRAS
@@ -62,6 +63,11 @@ class Episodes:
         self._turned = self._agents[is_turned & (getattr(task.action, "frame", "command") == "body")]
         self._action = bind(ACTIONS, [task.action], simulation, task)[0]
         self._observations = bind(OBSERVATIONS, task.observations, simulation, task)
+        self._predictor = Predictor(simulation, task) if task.predict else None
+        self._seen = simulation.state
+        if self._predictor is not None:
+            self._predictor.show(self._observations)
+            self._seen = self._predictor.state
         self._rewards = bind(REWARDS, task.rewards, simulation, task)
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
@@ -342,8 +348,10 @@ class Episodes:
             account.note_cost(shard.worlds, self.task.near, self.extra_names.index("cost"), state)
 
     def _observe(self, shard: Shard) -> None:
+        if self._predictor is not None:
+            self._predictor.look_ahead(self.state, shard)
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+            term.options.write(term, self.simulation.model, self._seen, self.state, shard)
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

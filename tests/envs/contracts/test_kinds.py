@@ -52,13 +52,8 @@ SMALL = {
     "recorded": {"file": "square.txt"},
     "dwa": {"samples": [3, 5], "sim_granularity": 0.5, "path": "straight"},
     "hybrid_astar": {"cell": 2.0},
-    "mppi": {"samples": 6, "horizon": 0.5, "path": "straight"},
 }
 """Options that behaviours need, or without which they would take long in plain Python."""
-
-
-ROUNDING = {"behavior mppi": 1e-7}
-"""Weights exp(-cost / temperature) magnify what rounding changes."""
 
 
 RANDOM = [entry.name for entry in families.FOOTPRINTS if "random_shape" in option_fields(entry.kind)]
@@ -249,7 +244,7 @@ def test_compiled_kernels_do_what_plain_python_does(tmp_path: Path) -> None:
     subprocess.run([sys.executable, __file__, str(file)], env=plain, check=True, timeout=120)
     expected = np.load(file)
     for case, found in rollouts().items():
-        np.testing.assert_allclose(found, expected[case], rtol=0, atol=ROUNDING.get(case, 1e-12), err_msg=case)
+        np.testing.assert_allclose(found, expected[case], rtol=0, atol=1e-12, err_msg=case)
 
 
 if __name__ == "__main__":
