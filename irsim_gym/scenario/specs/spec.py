@@ -354,8 +354,7 @@ class Scenario:
         ignored: Unused keys that were ignored.
         strict: Whether unused keys are errors, also in the section ``task``.
         parameters: Values of its parameters by name: given ones, else the defaults.
-        disturbances: Disturbances of all learners, besides those of their entries.
-        shield: The shield of all learners, in place of the task's; None for the task's.
+        disturbances, shield: Of all learners, besides those of their entries; in place of the task's, or None.
     """
 
     name: str
