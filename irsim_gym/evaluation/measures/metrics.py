@@ -218,7 +218,7 @@ class Summary(SharedFigures):
 
     @property
     def goals_per_collision(self) -> float:
-        """Number of reached goals for each collision; infinite without any."""
+        """Number of reached goals for each collision, without unit; infinite without any."""
         return self.success.count / self.collision.count if self.collision.count else math.inf
 
 
