@@ -25,7 +25,7 @@ DOCS = ROOT / "docs"
 PICTURE = DOCS / "cluttered_room.png"
 READ = (
     *("start", "own_scenario", "policies", "irsim_files", "scripts", "rendering", "driving", "training"),
-    *("images", "teams", "guides", "plugins", "performance", "reproducibility", "submitting", "questions"),
+    *("shield", "images", "teams", "guides", "plugins", "performance", "reproducibility", "submitting", "questions"),
     *("from_irsim", "from_vmas", "from_navground_learning"),
 )
 """Pages of docs/ in the order of reading; other tests run the blocks of the rest."""

@@ -18,6 +18,7 @@ TITLES = {
     "sensor": ("Sensors", "Kinds of `sensors`: what a robot perceives."),
     "disturbance": ("Disturbances", "Kinds of `disturbances`: what makes a robot drive and measure differently."),
     "obstacle map": ("Maps", "Kinds of `obstacle_map`: which cells are occupied."),
+    "shield": ("Shields", "Kinds of a task's `shield`: what stands between a learner's commands and its drive."),
     "action": ("Actions", "Kinds of a task's `action`: what a learner gives."),
     "observation": ("Observations", "Kinds of a task's `observations`: what a learner gets."),
     "reward": ("Rewards", "Kinds of a task's `rewards`."),

@@ -17,6 +17,7 @@ PLACEMENTS = Registry("distribution", _OWN.format("placement"), (_WORLD, "PLACEM
 SENSORS = Registry("sensor", _OWN.format("sensor"), (_WORLD, "SENSOR"))
 MAPS = Registry("obstacle map", contract=(_WORLD, "MAP"))
 DISTURBANCES = Registry("disturbance", contract=(_WORLD, "DISTURBANCE"))
+SHIELDS = Registry("shield", contract=(_WORLD, "SHIELD"))
 ACTIONS = Registry("action", _OWN.format("action"), (_TASK, "ACTION"))
 OBSERVATIONS = Registry("observation", _OWN.format("observation"), (_TASK, "OBSERVATION"))
 REWARDS = Registry("reward", _OWN.format("reward"), (_TASK, "REWARD"))
@@ -33,6 +34,7 @@ BY_KEY = {
     "sensors": SENSORS,
     "disturbances": DISTURBANCES,
     "obstacle_map": MAPS,
+    "shield": SHIELDS,
     "action": ACTIONS,
     "observations": OBSERVATIONS,
     "rewards": REWARDS,
@@ -44,7 +46,7 @@ KINDS_OF_BODIES = ("kinematics", "behavior", "group_behavior", "shape")
 
 _PACKAGES = (
     *("bodies.drives", "bodies.behaviors", "bodies.shapes", "bodies.placements", "bodies.sensors", "bodies.maps"),
-    *("bodies.disturbances", "tasks"),
+    *("bodies.disturbances", "bodies.shields", "tasks"),
 )
 
 

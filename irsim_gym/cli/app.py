@@ -102,13 +102,14 @@ def evaluate(
     team: opt.Team = False,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
+    shield: opt.Shield = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.cli.work.commands import run_evaluation
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb, shield)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
     run_evaluation(asked, policies or [], levels=levels, split=split, **how)
 
@@ -132,6 +133,7 @@ def record(
     team: opt.Team = False,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
+    shield: opt.Shield = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -141,7 +143,7 @@ def record(
     """
     from irsim_gym.cli.work.commands import run_record
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
+    asked = scenario_request(scenario, task, team, given, lenient, perturb, shield)
     run_record(asked, policies, level or [0], split, out, "replay" if html else "film", overwrite=overwrite)
 
 

@@ -35,6 +35,7 @@ Reference = Annotated[str | None, typer.Argument(help=HELP["Reference"], autocom
 Watched = Annotated[str | None, typer.Argument(help=HELP["Watched"], autocompletion=cli_completion.policies)]
 Given = Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=HELP["Given"])]
 Perturbed = Annotated[list[str] | None, typer.Option("--perturb", metavar="NAME:KEY=VALUE", help=HELP["Perturbed"])]
+Shield = Annotated[str | None, typer.Option("--shield", metavar="NAME:KEY=VALUE", help=HELP["Shield"])]
 Team = Annotated[bool, typer.Option("--team", help=HELP["Team"])]
 Lenient = Annotated[bool, typer.Option("--lenient", help=HELP["Lenient"])]
 Imports = Annotated[

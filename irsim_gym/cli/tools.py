@@ -90,20 +90,23 @@ def _pairs(settings: Sequence[str] | None, option: str, form: str) -> dict[str, 
     return given
 
 
-def read_parameters(settings: Sequence[str] | None, perturbed: Sequence[str] | None = None) -> dict[str, Any]:
-    """Return the values of ``--set name=value`` as text, and those of ``--perturb``. The scenario converts them.
+def read_parameters(
+    settings: Sequence[str] | None, perturbed: Sequence[str] | None = None, shield: str | None = None
+) -> dict[str, Any]:
+    """Return the values of ``--set name=value``, ``--perturb`` and ``--shield`` as text. The scenario converts them.
 
     Raises:
         IrsimGymError: If a setting is not of the form ``name=value``, a name appears twice, or it is not allowed.
     """
     given: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
-    if given or perturbed:
-        from irsim_gym.scenario.reading.parameters import PERTURBED, PREDICT, is_free
+    if given or perturbed or shield:
+        from irsim_gym.scenario.reading.parameters import BESIDE, PERTURBED, SHIELDED, is_free
     for name in given:
-        if not is_free(name) and name not in (PERTURBED, PREDICT):
+        if not is_free(name) and name not in BESIDE:
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )
+    given |= {SHIELDED: shield} if shield else {}
     return {**given, PERTURBED: "; ".join(perturbed)} if perturbed else given
 
 
@@ -114,11 +117,12 @@ def scenario_request(
     settings: Sequence[str] | None,
     lenient: bool,
     perturbed: Sequence[str] | None = None,
+    shield: str | None = None,
 ) -> ScenarioRequest:
     """Return a scenario with its task, as options of a command ask for it."""
     from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 
-    return ScenarioRequest(scenario, task, team, read_parameters(settings, perturbed), not lenient)
+    return ScenarioRequest(scenario, task, team, read_parameters(settings, perturbed, shield), not lenient)
 
 
 def print_options(name: str) -> None:

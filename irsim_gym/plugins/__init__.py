@@ -18,6 +18,7 @@ from irsim_gym.base.families import (
     PLACEMENTS,
     REWARDS,
     SENSORS,
+    SHIELDS,
 )
 from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.base.rng import integer, normal, uniform
@@ -39,11 +40,13 @@ from irsim_gym.simulator.world.kinds import (
     ReadsScan,
     Reports,
     SensorKind,
+    ShieldKind,
     Steers,
 )
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.outline import Outline
 from irsim_gym.simulator.world.own_scan import OwnScan, find_hits
+from irsim_gym.simulator.world.response import Response
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.tasks.terms.episode_state import EpisodeState
 from irsim_gym.tasks.terms.mirrored import HasMirrored, Mirrored
@@ -71,5 +74,6 @@ __all__ += ["Group", "HasArrays", "HasBounds", "HasMirrored", "HasUnused", "HitK
 __all__ += ["MindsClearance", "Mirrored", "Model", "ObservationKind", "Outcome", "Outline", "OwnScan"]
 __all__ += ["PlacementKind", "ReadsScan", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard", "State"]
 __all__ += ["Steers", "TellsActions", "TellsColumns", "TellsWhen", "Term", "action", "behavior", "drive", "ending"]
+__all__ += ["SHIELDS", "Response", "ShieldKind"]
 __all__ += ["find_hits", "group_behavior", "integer", "kernel", "kind", "normal", "observation", "option"]
 __all__ += ["placement", "reward", "row_of", "sensor", "uniform"]

@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.response import Response
 
 
 @kind
@@ -35,6 +36,11 @@ class DriveLag:
         """Replace the commands by velocities on the way to them."""
         lag_behind(shard.worlds, group.tables, group.arrays["share"], model, state)
 
+    @staticmethod
+    def foresee(group: Group, model: Model, response: Response, shard: Shard) -> None:
+        """Write how slowly velocities follow."""
+        note_lag(shard.worlds, group.tables, model, response)
+
 
 @kernel
 def lag_behind(worlds: Ints, disturbed: Disturbed, share: Floats, model: Model, state: State) -> None:
@@ -47,9 +53,37 @@ def lag_behind(worlds: Ints, disturbed: Disturbed, share: Floats, model: Model, 
         for k in range(disturbed.members.shape[0]):
             b, tau, least = disturbed.members[k], disturbed.values[w, k, 0], disturbed.values[w, k, 1]
             if disturbed.count[w, k] == 0:
-                share[w, k] = 1.0 - np.exp(-model.step_time[0] / tau) if tau > 0.0 else 1.0
+                share[w, k] = share_of(tau, model)
             for axis in range(3):
                 asked, now = state.command[w, b, axis], state.velocity[w, b, axis]
                 asked = asked if np.abs(asked) >= least else 0.0
                 state.command[w, b, axis] = now + (asked - now) * share[w, k]
             disturbed.count[w, k] += 1
+
+
+@kernel
+def share_of(tau: float, model: Model) -> float:
+    """Return the share of the way to its command that a velocity makes in a step.
+
+    Reads: model (step_time).
+    """
+    return 1.0 - np.exp(-model.step_time[0] / tau) if tau > 0.0 else 1.0
+
+
+@kernel
+def note_lag(worlds: Ints, disturbed: Disturbed, model: Model, response: Response) -> None:
+    """Write the share of the way that a step makes, and the dead band; several lags make smaller shares.
+
+    Reads: disturbed (members, values), model (step_time), response (dead_band, place, share).
+    Writes: response (dead_band, share).
+    """
+    for w in worlds:
+        for k in range(disturbed.members.shape[0]):
+            place, tau, least = (
+                response.place[disturbed.members[k]],
+                disturbed.values[w, k, 0],
+                disturbed.values[w, k, 1],
+            )
+            if place >= 0:
+                response.share[w, place] *= share_of(tau, model)
+                response.dead_band[w, place] = max(response.dead_band[w, place], least)

@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.base.options import Bounds, Drawn, drawn_problems
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.response import Response
 
 
 @kind
@@ -37,6 +38,11 @@ class Latency:
         """Queue the commands, and take those that are due."""
         delay_commands(shard.worlds, group.tables, group.arrays["queue"], group.arrays["steps"], model, state)
 
+    @staticmethod
+    def foresee(group: Group, model: Model, response: Response, shard: Shard) -> None:
+        """Write the commands under way."""
+        list_pending(shard.worlds, group.tables, group.arrays["queue"], model, response)
+
 
 @kernel
 def delay_commands(worlds: Ints, disturbed: Disturbed, queue: Floats, steps: Ints, model: Model, state: State) -> None:
@@ -58,3 +64,26 @@ def delay_commands(worlds: Ints, disturbed: Disturbed, queue: Floats, steps: Int
                 row[place, axis] = command[axis]
                 command[axis] = row[due, axis] if n >= steps[w, k] else 0.0
             disturbed.count[w, k] = n + 1
+
+
+@kernel
+def list_pending(worlds: Ints, disturbed: Disturbed, queue: Floats, model: Model, response: Response) -> None:
+    """Write the commands of a queue, zeros before the first one, ahead of those that reach it later.
+
+    Reads: disturbed (count, members, values), model (step_time), response (n_pending, pending, place).
+    Writes: response (n_pending, pending).
+    """
+    size = queue.shape[2]
+    for w in worlds:
+        for k in range(disturbed.members.shape[0]):
+            place = response.place[disturbed.members[k]]
+            if place < 0:
+                continue
+            steps = whole_steps(disturbed.values[w, k, 0], model.step_time[0])
+            first, count, rows = disturbed.count[w, k] - steps, response.n_pending[w, place], response.pending[w, place]
+            for axis in range(3):
+                for i in range(count - 1, -1, -1):
+                    rows[steps + i, axis] = rows[i, axis]
+                for i in range(steps):
+                    rows[i, axis] = queue[w, k, (first + i) % size, axis] if first + i >= 0 else 0.0
+            response.n_pending[w, place] = count + steps

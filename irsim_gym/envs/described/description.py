@@ -15,7 +15,7 @@ from irsim_gym.envs.described.description_text import as_html, as_text
 from irsim_gym.envs.described.parts import Action, Block, Component, Described, Ending, Info, Part, Reward
 from irsim_gym.envs.parts.spaces import action_space, observation_space, observed
 from irsim_gym.tasks import Episodes, HitKind, Outcome
-from irsim_gym.tasks.terms.episode_state import EpisodeState
+from irsim_gym.tasks.terms.episode_state import EXTRAS, EpisodeState
 from irsim_gym.tasks.terms.term import IsImage, Term
 from irsim_gym.tasks.terms.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence
 
@@ -204,7 +204,7 @@ def _infos(info: Mapping[str, object]) -> list[Info]:
             column = declared[name]
             found.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
         else:
-            found.append(Info(key, "", OF_TEAMS.get(key, "not described")))
+            found.append(Info(key, "", (OF_TEAMS | EXTRAS).get(key, "not described")))
     return found
 
 

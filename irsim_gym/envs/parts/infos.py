@@ -19,10 +19,13 @@ FLAGS = ("is_success", "deadlocked")
 DERIVED = ("_together", "_flat", "_flat_terms", "_row")
 """Attributes that point into arrays; a copy finds its own."""
 KEYS = (*NUMBERS, *COUNTS, *FLAGS)
-_NUMPY: dict[str, Callable[[Any], Any]] = {**dict.fromkeys(COUNTS, np.int64), **dict.fromkeys(FLAGS, np.array)}
+_NUMPY: dict[str, Callable[[Any], Any]] = {
+    **dict.fromkeys((*COUNTS, "shield", "cost"), np.int64),
+    **dict.fromkeys(FLAGS, np.array),
+}
 """NumPy's types of all but floats; Gymnasium's vector environments make objects of ``np.bool_``."""
 Row = tuple[Any, ...]
-"""The values of ``KEYS`` and of the reward's terms; ``alone`` reads reward and flags behind them."""
+"""The values of ``KEYS``, of the reward's terms and of extras; ``alone`` reads reward and flags behind them."""
 
 
 class Infos:
@@ -41,7 +44,8 @@ class Infos:
         self._in_numpy = in_numpy
         self._columns = [[view.infos[key] for key in keys] for keys in (NUMBERS, COUNTS, FLAGS)]
         self._terms, self._reward, self._ends = view.reward_terms, view.reward, [view.terminated, view.truncated]
-        self._names = reward_keys(episodes.reward_names)
+        self._extra = episodes.state.extra
+        self._names = (*reward_keys(episodes.reward_names), *episodes.extra_names)
         self._places = tuple(enumerate(self._names, start=len(KEYS)))
         self._masked = tuple(chain(*((key, f"_{key}") for key in (*KEYS, *self._names))))
         self._n_worlds, self._n_agents = episodes.n_worlds, episodes.n_agents
@@ -52,6 +56,7 @@ class Infos:
         if self._row is not None:
             return self.of_row(self._row())
         values = chain(*(block[:, w, agent].tolist() for block in self._blocks()), self._terms[w, agent].tolist())
+        values = chain(values, self._extra[w, agent].tolist())
         return self.of_row(tuple(values))
 
     def of_row(self, row: Row) -> dict[str, Any]:
@@ -95,8 +100,9 @@ class Infos:
         return _rows(self.now(), places)
 
     def now(self) -> list[NDArray[Any]]:
-        """Return numbers, counts and flags, ``(n_columns, n_places)`` each, and terms, ``(n_places, n_terms)``."""
-        return [*(self._flat or [block.reshape(len(block), -1) for block in self._blocks()]), self._flat_terms]
+        """Return numbers, counts, flags, ``(n_columns, n_places)`` each; terms and extras, ``(n_places, n)`` each."""
+        blocks = self._flat or [block.reshape(len(block), -1) for block in self._blocks()]
+        return [*blocks, self._flat_terms, self._extra.reshape(len(self._flat_terms), -1)]
 
     def batched(self, chosen: Flags | None = None) -> dict[str, Any]:
         """Return the first agents' infos as Gymnasium's vector environments do: arrays, and a mask ``_key`` for each.
@@ -104,7 +110,7 @@ class Infos:
         Args:
             chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
         """
-        parts = [*(block[:, :, 0] for block in self._blocks()), self._terms[:, 0].T]
+        parts = [*(block[:, :, 0] for block in self._blocks()), self._terms[:, 0].T, self._extra[:, 0].T]
         masks = np.empty((len(KEYS) + len(self._names), self._n_worlds), np.bool_)
         if chosen is None:
             copies = [np.array(part, order="C") for part in parts]
@@ -124,8 +130,8 @@ class Infos:
         found = [block for block in map(_block, self._columns) if block is not None]
         self._together = found if len(found) == len(self._columns) else []
         self._flat = [block.reshape(len(block), -1) for block in self._together]
-        self._flat_terms = self._terms.reshape(self._n_worlds * self._n_agents, len(self._names))
-        columns = [*chain(*self._columns), self._terms, self._reward, *self._ends]
+        self._flat_terms = self._terms.reshape(self._n_worlds * self._n_agents, self._terms.shape[2])
+        columns = [*chain(*self._columns), self._terms, self._extra, self._reward, *self._ends]
         self._row = _row_reader(columns) if self._n_worlds == self._n_agents == 1 else None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -157,11 +163,11 @@ class Record:
 
     def note(self, places: Ints) -> None:
         """Copy the present infos of some agents."""
-        *blocks, terms = self._infos.now()
-        *kept, kept_terms = self._parts
+        *blocks, terms, extra = self._infos.now()
+        *kept, kept_terms, kept_extra = self._parts
         for ours, block in zip(kept, blocks, strict=True):
             ours[:, places] = block.take(places, axis=1)
-        kept_terms[places] = terms.take(places, axis=0)
+        kept_terms[places], kept_extra[places] = terms.take(places, axis=0), extra.take(places, axis=0)
 
     def infos_of(self, places: Ints) -> list[dict[str, Any]]:
         """Return the copied infos of some agents."""
@@ -174,9 +180,9 @@ def _in_numpy(info: dict[str, Any]) -> dict[str, Any]:
 
 
 def _rows(parts: Sequence[NDArray[Any]], places: Ints) -> list[Row]:
-    *blocks, terms = parts
+    *blocks, terms, extra = parts
     columns: list[Any] = []
-    for block in (*blocks, terms.T):
+    for block in (*blocks, terms.T, extra.T):
         columns += block.take(places, axis=1).tolist()
     return list(zip(*columns, strict=True))
 

@@ -15,7 +15,10 @@ HITS = ("obstacle", "moving obstacle", "robot")
 HIT_OF_KIND = ("", *HITS, "obstacle")
 """The word for each ``HitKind``; a map counts as an obstacle."""
 CONFIDENCE = 0.95
-MEANS = ("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision")
+MEANS = (
+    *("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision"),
+    "shield",
+)
 MEANS_OF_SUCCESSES = ("path_length", "path_ratio")
 
 
@@ -43,6 +46,7 @@ class EpisodeRow:
         goals_reached: Number of its successive goals that it reached, without unit; NaN if it has only one.
         goals_per_minute: ``goals_reached`` by duration, or by the time limit if it did not reach all [1/min]; likewise.
         goal_distance: True distance from the goal at the end [m], whatever the robot believes; NaN if not measured.
+        shield: Share of steps in which the shield changed the command; NaN without one.
     """
 
     level: int
@@ -62,6 +66,7 @@ class EpisodeRow:
     goals_reached: float = math.nan
     goals_per_minute: float = math.nan
     goal_distance: float = math.nan
+    shield: float = math.nan
 
     @property
     def is_success(self) -> bool:
@@ -180,6 +185,7 @@ class SharedFigures:
         throughput: Mean over levels of the rate of reached goals, of a team all its goals [1/min]; NaN if a robot has
             only one goal.
         end_distance: Mean true distance from the goal at the end [m], over successes and misplaced ones.
+        shield: Mean share of steps in which the shield changed the command; NaN without one.
     """
 
     policy: str
@@ -201,6 +207,7 @@ class SharedFigures:
     time_to_collision: float = math.nan
     throughput: float = math.nan
     end_distance: float = math.nan
+    shield: float = math.nan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,6 +223,11 @@ class Summary(SharedFigures):
     episodes: int
     success: Rate
     time: float
+
+    @property
+    def goals_per_collision(self) -> float:
+        """Number of reached goals for each collision, without unit; infinite without any."""
+        return self.success.count / self.collision.count if self.collision.count else math.inf
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:

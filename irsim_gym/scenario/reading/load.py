@@ -20,8 +20,8 @@ from irsim_gym.scenario.reading import notes
 from irsim_gym.scenario.reading.level_checks import home_of, misfits, read_level_file, tell, with_levels
 from irsim_gym.scenario.reading.level_reading import read_levels
 from irsim_gym.scenario.reading.map_cells import map_extent, read_cells, read_map
-from irsim_gym.scenario.reading.parameters import PERTURBED, PREDICT, fill_in
-from irsim_gym.scenario.reading.perturbations import read_perturbations
+from irsim_gym.scenario.reading.parameters import BESIDE, PERTURBED, PREDICT, SHIELDED, fill_in
+from irsim_gym.scenario.reading.perturbations import read_perturbations, read_shield
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.ids import IDS
@@ -97,7 +97,7 @@ def read_scenario(
         UnknownNameError: If the scenario has no such parameter.
     """
     given = dict(parameters or {})
-    beside = {name: given.pop(name) for name in (PERTURBED, PREDICT) if given.get(name) is not None}
+    beside = {name: given.pop(name) for name in BESIDE if given.get(name) is not None}
     source, values = fill_in(source, given, strict=strict)
     source = with_presets(source)
     report = Report(source, strict=strict)
@@ -145,6 +145,7 @@ def read_scenario(
         strict=strict,
         parameters={**values, **{name: str(value) for name, value in beside.items()}},
         disturbances=read_perturbations(beside[PERTURBED]) if PERTURBED in beside else (),
+        shield=read_shield(beside[SHIELDED]) if SHIELDED in beside else None,
     )
 
 

@@ -19,9 +19,9 @@ from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import WRAPPER, Place, Source
 
 SECTION = "parameters"
-PERTURBED, PREDICT = "disturbances", "predict"
-"""What each scenario has beside its parameters: disturbances of all learners, see ``perturbations``, and the option of
-its section ``task``.
+PERTURBED, PREDICT, SHIELDED = BESIDE = "disturbances", "predict", "shield"
+"""What each scenario has beside its parameters: disturbances and a shield of all learners, see ``perturbations``, and
+the option of its section ``task``.
 """
 ARGUMENTS = frozenset(
     (
@@ -124,7 +124,7 @@ class ParameterSpec:
 
 def is_free(name: str) -> bool:
     """Return whether a parameter may have this name, which no argument of an environment has."""
-    return name not in ARGUMENTS and name not in (PERTURBED, PREDICT)
+    return name not in ARGUMENTS and name not in BESIDE
 
 
 def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True) -> tuple[Source, dict[str, Value]]:

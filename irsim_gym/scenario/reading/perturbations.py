@@ -1,12 +1,13 @@
-"""Disturbances of all learners of a scenario, as one text: ``latency:time=[0, 0.2]; drive_lag:tau=0.1``."""
+"""Disturbances of all learners as one text, ``latency:time=[0, 0.2]; drive_lag:tau=0.1``, and their shield."""
 
 import re
 from collections.abc import Mapping
 from typing import Any
 
-from irsim_gym.scenario.checking.validation import BAD, Report
+from irsim_gym.base import families
+from irsim_gym.scenario.checking.validation import BAD, Report, build_named
 from irsim_gym.scenario.entries.entries import read_disturbances
-from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED
 from irsim_gym.scenario.text.composer import Fatal, compose
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import Source
@@ -28,6 +29,21 @@ def read_perturbations(text: object) -> tuple[Any, ...]:
     made: Any = read_disturbances(items, (PERTURBED,), report)
     report.check()
     return () if made is BAD else made
+
+
+def read_shield(text: object) -> Any:
+    """Return the shield of a text: ``NAME:key=value``.
+
+    Raises:
+        ScenarioError: If it cannot be used; the error lists every problem.
+    """
+    report = Report(Source(f"{SHIELDED} {show(text)}", None))
+    if not isinstance(text, str):
+        report.add((SHIELDED,), f"must be text such as 'stop_in_time:margin=0.05', got {show(text)}")
+        report.check()
+    made = build_named(families.SHIELDS, _read_item(str(text), (SHIELDED,), report), (SHIELDED,), report)
+    report.check()
+    return made
 
 
 def _read_item(text: str, place: tuple[str | int, ...], report: Report) -> Mapping[str, object]:

@@ -354,7 +354,7 @@ class Scenario:
         ignored: Unused keys that were ignored.
         strict: Whether unused keys are errors, also in the section ``task``.
         parameters: Values of its parameters by name: given ones, else the defaults.
-        disturbances: Disturbances of all learners, besides those of their entries.
+        disturbances, shield: Of all learners, besides those of their entries; in place of the task's, or None.
     """
 
     name: str
@@ -374,6 +374,7 @@ class Scenario:
     strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
     disturbances: tuple[Any, ...] = ()
+    shield: Any = None
 
     def __repr__(self) -> str:
         n_robots, n_bodies = len(self.robots), len(self.bodies)

@@ -58,6 +58,14 @@ def outline_distance(a: BodyOutline, b: BodyOutline, limit: float) -> float:
 
 
 @kernel
+def is_round(outline: BodyOutline) -> bool:
+    """Return whether an outline is a single disc about the origin."""
+    if outline.n_segments != 0 or outline.n_discs != 1:
+        return False
+    return bool(outline.discs[outline.first_disc, 0] == 0.0 and outline.discs[outline.first_disc, 1] == 0.0)
+
+
+@kernel
 def point_outline_distance(point: Point, outline: BodyOutline) -> float:
     """Return the distance [m] of a point [m] from an outline: 0 inside an area, inf if the outline is empty."""
     if outline.solid and holds_point(outline, point):

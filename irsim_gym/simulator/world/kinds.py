@@ -15,6 +15,7 @@ from irsim_gym.base.contract import Contract
 from irsim_gym.simulator.world.group import Group, Shard
 from irsim_gym.simulator.world.model import Model
 from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.response import Response
 from irsim_gym.simulator.world.state import State
 
 
@@ -310,10 +311,46 @@ class DisturbanceKind(Protocol):
         """
 
 
+@runtime_checkable
+class Foreseen(Protocol):
+    """A disturbance of commands that shields reckon with.
+
+    If it delays commands, they are in ``group.arrays["queue"]``, shape ``(n_worlds, n_members, n, 3)``.
+    """
+
+    @staticmethod
+    def foresee(group: Group, model: Model, response: Response, shard: Shard) -> None:
+        """Write into ``response`` what the drives of its members will still do; several disturbances act in turn."""
+
+
+class ShieldKind(Protocol):
+    """What stands between a learner's commands and its drive, and changes those that are not safe.
+
+    ``group.scan`` has the scans of its members, those of the first range sensor of each.
+    """
+
+    @staticmethod
+    def prepare(group: Group, response: Response, model: Model, n_slots: int) -> None:
+        """Make room in ``group.arrays``.
+
+        Args:
+            response: What the drives of the members will still do; it is renewed before each call of ``shield``.
+            n_slots: Threads that may work at once, each with a number, ``shard.slot``: scratch needs a row for each.
+        """
+
+    @staticmethod
+    def shield(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Change the members' ``state.command``, and write whether into ``group.arrays["acted"]``, 0 or 1.
+
+        Its shape is ``(n_worlds, n_learners)``; ``response.place`` says which of them a body is.
+        """
+
+
 DRIVE = Contract(DriveKind, (Steers, NamesCommand, MirrorsCommand), mirror_problems)
 BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins, Appears))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
 PLACEMENT = Contract(PlacementKind, (Confirms,))
 MAP = Contract(MapKind, (DrawsMaps,))
 SENSOR = Contract(SensorKind, (Begins, Reports))
-DISTURBANCE = Contract(DisturbanceKind)
+DISTURBANCE = Contract(DisturbanceKind, (Foreseen,))
+SHIELD = Contract(ShieldKind)

@@ -121,6 +121,22 @@ def check_action(scenario: Scenario, agents: Sequence[int], action: object, repo
         report.add(("action", "lateral"), message)
 
 
+def check_shield(scenario: Scenario, agents: Sequence[int], merged: Merged) -> None:
+    """Report learners that no shield can stop in time."""
+    for body in (scenario.bodies[b] for b in agents):
+        if not any(sensor.reading == "ranges" for sensor in body.sensors):
+            problem = "has a shield and no range sensor; add sensors: [{name: lidar2d}] to it"
+        elif any(low > 0.0 for low in body.vel_min) or any(high < 0.0 for high in body.vel_max):
+            problem = (
+                f"has a shield and cannot stand still: vel_min is {show(body.vel_min)}, vel_max {show(body.vel_max)}"
+            )
+        elif not hasattr(type(body.kinematics), "drive"):
+            problem = "has a shield, which does not know how its drive moves"
+        else:
+            continue
+        merged.outside.append((scenario.source.title, Problem(body.line, body.name, problem)))
+
+
 def check_prediction(scenario: Scenario, agents: Sequence[int], terms: Terms, report: Report) -> None:
     """Report observations and drives that cannot be predicted."""
     for place, item in terms["observations"]:

@@ -135,8 +135,9 @@ def _normal(tree: Node) -> Node:
         if key in children and isinstance(children[key].value, list):
             items = [_named(item) for item in children[key].value]
             children[key] = Node(tree.layer, children[key].place, items)
-    if "action" in children:
-        children["action"] = _named(children["action"])
+    for key in ("action", "shield"):
+        if key in children:
+            children[key] = _named(children[key])
     return Node(tree.layer, tree.place, children)
 
 
@@ -157,7 +158,7 @@ def _over(base: Node, over: Node, complaints: list[tuple[Node, str]]) -> Node:
             children[key] = node
         elif key in LISTS and isinstance(known.value, list) and isinstance(node.value, list):
             children[key] = _over_items(known, node, key, complaints)
-        elif key == "action":
+        elif key in ("action", "shield"):
             children[key] = _over_options(known, node)
         else:
             children[key] = node

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from irsim_gym.base.errors import Problem, ScenarioError, UnknownNameError
-from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS, SHIELDS
 from irsim_gym.base.options import kind, option
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.validation import Report, build, build_named
@@ -17,7 +17,14 @@ from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import MissingFileError, Place, Source, read_file, read_mapping
 from irsim_gym.tasks.definition.audit import Sharing, check_audit
-from irsim_gym.tasks.definition.checks import check_action, check_fit, check_prediction, check_terms, choose_agents
+from irsim_gym.tasks.definition.checks import (
+    check_action,
+    check_fit,
+    check_prediction,
+    check_shield,
+    check_terms,
+    choose_agents,
+)
 from irsim_gym.tasks.definition.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -25,6 +32,8 @@ FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS
 LONGEST_CHAIN = 8
 LONGEST = 10.0
 """Longest time that is predicted [s]."""
+CARRIED = ("observation_form", "ended", "team_reward", "deadlock_speed", "deadlock_time", "near", "predict")
+"""Options that a task has as they are."""
 _CHANGES = "; changes the terms of the named task by name."
 
 
@@ -66,7 +75,11 @@ class TaskOptions:
     audit: bool = option(
         True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
     )
+    near: float | None = option(
+        None, ge=0.0, unit="m", meaning="Closer to another body a step costs 1 (info['cost']); default: no costs."
+    )
     action: Any = option("velocity", meaning="What a learner commands.")
+    shield: Any = option(None, meaning="What stands between a learner's commands and its drive.")
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
     rewards: tuple[Any, ...] = option((), meaning=f"Reward terms; the reward is their sum{_CHANGES}")
     endings: tuple[Any, ...] = option((), meaning=f"What ends an episode, besides the time limit{_CHANGES}")
@@ -95,6 +108,8 @@ class Task:
         team_reward: Share of each reward term that is the mean over the agents of a world.
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
         deadlock_time: Time after which a stalled agent is deadlocked [s].
+        shield: Instance of a registered shield; None without one.
+        near: Clearance below which a step costs 1 [m]; None if nothing does.
         predict: Time until a command acts, for which observations are predicted [s]; True for each level's latency.
     """
 
@@ -111,6 +126,8 @@ class Task:
     deadlock_speed: float = 0.05
     deadlock_time: float = 5.0
     names_agents: bool = False
+    shield: Any = None
+    near: float | None = None
     predict: float | bool = False
 
 
@@ -140,8 +157,10 @@ def load_task(
     name, layers = _layers(scenario, task)
     merged = merge(layers, strict=scenario.strict)
     report, data = merged.report, merged.data
-    options = build(TaskOptions, data, (), report, skip={"name", "action", *FAMILIES})
+    options = build(TaskOptions, data, (), report, skip={"name", "action", "shield", *FAMILIES})
     action = build_named(ACTIONS, data.get("action", {"name": "velocity"}), ("action",), report)
+    asked = data.get("shield")
+    shield = scenario.shield or (build_named(SHIELDS, asked, ("shield",), report) if asked is not None else None)
     terms = {key: _terms(family, key, data, report) for key, family in FAMILIES.items()}
     is_sound = not report.problems and not merged.outside
     if options is not None:
@@ -149,6 +168,8 @@ def load_task(
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
+            if shield is not None:
+                check_shield(scenario, agents, merged)
             if options.predict:
                 check_prediction(scenario, agents, terms, report)
         if is_sound:
@@ -158,7 +179,7 @@ def load_task(
     merged.refuse(_title(scenario))
     warn_of_keys(_title(scenario), merged.ignored(_title(scenario)))
     assert options is not None
-    parts = {key: tuple(item for _, item in items) for key, items in terms.items()}
+    parts: dict[str, Any] = {key: tuple(item for _, item in items) for key, items in terms.items()}
     limit = options.max_steps if max_steps is None else max_steps
     return Task(
         name,
@@ -166,13 +187,9 @@ def load_task(
         limit,
         action,
         **parts,
-        observation_form=options.observation_form,
-        ended=options.ended,
-        team_reward=options.team_reward,
-        deadlock_speed=options.deadlock_speed,
-        deadlock_time=options.deadlock_time,
+        **{name: getattr(options, name) for name in CARRIED},
         names_agents=bool(options.agents),
-        predict=options.predict,
+        shield=shield,
     )
 
 

@@ -14,8 +14,8 @@ def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeSta
     """Begin an episode for the agents that ``began`` flags.
 
     Reads: state (goal_distance, pose), episode (began, clearance).
-    Writes: episode (arrival, deadlocked, goal_distance, hit, hit_kind, min_clearance, outcome, over, path_length,
-        position, reward, reward_term, stalled, steps, success, terminated, truncated).
+    Writes: episode (arrival, deadlocked, extra, goal_distance, hit, hit_kind, min_clearance, outcome, over,
+        path_length, position, reward, reward_term, stalled, steps, success, terminated, truncated).
 
     Args:
         worlds: The worlds to treat.
@@ -35,6 +35,8 @@ def begin_episodes(worlds: Ints, agents: Ints, state: State, episode: EpisodeSta
             episode.terminated[w, a], episode.truncated[w, a] = False, False
             for k in range(episode.reward_term.shape[2]):
                 episode.reward_term[w, a, k] = 0.0
+            for k in range(episode.extra.shape[2]):
+                episode.extra[w, a, k] = 0
             episode.reward[w, a] = 0.0
 
 
@@ -67,6 +69,36 @@ def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
     for w in worlds:
         for a in range(episode.clearance.shape[1]):
             episode.clearance[w, a] = max(episode.min_clearance[w, a], minded)
+
+
+@kernel
+def count_shielded(worlds: Ints, acted: Ints, column: int, episode: EpisodeState) -> None:
+    """Count the steps in which the shield has changed the command of an agent whose episode is running.
+
+    Reads: episode (extra, outcome).
+    Writes: episode (extra).
+
+    Args:
+        worlds: The worlds to treat.
+        acted: Whether it has, 0 or 1, ``(n_worlds, n_agents)``.
+        column: Where its count stands.
+    """
+    for w in worlds:
+        for a in range(acted.shape[1]):
+            episode.extra[w, a, column] += acted[w, a] if episode.outcome[w, a] == RUNNING else 0
+
+
+@kernel
+def note_cost(worlds: Ints, near: float, column: int, episode: EpisodeState) -> None:
+    """Write the cost of a step, 1 with a contact or a clearance below ``near`` [m]; 0 for an episode that had ended.
+
+    Reads: episode (clearance, hit, over).
+    Writes: episode (extra).
+    """
+    for w in worlds:
+        for a in range(episode.over.shape[1]):
+            costs = episode.hit[w, a] >= 0 or episode.clearance[w, a] < near
+            episode.extra[w, a, column] = 1 if costs and not episode.over[w, a] else 0
 
 
 @kernel

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.simulator.engine.shielding import lay_shield
 from irsim_gym.simulator.running.direct import Direct
 from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.simulator.world.state import State as WorldState
@@ -21,6 +22,7 @@ from irsim_gym.tasks.episodes.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.episodes.prediction import Predictor
 from irsim_gym.tasks.episodes.transition import transition_of
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
+from irsim_gym.tasks.terms.episode_state import EXTRAS
 from irsim_gym.tasks.terms.outcome import PRECEDENCE
 from irsim_gym.tasks.terms.term import IsImage, MindsClearance, Remembers, Term, is_paid_on_the_way
 
@@ -40,6 +42,7 @@ class Episodes:
         observation_terms: Name, lower and upper bounds of each part of the observation, in order; images have no
             columns and are only in ``view.percepts``.
         reward_names: Names of the reward terms, in order.
+        extra_names: Names of the infos that only this task has, in order.
         agent_names: Names of the agents' bodies, in order.
         action_sizes: Number of components of each agent's actions, shape ``(n_agents,)``; further ones are ignored.
         feature_mask: Columns of the observation that each agent has, shape ``(n_agents, n_features)``; the others are
@@ -67,21 +70,25 @@ class Episodes:
         self._rewards = bind(REWARDS, task.rewards, simulation, task)
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
+        self._shielding = None if task.shield is None else lay_shield(simulation, task.shield, self._agents)
+        has = {"shield": task.shield is not None, "cost": task.near is not None}
+        self.extra_names = tuple(name for name in EXTRAS if has[name])
         self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
         self._on_the_way = np.array([is_paid_on_the_way(reward) for reward in task.rewards], np.bool_)
         terms = [*self._observations, *self._rewards]
-        self._minded_clearance = max(
-            (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance)), default=0.0
-        )
+        minded = (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance))
+        self._minded_clearance = max(minded, default=0.0)
+        self._minded_clearance = max(self._minded_clearance, task.near or 0.0)
         self._remembering = [term for term in terms if isinstance(term.options, Remembers)]
         self.observation_terms, self.feature_mask = place_observations(self._observations, simulation)
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
-        self.view = transition_of(self.state, images)
+        self.view = transition_of(self.state, images, self.extra_names)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
+        kinds += [] if task.shield is None else [type(task.shield)]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._begin_agents))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
@@ -322,6 +329,9 @@ class Episodes:
         commands.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
             commands.turn_commands(shard.worlds, self._turned, self.simulation.state)
+        if self._shielding is not None:
+            self._shielding.act(self.simulation, shard)
+            account.count_shielded(shard.worlds, self._shielding.acted, self.extra_names.index("shield"), state)
 
     def _record_step(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state
@@ -335,6 +345,8 @@ class Episodes:
             self.task.deadlock_speed,
             self.task.deadlock_time,
         )
+        if self.task.near is not None:
+            account.note_cost(shard.worlds, self.task.near, self.extra_names.index("cost"), state)
 
     def _observe(self, shard: Shard) -> None:
         if self._predictor is not None:
@@ -360,6 +372,7 @@ class Episodes:
                 "action": self._size,
                 "ending": len(self._endings),
                 "reward": len(self._rewards),
+                "extra": len(self.extra_names),
                 "feature": self.n_features,
             }
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,7 +48,8 @@ class Transition:
         over: Whether the agent's episode had ended before the step, so that its row is no experience, shape
             ``(n_worlds, n_agents)``.
         infos: Arrays of shape ``(n_worlds, n_agents)``: outcome, hit, hit_kind, path_length [m], min_clearance [m],
-            goal_distance [m], is_success, steps, stalled [s], deadlocked, level.
+            goal_distance [m], is_success, steps, stalled [s], deadlocked, level; some tasks have those of
+            ``EXTRAS``, too.
         images: The agents' images, by the name of their observation, uint8, shape
             ``(n_worlds, n_agents, height, width, n_channels)`` each.
     """
@@ -73,12 +74,13 @@ class Transition:
         return ~(self.terminated | self.truncated)
 
 
-def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transition:
+def transition_of(state: EpisodeState, images: Mapping[str, Bytes], extras: Sequence[str] = ()) -> Transition:
     """Return the view of a task's arrays for learners.
 
     Args:
         state: The state of the episodes.
         images: Images by name, see ``Percepts``.
+        extras: Names of the columns of ``state.extra``.
     """
     infos = {
         "outcome": state.outcome,
@@ -92,6 +94,7 @@ def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transitio
         "stalled": state.stalled,
         "deadlocked": state.deadlocked,
         "level": state.level,
+        **{name: state.extra[:, :, k] for k, name in enumerate(extras)},
     }
     return Transition(
         state.observation, state.reward, state.terminated, state.truncated, state.reward_term, state.over, infos, images

@@ -8,6 +8,12 @@ import numpy as np
 from irsim_gym.base.arraytypes import Flags, Floats, Ints, Rays, Words
 from irsim_gym.simulator.world.arrays import Arrays, column
 
+EXTRAS = {
+    "shield": "steps of the episode in which the shield has changed the command",
+    "cost": "1 in a step with a contact, or nearer to another body than the task's ``near``; else 0",
+}
+"""What infos of some tasks hold besides, and what it means."""
+
 
 @dataclass(repr=False)
 class EpisodeState(Arrays):
@@ -18,6 +24,7 @@ class EpisodeState(Arrays):
         ("outcome", "hit", "hit_kind", "steps", "level"),
         ("success", "deadlocked"),
         ("reward_term",),
+        ("extra",),
         ("reward",),
         ("terminated", "truncated"),
     )
@@ -56,5 +63,6 @@ class EpisodeState(Arrays):
     terminated: Flags = column("world agent", np.bool_, "", "the task has ended")
     truncated: Flags = column("world agent", np.bool_, "", "the time limit has truncated the episode")
     reward_term: Floats = column("world agent reward", np.float64, "", "weighted reward terms of the latest step")
+    extra: Ints = column("world agent extra", np.int64, "", "what this task alone tells, see EXTRAS")
     reward: Floats = column("world agent", np.float64, "", "their sum")
     observation: Rays = column("world agent feature", np.float32, "", "observations of the agents, in [-1, 1]")

@@ -182,6 +182,7 @@ MISSING = {
     "PLACEMENTS": ["'is_random'", "'roams'", "'ensures_way'", "'gives_goal'", "prepare(", "draw(", "failed)"],
     "MAPS": ["'is_random'", "outline()", "occupied(width, height, name, find)"],
     "DISTURBANCES": ["'acts_on'", "disturb(group, model, state, shard)"],
+    "SHIELDS": ["prepare(group, response, model, n_slots)", "shield(group, model, state, shard)"],
     "SENSORS": ["'reading'", "group_key()", "prepare(group, outlines, model, n_slots)", "sense("],
     "ACTIONS": ["'n_choices'", "act("],
     "OBSERVATIONS": ["'needs_goal'", "'needs'", "write(", "'image_shape'"],

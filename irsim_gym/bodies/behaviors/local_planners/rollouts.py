@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Floats, Record
 from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.simulator.geometry.overlap import point_outline_distance
+from irsim_gym.simulator.geometry.overlap import is_round, point_outline_distance
 from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model, State, kernel, row_of
 
 LANES = 16
@@ -176,14 +176,6 @@ def gap_at(
                 x, y = poses.cosine[k] * dx + poses.sine[k] * dy, poses.cosine[k] * dy - poses.sine[k] * dx
                 best = min(best, point_outline_distance((x, y), outline))
     return best
-
-
-@kernel
-def is_round(outline: BodyOutline) -> bool:
-    """Return whether an outline is a single disc about the origin."""
-    if outline.n_segments != 0 or outline.n_discs != 1:
-        return False
-    return bool(outline.discs[outline.first_disc, 0] == 0.0 and outline.discs[outline.first_disc, 1] == 0.0)
 
 
 @kernel
