@@ -188,7 +188,7 @@ def run_evaluation(
     how: dict[str, Any] = {"levels": levels, "split": split, "references": references}
     found = evaluate_policies(asked, methods, folder=folder, **how)
     print_evaluation(found)
-    print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
+    print(f"rows, summary and table: {folder}")
     return found
 
 
