@@ -221,6 +221,12 @@ def test_who_uses_a_policy_is_told_that_its_scenario_has_changed(monkeypatch: py
     assert load_scenario(run.own_settings().scenario).world.step_time == 0.1
 
 
+def test_a_run_under_disturbances_is_scored_under_them() -> None:
+    settings = replace(asked().settings(), parameters={"disturbances": "latency:time=0.2"})
+    own = train(settings, Path("run")).own_settings()
+    assert [type(one).__name__ for one in own.load().disturbances] == ["Latency"]
+
+
 def test_going_on_from_a_policy_with_other_settings(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     first = asked().settings()
     wanted = replace(first, hyperparameters=replace(first.hyperparameters, normalize={"norm_reward": True}))
