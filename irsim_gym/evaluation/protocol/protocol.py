@@ -11,7 +11,7 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.measures.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.measures.motion import MotionLog
 from irsim_gym.evaluation.measures.optimum import Optima
-from irsim_gym.evaluation.measures.trajectories import Watcher
+from irsim_gym.evaluation.measures.watcher import Watcher
 from irsim_gym.evaluation.policies.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.engine import Simulation
