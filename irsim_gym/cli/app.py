@@ -183,7 +183,7 @@ def play(
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
-    """Drive a robot by hand in a window, level after level, or watch a policy. The window lists the keys; esc quits."""
+    """Drive a robot by hand in a window, level after level, or watch a policy. It lists the keys; esc quits."""
     from irsim_gym.cli.play.manual_play import PlaySettings
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 
