@@ -50,8 +50,8 @@ TESTS = {
         *(f"tests/tasks/test_{name}.py" for name in ("observations", "clear_ways", "seen_map", "ways_and_memory")),
         *(f"tests/tasks/test_{name}.py" for name in ("yielding_way", "team_navigation", "sight", "obstruction")),
         *("tests/evaluation/test_certificate_measures.py", "tests/envs/test_mirror.py", "tests/training/test_gru.py"),
-        *("tests/envs/contracts/test_levels_from_files.py"),
-        *("tests/envs/contracts/test_mirror_callback.py"),
+        "tests/envs/contracts/test_levels_from_files.py",
+        "tests/envs/contracts/test_mirror_callback.py",
     ),
 }
 """Files and folders of tests that are tried, by the part that is mutated."""
