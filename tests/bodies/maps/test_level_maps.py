@@ -195,6 +195,8 @@ def test_shelves_stand_in_the_middle_with_aisles_between_them() -> None:
             expected[i : i + 3, j] = True
     maps = drawn(40, (16, 12), **given, missing=[0, 0])
     assert (maps == expected).all()
+    tiny = {**given, "aisle": 0.2, "shelf": [3, 0.2]}  # one cell each, as it cannot be less
+    assert (drawn(2, (16, 12), **tiny, missing=[0, 0]) == expected).all()
     some = drawn(40, (16, 12), **given, missing=[0.5, 0.5])
     assert not (some & ~expected).any()
     assert abs(some[:, 2:13:4, 2:9:2].mean() - 0.5) < 4.0 * 0.5 / np.sqrt(40 * 12)
