@@ -80,7 +80,12 @@ def test_the_level_begins_again_with_those_who_vanished_and_the_goals_that_it_ha
 
 
 def test_who_begins_anew_has_forgotten_its_goals_contacts_and_motion_and_nobody_else() -> None:
-    car = {**DISC, "kinematics": {"name": "acker", "wheelbase": 1}, "state": [2, 2, 0, 0.1], "goal": [[4, 2, 0], [8, 2, 0]]}
+    car = {
+        **DISC,
+        "kinematics": {"name": "acker", "wheelbase": 1},
+        "state": [2, 2, 0, 0.1],
+        "goal": [[4, 2, 0], [8, 2, 0]],
+    }
     simulation = begun([car, {**car, "state": [2, 8, 0, 0.1]}])
     state = simulation.state
     for b in range(2):
