@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 import irsim_gym as ig
+from irsim_gym.bodies.maps.cells import RandomCells
 from irsim_gym.bodies.maps.rooms import choose_room
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.simulator.cell_paths.queries import free_path_length
@@ -203,6 +205,13 @@ def test_shelves_stand_in_the_middle_with_aisles_between_them() -> None:
     turned = drawn(40, (14, 14), **{**given, "turn": True}, missing=[0, 0])
     assert {one.tobytes() for one in turned} == {turned[0].tobytes(), turned[0].T.tobytes()}
     assert (turned[0] != turned[0].T).any()
+
+
+@pytest.mark.parametrize("border", [True, False])
+def test_what_is_occupied_in_every_level_is_the_border_alone(border: bool) -> None:
+    """4 by 3 cells, of which two are inside."""
+    occupied = RandomCells(resolution=0.5, border=border).occupied(2.0, 1.5, "yard", Path)
+    assert occupied.tolist() == [[border] * 3, [border, False, border], [border, False, border], [border] * 3]
 
 
 def test_worlds_that_go_on_keep_their_maps_and_pictures() -> None:
