@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from test_pursuit import DISC, SEEN, begun, options, wall
 
+from irsim_gym.base.kernels import kernel
 from irsim_gym.bodies.behaviors.pursuit.commands import ackermann_command, braking_command, command_to
 from irsim_gym.bodies.behaviors.pursuit.follow import BACK_STEPS, Course, bearing_to, careful_command, follow
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving, can_stop, moving_of
@@ -16,7 +17,7 @@ from irsim_gym.bodies.behaviors.pursuit.seen import way_is_blocked
 from irsim_gym.bodies.behaviors.pursuit.tables import PATIENCE, find_way, place_beside
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.paths.clearance import Obstacles
-from irsim_gym.simulator.paths.points import add_point, points_of
+from irsim_gym.simulator.paths.points import PointMap, add_point
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 
 QUARTER = 0.5 * np.pi
@@ -107,11 +108,17 @@ def test_a_car_that_drives_back(by_rate: bool, second: float, ahead: float, asid
     assert ackermann_command(plain(), body, ahead, aside, 9.0, 9.0, -0.5) == pytest.approx((*command, 0))
 
 
+@kernel
+def velocity_of(model: Any, state: Any) -> tuple[float, float, float]:
+    velocity = moving_of(model, state, 0, 0, False).velocity
+    return velocity[0], velocity[1], velocity[2]
+
+
 @pytest.mark.parametrize(("drive", "expected"), [("diff", [0.1, 0.2, 0.3]), ("omni", [0.4, 0.5, 0.6])])
 def test_the_velocity_is_in_the_coordinates_of_the_command(drive: str, expected: list[float]) -> None:
     simulation = begun({"kinematics": {"name": drive}, "state": [1, 1, 0], "goal": [9, 9]}, [])
     simulation.state.velocity[0, 0], simulation.state.twist[0, 0] = [0.1, 0.2, 0.3], [0.4, 0.5, 0.6]
-    assert moving_of(simulation.model, simulation.state, 0, 0, False).velocity.tolist() == expected
+    assert list(velocity_of(simulation.model, simulation.state)) == expected
 
 
 def test_a_step_that_ends_beyond_a_wall_is_seen() -> None:
@@ -254,7 +261,8 @@ def test_what_was_seen_blocks_the_rest_of_a_way(pose: Any, point: Any, blocked: 
     tables.points[0, 0, :3], tables.count[0, 0], tables.margin[0, 0] = [[1, 5], [5, 5], [5, 8]], 3, 0.1
     tables.side[0, 0] = 1 if pose[0] == 5 else 0
     simulation.state.pose[0, 0, :2] = pose
-    points = points_of(tables.seen, 0, 0)
+    seen = tables.seen
+    points = PointMap(seen.x, seen.y, seen.side, seen.places[0, 0], seen.filled[0, 0])
     add_point(points, (float(point[0]), float(point[1])), (0.0, 0.0))
     obstacles = Obstacles(simulation.model, simulation.state, 0, tables.standing[0], None, points)
     assert way_is_blocked(obstacles, 0.2, tables, 0, 0, 0) == blocked
