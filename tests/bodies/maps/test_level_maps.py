@@ -13,6 +13,7 @@ from scipy.sparse import csgraph
 
 import irsim_gym as ig
 from irsim_gym.bodies.maps.cells import RandomCells
+from irsim_gym.bodies.maps.level import LevelMap
 from irsim_gym.bodies.maps.rooms import choose_room
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.simulator.cell_paths.queries import free_path_length
@@ -78,6 +79,25 @@ def test_batches_threads_and_recorded_steps_are_single_worlds(kind: str) -> None
             n = batch["n_boxes"][2]
             here, there = here[:n], there[:n]
         np.testing.assert_array_equal(here, there, err_msg=name)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_thread_draws_in_memory_of_its_own(kind: str) -> None:
+    """The second slot draws what the first one drew from the same stream, and writes nothing of the first one's."""
+    sim = simulation(kind, 2, num_threads=2)
+    (group,) = sim.parts.maps
+    drawn = []
+    for slot, other in ((0, 1), (1, 0)):
+        sim.state.random[:] = 5
+        scratch = {name: getattr(group.tables, name) for name in ("occupied", "before", "line", "order")}
+        before = {name: array[other].copy() for name, array in scratch.items()}
+        LevelMap.draw(group, sim.model, sim.state, Shard(np.array([1]), slot))
+        drawn.append(occupied_cells(sim, 1).copy())
+        for name, array in scratch.items():
+            np.testing.assert_array_equal(array[other], before[name], err_msg=name)
+        assert np.array_equal(group.tables.occupied[slot], drawn[-1])
+    np.testing.assert_array_equal(*drawn)
+    assert (drawn[0] != occupied_cells(sim, 0)).any()
 
 
 @pytest.mark.parametrize("kind", KINDS)
