@@ -126,7 +126,6 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     "decision/pursuit_seen": partial(decision, "dense_room", "pursuit:known=seen"),
     "decision/hybrid_astar": partial(decision, "parking", "hybrid_astar"),
     "decision/dwa": partial(decision, "dense_room", "dwa"),
-    "decision/mppi": partial(decision, "dense_room", "mppi"),
     "training_share/cluttered_room": training_share,
     "training_noop/s1": training_noop,
 }

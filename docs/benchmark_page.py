@@ -94,8 +94,8 @@ def _made(record: SuiteRecord) -> str:
     return (
         f"`irsim-gym suite run full,shift,singletons {methods} --levels {record.levels}`\n\n"
         f"irsim_gym {machine['versions']['irsim_gym']}, {machine['processor']}. `random` draws each action, `dash`\n"
-        "drives straight at its goal. Behaviours know the state of the world (`pursuit:known=seen`, `dwa` and `mppi`:\n"
-        "what they have scanned), and learn nothing. A dash: not played, or the policy cannot drive these robots;\n"
+        "drives straight at its goal. Behaviours know the state of the world (`pursuit:known=seen`, `dwa`: what\n"
+        "they have scanned), and learn nothing. A dash: not played, or the policy cannot drive these robots;\n"
         "where it was tried, a note of the benchmark says why it cannot.\n"
     )
 

@@ -73,7 +73,6 @@ def test_environments_films_pages_and_policies_on_the_shelf_need_no_extra(tmp_pa
     ("words", "extra"),
     [
         (["train", "cluttered_room"], "train"),
-        (["train", "cluttered_room", "--engine", "rllib"], "rllib"),
         (["demo"], "train"),
         (["tune", "cluttered_room"], "tune"),
         (["policies", "export", "policy.zip", "mine"], "train"),

@@ -67,7 +67,6 @@ def describe(
     scenario: opt.Scenario,
     task: opt.Task = None,
     as_json: Annotated[bool, typer.Option("--json", help=opt.HELP["describe as_json"])] = False,
-    out: Annotated[Path | None, typer.Option("--out", "--picture", help=opt.HELP["describe out"])] = None,
     team: Annotated[bool, typer.Option("--team", help=opt.HELP["describe team"])] = False,
     given: opt.Given = None,
     lenient: opt.Lenient = False,
@@ -77,7 +76,7 @@ def describe(
     from irsim_gym.cli.work.describe import describe_scenario
 
     asked = scenario_request(scenario, task, team, given, lenient)
-    describe_scenario(asked, as_json=as_json, picture=out)
+    describe_scenario(asked, as_json=as_json)
 
 
 app.command()(options)
@@ -129,7 +128,6 @@ def record(
     out: Annotated[Path | None, typer.Option(help=opt.HELP["record out"])] = None,
     overwrite: opt.ReplaceFile = False,
     html: Annotated[bool, typer.Option("--html", help=opt.HELP["record html"])] = False,
-    sheet: Annotated[bool, typer.Option("--sheet", help=opt.HELP["record sheet"])] = False,
     team: opt.Team = False,
     given: opt.Given = None,
     perturb: opt.Perturbed = None,
@@ -138,15 +136,12 @@ def record(
 ) -> None:
     """Film policies on the same levels, side by side.
 
-    With --html, write a replay page with scans and rewards for browsers; with --sheet, write one picture.
+    With --html, write a replay page with scans and rewards for browsers.
     """
     from irsim_gym.cli.work.commands import run_record
 
-    kinds = [kind for kind, wanted in (("replay", html), ("sheet", sheet)) if wanted]
-    if len(kinds) > 1:
-        raise IrsimGymError("--html and --sheet exclude each other: call record once for each")
     asked = scenario_request(scenario, task, team, given, lenient, perturb)
-    run_record(asked, policies, level or [0], split, out, (*kinds, "film")[0], overwrite=overwrite)
+    run_record(asked, policies, level or [0], split, out, "replay" if html else "film", overwrite=overwrite)
 
 
 @app.command()

@@ -61,9 +61,3 @@ Origin = Annotated[
 Device = Annotated[str | None, typer.Option(help=HELP["Device"])]
 DevLevels = Annotated[int, typer.Option(min=0, help=HELP["DevLevels"])]
 TeamMode = Annotated[str | None, typer.Option(help=HELP["TeamMode"])]
-
-EngineName = Annotated[str | None, typer.Option("--engine", help=HELP["EngineName"])]
-Workers = Annotated[int | None, typer.Option(min=0, max=10_000, help=HELP["Workers"])]
-WorldsPerWorker = Annotated[int | None, typer.Option(min=1, max=10**6, help=HELP["WorldsPerWorker"])]
-LearnerGpus = Annotated[int | None, typer.Option(min=0, max=1000, help=HELP["LearnerGpus"])]
-Address = Annotated[str | None, typer.Option(help=HELP["Address"])]

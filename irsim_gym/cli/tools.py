@@ -98,9 +98,9 @@ def read_parameters(settings: Sequence[str] | None, perturbed: Sequence[str] | N
     """
     given: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
     if given or perturbed:
-        from irsim_gym.scenario.reading.parameters import PERTURBED, is_free
+        from irsim_gym.scenario.reading.parameters import PERTURBED, PREDICT, is_free
     for name in given:
-        if not is_free(name) and name != PERTURBED:
+        if not is_free(name) and name not in (PERTURBED, PREDICT):
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )

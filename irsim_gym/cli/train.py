@@ -42,19 +42,14 @@ def train(
     test_levels: opt.TestLevels = 1000,
     mixture: opt.Mixture = False,
     given: opt.Given = None,
+    perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
-    engine: opt.EngineName = None,
-    workers: opt.Workers = None,
-    worlds_per_worker: opt.WorldsPerWorker = None,
-    learner_gpus: opt.LearnerGpus = None,
-    address: opt.Address = None,
 ) -> None:
     """Train a policy, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.cli.work.commands import run_training
     from irsim_gym.cli.work.seed_runs import run_seeds
     from irsim_gym.training.requests.training_request import TrainingRequest
-    from irsim_gym.training.settings.engines import engine_of
     from irsim_gym.training.settings.mixture import requested_mixture
 
     if more_steps is not None and seeds is not None:
@@ -62,14 +57,13 @@ def train(
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given), not lenient),
-        *(device, origin),
-        engine=engine_of(engine, workers, worlds_per_worker, learner_gpus, address),
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given, perturb)),
+        *(not lenient, device, origin),
         changes=read_changes(changes),
         until=until,
     )
     request = request if mixed is None else request.with_mixture(mixed)
-    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels, "address": address}
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     if seeds is None:
         run_training(request, out, more_steps=more_steps, **how)
     else:

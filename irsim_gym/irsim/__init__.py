@@ -20,6 +20,12 @@ from irsim_gym.bodies.behaviors.python.views import BodyView as ObjectBase
 from irsim_gym.irsim.avoidance import DiffRVO, OmniRVO, reciprocal_vel_obs
 from irsim_gym.irsim.base_world import EnvBase
 from irsim_gym.irsim.dashing import AckerDash, DiffDash, OmniAngularDash, OmniDash
+from irsim_gym.irsim.drives import (
+    DifferentialKinematics,
+    KinematicsHandler,
+    differential_kinematics,
+    register_kinematics,
+)
 from irsim_gym.irsim.factory import GeometryFactory
 from irsim_gym.irsim.rotations import (
     ClipTo2Pi,
@@ -60,6 +66,7 @@ __all__ += ["is_convex_and_ordered", "make", "omni_to_diff", "reciprocal_vel_obs
 __all__ += ["register_behavior_class", "register_group_behavior", "register_group_behavior_class", "relative_position"]
 __all__ += ["to_numpy", "transform_point_with_state", "vel_diff2world", "vel_omni2world", "vel_world2diff"]
 __all__ += ["vel_world2omni", "vertices_transform"]
+__all__ += ["DifferentialKinematics", "KinematicsHandler", "differential_kinematics", "register_kinematics"]
 
 EnvBase3D = EnvBase
 """The same class: pictures show a world from above."""

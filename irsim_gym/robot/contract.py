@@ -18,11 +18,12 @@ class _Fixed(BaseModel):
 
 
 class Hashes(_Fixed):
-    """SHA-256 of what belongs together."""
+    """SHA-256 of what belongs together; policy.onnx holds those of the scenario and the policy, too."""
 
     scenario: str = Field(description="Scenario and task, without image files.")
     policy: str = Field(description="The file that was exported.")
     onnx: str = Field(description="policy.onnx.")
+    check: str = Field(description="check.npz.")
 
 
 class ScenarioForm(_Fixed):
@@ -166,13 +167,16 @@ def read_export(folder: Path) -> tuple[RobotContract, bytes]:
     """Return the contract of an export, and the content of its policy.onnx.
 
     Raises:
-        UnreadableFileError: A file is missing or broken, or the two do not belong together.
+        UnreadableFileError: A file is missing or broken, or they do not belong together.
     """
-    file, model = folder / "contract.json", folder / "policy.onnx"
+    from irsim_gym.robot.drive import Driver
+
+    file, model, check = (folder / name for name in ("contract.json", "policy.onnx", "check.npz"))
     with reading(file, "contract of an exported policy"):
         contract = RobotContract.model_validate(json_object(file))
     with reading(model, f"graph of {file}"):
-        content = model.read_bytes()
-        if hashlib.sha256(content).hexdigest() != contract.hashes.onnx:
+        Driver(file)  # compares hashes
+    with reading(check, f"check of {file}"):
+        if hashlib.sha256(check.read_bytes()).hexdigest() != contract.hashes.check:
             raise ValueError("its hash is not that in the contract")
-    return contract, content
+    return contract, model.read_bytes()

@@ -30,6 +30,9 @@ class Driver:
             raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
         options.intra_op_num_threads = 1
         self.session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
+        made_of, hashes = self.session.get_modelmeta().custom_metadata_map, self.contract["hashes"]
+        if others := [name for name in ("policy", "scenario") if made_of.get(name) != hashes[name]]:
+            raise ValueError(f"{contract} says that its policy.onnx was made of another {' and '.join(others)}")
         self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
         self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
         self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf

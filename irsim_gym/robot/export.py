@@ -42,16 +42,20 @@ from irsim_gym.robot.contract import (
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only, steers
+from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
+from irsim_gym.scenario.reading.parameters import PERTURBED
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.tasks.episodes.prediction import steers
 from irsim_gym.tasks.terms.term import NEEDS, needs_of
 from irsim_gym.training.settings.run import run_of
 
 LEVELS, SPLIT = 50, "test"
+LONG_ENOUGH = 100
+"""Steps of a level in which commands are compared, where its outcome does not count."""
 TOLERANCE = 1e-5
 """Greatest difference of a command [m/s, rad/s or rad] between the package and the graph."""
 PERIODS, LOST = 3.0, 0.3
@@ -113,7 +117,7 @@ def export_for_robot(
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
     is_own, asked = asked is None, asked or _trained_in(source, loaded)
     name = policy_names([source])[0]
-    played = Perceived(asked.episodes(min(levels, LEVELS))).of(loaded)
+    played = _played(asked, loaded, min(levels, LEVELS))
     loaded.check(played)
     network = _network(loaded)
     graph = policy_graph(network, played, name)
@@ -132,12 +136,13 @@ def export_for_robot(
         results = results_of(GraphPolicy(graph), played, levels)
     elif is_own:
         results = _known_results(loaded) or results
-    hashes = Hashes(scenario=scenario_hash(asked), policy=policy_digest(source) or "", onnx=_sha256(graph.content))
-    form = _form(played, graph, samples, period)
-    contract = RobotContract(
-        policy=name, hashes=hashes, scenario=_scenario_form(asked), predict=predict, results=results, **form
-    )
-    _write(folder, contract, graph, samples, played, node)
+    made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
+    model, check = _marked(graph.content, made_of), io.BytesIO()
+    np.savez_compressed(check, **dict[str, Any](samples))
+    hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
+    form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
+    _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
@@ -167,7 +172,16 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
     scenario = among_discs(loaded, played)
     if scenario is loaded:
         return played
-    return Perceived(replace(asked, scenario=scenario, parameters=None).episodes(played.n_worlds)).of(policy)
+    among = _played(replace(asked, scenario=scenario, parameters=None), policy, played.n_worlds)
+    among.limit(min(LONG_ENOUGH, among.task.max_steps))
+    return among
+
+
+def _played(asked: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
+    """Return worlds for a policy without disturbances from outside and predictions: on a robot, the graph predicts."""
+    kept = {name: value for name, value in (asked.parameters or {}).items() if name != PERTURBED}
+    played = Perceived(replace(asked, parameters=kept).episodes(n_worlds)).of(policy)
+    return Episodes(played.simulation, replace(played.task, predict=False)) if played.task.predict else played
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
@@ -249,7 +263,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         "bodies": None if rows is None else BodiesForm(source="tracked", most=most, moving=sees_moving_only(played)),
         "robot": RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
-            steers=steers(played, b),
+            steers=steers(played.simulation, b),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
             radius=float(model.reach[0, b]),
             radii=(float(model.reach[0, b]),) * 2,
@@ -296,19 +310,20 @@ def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
+def _marked(content: bytes, made_of: Mapping[str, str]) -> bytes:
+    """Return a graph that holds the hashes of what it was made of."""
+    from onnx import helper, load_from_string
+
+    model = load_from_string(content)
+    helper.set_model_props(model, dict(made_of))
+    return bytes(model.SerializeToString())
+
+
 def _write(
-    folder: Path,
-    contract: RobotContract,
-    graph: PolicyGraph,
-    samples: Mapping[str, NDArray[Any]],
-    played: Episodes,
-    node: str | None,
+    folder: Path, contract: RobotContract, contents: Mapping[str, bytes], played: Episodes, node: str | None
 ) -> None:
-    check = io.BytesIO()
-    arrays: dict[str, Any] = dict(samples)
-    np.savez_compressed(check, **arrays)
-    write_bytes(folder / "policy.onnx", graph.content)
-    write_bytes(folder / "check.npz", check.getvalue())
+    for name, content in contents.items():
+        write_bytes(folder / name, content)
     for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")

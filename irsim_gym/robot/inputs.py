@@ -10,7 +10,7 @@ from irsim_gym.base.arraytypes import Flags, Floats, Rays
 from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
 from irsim_gym.scenario import Scenario
-from irsim_gym.simulator.world.model import ACKERMANN, OMNI_WORLD, Model
+from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 from irsim_gym.tasks.terms import Term
@@ -23,12 +23,6 @@ def limits_of(episodes: Episodes) -> tuple[Floats, Floats]:
     """Return the least and the greatest command of the first agent, each ``(n_components,)``."""
     model, b, size = episodes.simulation.model, episodes.task.agents[0], int(episodes.action_sizes[0])
     return model.velocity_min[0, b, :size], model.velocity_max[0, b, :size]
-
-
-def steers(episodes: Episodes, body: int) -> bool:
-    """Return whether a body is a car whose second command is a steering angle."""
-    drive = episodes.simulation.scenario.bodies[body].kinematics
-    return bool(episodes.simulation.model.drive[body] == ACKERMANN and getattr(drive, "mode", "steer") == "steer")
 
 
 def scanner_of(episodes: Episodes, agent: int = 0) -> tuple[Any, Rays, Floats] | None:

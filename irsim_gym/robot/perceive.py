@@ -99,8 +99,8 @@ class SeenMap:
             x, y = ends(short[valid], self.beams[:, valid])
             hits = (short[valid] < self.most) & self._inside(x, y)
             size = np.array([[2 * self.columns], [2 * self.rows]]) - EDGE
-            rows, columns = _passed(np.array([2.0 * eye_x, 2.0 * eye_y]), 2.0 * np.stack([x, y]), size, hits)
-            doubted[rows, columns] = self.occupied[rows, columns]
+            doubted.flat[_passed(np.array([2.0 * eye_x, 2.0 * eye_y]), 2.0 * np.stack([x, y]), size, hits)] = True
+            doubted &= self.occupied
             self.occupied[doubted] = False
         hits = (self.least < ranges) & (ranges < self.most)
         x, y = ends(ranges[hits], self.beams[:, hits])
@@ -242,8 +242,8 @@ class SeenMap:
         (straight, across, blocked), wide, lines = (costs_of.take(self.flat) for costs_of in steps), self.columns, []
         for side in (1, -1):
             # No cutting of corners: both cells beside a diagonal step must not be blocked.
-            on = np.maximum(across, np.maximum(np.roll(blocked, wide), np.roll(blocked, side)))
-            back = np.maximum(across, np.maximum(np.roll(blocked, -wide), np.roll(blocked, -side)))
+            on = np.maximum(across, np.maximum(_moved(blocked, wide), _moved(blocked, side)))
+            back = np.maximum(across, np.maximum(_moved(blocked, -wide), _moved(blocked, -side)))
             lines.append([_rows(values, wide + side) for values in (costs, on, back)])
         columns = [_rows(values, wide) for values in (costs, straight, straight)]
         lines += [columns, [part.T for part in columns]]
@@ -252,6 +252,11 @@ class SeenMap:
 
 def _rows(values: Array, size: int) -> Array:
     return values[: len(values) // size * size].reshape(-1, size)
+
+
+def _moved(values: Array, by: int) -> Array:
+    """Return what ``np.roll`` does, in a third of its time."""
+    return np.concatenate((values[-by:], values[:-by]))
 
 
 def _surroundings(reach: float) -> tuple[Array, Array]:
@@ -267,11 +272,12 @@ def _surroundings(reach: float) -> tuple[Array, Array]:
     # The farthest corner of the cell is within reach: so is every place in it.
     levels[(dx + 0.5) * (dx + 0.5) + (dy + 0.5) * (dy + 0.5) <= reach * reach] = BLOCKED
     levels[:, (rows == 0) & (columns == 0)] = BLOCKED
-    return np.stack([rows, columns]), levels
+    is_near = levels.any(axis=0)
+    return np.stack([rows, columns])[:, is_near], levels[:, is_near]
 
 
-def _passed(eye: Array, ends: Array, size: Array, hits: Array) -> tuple[Array, Array]:
-    """Return rows and columns of the quarters that beams pass, without those in which they hit.
+def _passed(eye: Array, ends: Array, size: Array, hits: Array) -> Array:
+    """Return the quarters that beams pass, by their places in a flat map, without those in which they hit.
 
     Args:
         eye: Where they begin, x and y [quarters].
@@ -285,16 +291,17 @@ def _passed(eye: Array, ends: Array, size: Array, hits: Array) -> tuple[Array, A
     far = far * np.maximum(part.min(axis=0), 0.0)
     # Along the axis on which a beam goes farther, it passes the cells on both sides of each boundary.
     every, main = np.arange(far.shape[1]), (np.abs(far[1]) > np.abs(far[0])).astype(np.int64)
+    wide = math.ceil(size[0, 0])  # quarters in a row of the map
     major, minor, ahead = eye[main], eye[1 - main], np.where(far[main, every] >= 0.0, 1, -1)
     long, side = far[main, every], far[1 - main, every]
     slope = np.divide(side, long, out=np.zeros_like(side), where=long != 0.0)
     begin, end, last = major.astype(np.int64), (major + long).astype(np.int64), (minor + side).astype(np.int64)
-    meets = minor + (begin + (ahead > 0) - major) * slope
-    count = np.abs(end - begin)
-    beam, n = np.nonzero(np.arange(count.max(initial=0)) < count[:, None])
-    across, along = (meets[beam] + n * (ahead * slope)[beam]).astype(np.int64), begin[beam] + n * ahead[beam]
-    across, along = np.concatenate([last, across, across]), np.concatenate([end, along, along + ahead[beam]])
-    beam = np.concatenate([every, beam, beam])
-    kept = hits[beam] & (along == end[beam]) & (across == last[beam])
-    cells = np.where(main[beam] == 1, [along, across], [across, along])[:, ~kept]
-    return cells[0], cells[1]
+    meets, count = minor + (begin + (ahead > 0) - major) * slope, np.abs(end - begin)[:, None]
+    n = np.arange(count.max(initial=0))
+    across = (meets[:, None] + n * (ahead * slope)[:, None]).astype(np.int64)
+    along_step, across_step = np.where(main == 1, wide, 1), np.where(main == 1, 1, wide)
+    cells = (begin[:, None] + n * ahead[:, None]) * along_step[:, None] + across * across_step[:, None]
+    passes = n < count
+    hit_there = hits[:, None] & (n == count - 1) & (across == last[:, None])
+    beyond = (cells + (ahead * along_step)[:, None])[passes & ~hit_there]
+    return np.concatenate([(end * along_step + last * across_step)[~hits], cells[passes], beyond])

@@ -72,13 +72,13 @@ def policy_graph(
         robot, pending = predicted(robot, episodes, pending_spans(predict, period or float(model.step_time[0])))
     action = _action(network_graph(policy, graph, _seen(episodes, robot)), episodes)
     command = action.cast(np.float64) * half + middle
-    if predict > 0.0:
-        n_pending = len(graph.starts["pending"])
-        graph.keep("pending", graph.join([pending.columns(1, n_pending), command.spread(1)]))
     if model.drive[b] == OMNI_WORLD and episodes.task.action.frame == "command":
         heading = measured.pose.columns(2, 3)
         cosine, sine, x, y = heading.op("Cos"), heading.op("Sin"), command.columns(0, 1), command.columns(1, 2)
         command = graph.join([cosine * x + sine * y, cosine * y - sine * x])
+    if predict > 0.0:
+        n_pending = len(graph.starts["pending"])
+        graph.keep("pending", graph.join([pending.columns(1, n_pending), command.spread(1)]))
     graph.keep("action", action)
     graph.output("command", command.cast(np.float32), len(low))
     found = graph.model(name)

@@ -11,9 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
-from irsim_gym.robot.inputs import scanner_of, steers
+from irsim_gym.robot.inputs import scanner_of
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.episodes.prediction import steers
 from irsim_gym.tasks.terms.graph import RobotValues, Value, between_edges
 
 
@@ -59,7 +60,7 @@ def _twist(velocity: Value, episodes: Episodes, body: int) -> tuple[Value, Value
     if drive == DIFFERENTIAL:
         return first, first * 0.0, second
     if drive == ACKERMANN:
-        if steers(episodes, body):
+        if steers(episodes.simulation, body):
             slope = second.op("Sin") / second.op("Cos")
             second = first * slope / float(episodes.simulation.model.wheelbase[body])
         return first, first * 0.0, second

@@ -70,6 +70,9 @@ def seconds(stamp: Any) -> float:
 
 def pose(pose: Any) -> Any:
     """Return a geometry_msgs/Pose as x, y [m] and heading [rad], (1, 3)."""
-    place, q = pose.position, pose.orientation
-    heading = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-    return np.array([[place.x, place.y, heading]], float)
+    return np.array([[pose.position.x, pose.position.y, heading(pose.orientation)]], float)
+
+
+def heading(q: Any) -> float:
+    """Return the heading of a geometry_msgs/Quaternion [rad]."""
+    return float(np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z)))

@@ -330,6 +330,13 @@ def test_learners_are_disturbed(
         times[name] = next(one for one in summary["policies"] if one["policy"] == "dash")["time"]
     assert summary["conditions"]["parameters"] == {"disturbances": "drive_lag:tau=0.3; latency:time=0.3"}
     assert times["late"] > times["plain"] + 0.5
+    slip = ("--perturb", "slip:ahead=0.3")
+    assert run(monkeypatch, "evaluate", "empty_goal", "dash", "--levels", 3, "--out", "slips", *slip) == 0
+    assert "misplaced" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "slips" / "summary.json").read_text())
+    dash = next(one for one in summary["policies"] if one["policy"] == "dash")
+    assert (dash["success"]["count"], dash["misplaced"]["count"]) == (0, 3)
+    assert dash["end_distance"] > 0.5
     assert run(monkeypatch, "rollout", "empty_goal", "--perturb", "latncy:time=1") == 1
     assert "did you mean 'latency'?" in capsys.readouterr().err
 

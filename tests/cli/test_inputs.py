@@ -62,7 +62,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             ("draw", "cluttered_rom", *WORLD, "--out", "file.txt"),
             (SCENARIO, TASK, SPLIT, "must be a .png, .pdf or .svg file"),
         ),
-        (("describe", "cluttered_rom", "--task", "navigaton", "--picture", "file.txt"), (SCENARIO, TASK, ".svg file")),
+        (("describe", "cluttered_rom", "--task", "navigaton"), (SCENARIO, TASK)),
         (("run", "cluttered_rom", "--film", "film.avi"), (SCENARIO, "a film's name ends in")),
         (("warmup", "cluttered_rom", "circle_swp"), (SCENARIO, "(did you mean 'circle_swap'?)")),
         (

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import imageio.v2 as imageio
-import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
@@ -94,18 +93,6 @@ def test_a_film_shows_samples_and_the_end(file: str, monkeypatch: pytest.MonkeyP
     with imageio.get_reader("runs/film.mp4") as film:
         assert film.get_meta_data()["fps"] == pytest.approx(0.8)
         assert film.count_frames() == 4 + 1  # the end is held for 1.2 s
-
-
-def test_sheets(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(monkeypatch, "record", file, "dash", "random", "--sheet") == 0
-    sheet = iio.imread("runs/sheet.png")
-    assert sheet.shape[1] <= 2000
-    green = (np.abs(sheet[..., :3].astype(int) - (11, 159, 110)).max(axis=2) < 30).any(axis=1)
-    assert green[: len(green) // 2].any()  # the frame around an arrival, in dash's row
-    assert run(monkeypatch, "record", file, "dash", "--sheet", "--html") == 1
-    assert "exclude each other" in capsys.readouterr().err
-    assert run(monkeypatch, "record", file, "dash", "--sheet", "--out", "ways.svg") == 1
-    assert "such a picture's name ends in .png" in capsys.readouterr().err
 
 
 def test_a_film_has_a_frame_for_each_step(file: str, monkeypatch: pytest.MonkeyPatch) -> None:

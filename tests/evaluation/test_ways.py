@@ -70,21 +70,20 @@ def test_watching_changes_nothing() -> None:
     assert rows[0] == rows[1] == rows[2]
 
 
-def test_levels_that_differ_are_drawn_one_by_one(corridor: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The corridor's levels are all alike; in that of ``empty_goal`` start and goal are drawn anew."""
+def test_the_figure_gets_ways_counts_and_obstacles(
+    corridor: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The obstacles of the corridor stand in all of its levels; those of ``cluttered_room`` are drawn anew."""
     shown: list[Any] = []
-    monkeypatch.setattr(
-        "irsim_gym.rendering.figures.ways_plot.draw_ways", lambda files, panels, *_: shown.extend(panels)
-    )
-    for scenario in (corridor, "empty_goal"):
+    monkeypatch.setattr("irsim_gym.rendering.figures.ways_plot.draw_ways", lambda *given: shown.append(given))
+    for scenario in (corridor, "cluttered_room"):
         episodes = make_episodes(scenario, n_worlds=2, team=True)
         atlas = TrajectoryFigure(episodes)
-        evaluate_team(reference_policy("dash"), episodes, 8, watcher=atlas.follow("dash"))
-        atlas.draw(tmp_path, "title", {"dash": "said"}, 8)
-    alike, differing = shown
-    assert alike.levels == ()
-    assert [level.number for level in differing.levels] == list(range(6))  # all arrive: the first ones
-    first = differing.levels[0]
-    assert first.time == pytest.approx(0.1 * (len(first.ways[0].points) - 1))
-    assert [view.body for view in first.moving] == list(first.agents)
-    assert first.moving[0].anchor == pytest.approx(first.ways[0].points[-1], abs=1e-5)
+        evaluate_team(reference_policy("dash"), episodes, 4, watcher=atlas.follow("dash"))
+        atlas.draw(tmp_path, "title", {"dash": "said"}, 4)
+    (_, (alike,), fixed, *_, note), (_, _, drawn, *_, other) = shown
+    assert alike.counts == {"success": 4, "collision": 4}
+    assert [way.outcome for way in alike.ways].count("success") == 4
+    assert (fixed.differs, drawn.differs) == (False, True)
+    assert "from 4 levels" in note
+    assert ("darker" in note, "darker" in other) == (False, True)

@@ -1,11 +1,9 @@
-"""Ray RLlib: what its runner samples, what its learners get, and trainings that lose workers and nodes."""
+"""Ray RLlib: what its runner samples, what its learners get, and a training that loses a worker and a node."""
 
 from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -42,11 +40,10 @@ def configured(scenario: Any, kind: str = "PPO", **chosen: Any) -> Any:
 def networks(policy: str) -> Any:
     """Networks of Stable-Baselines3: they take dicts too, and have their values on runners."""
     from ray.rllib.core.rl_module.rl_module import RLModuleSpec
+    from rllib_networks import PolicyModule
     from stable_baselines3 import ppo
 
-    from irsim_gym.training.rllib.module import PolicyModule
-
-    return RLModuleSpec(module_class=PolicyModule, model_config={"policy": getattr(ppo, policy), "arguments": {}})
+    return RLModuleSpec(module_class=PolicyModule, model_config={"policy": getattr(ppo, policy)})
 
 
 def runner(scenario: Any, **chosen: Any) -> Any:
@@ -237,80 +234,28 @@ def test_registered_environments_work_with_rllibs_own_runner(mode):
     assert max(map(len, episodes)) == 7
 
 
-def settings(folder: Path, **own: Any) -> Any:
-    from irsim_gym.training.requests.training_request import TrainingRequest
-    from irsim_gym.training.settings.engines import Engine
+@pytest.mark.parametrize("kind", ["PPO", "APPO"])
+def test_an_algorithm_learns(kind):
+    """Its weights change, and its metrics count what was sampled."""
+    from ray.rllib.core import DEFAULT_MODULE_ID
 
-    file = folder / "small.yaml"
-    keys = "n_steps: 16, gamma: 0.9, learning_rate: lin_1e-3"
-    if own.get("algorithm", "ppo") == "ppo":
-        keys += ", batch_size: 64, n_epochs: 1"
-    file.write_text(f"default: {{n_timesteps: 2048, n_envs: 16, checkpoint_every: 512, {keys}}}\n", encoding="utf-8")
-    return TrainingRequest("empty_goal", hyperparameters=file, **{"engine": Engine(0), **own}).settings()
+    from irsim_gym.rllib import CPU_SECONDS, SUCCESS
 
-
-@pytest.mark.parametrize("algorithm", ["ppo", "appo"])
-def test_a_run_leaves_what_one_of_stable_baselines_leaves(algorithm, tmp_path):
-    from irsim_gym.evaluation.comparison.comparison import evaluate
-    from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints, load_progress
-    from irsim_gym.training.requests.train import train
-
-    run = train(settings(tmp_path, algorithm=algorithm), tmp_path / "run")
-    steps = [int(path.name) for path in list_checkpoints(run.checkpoints)]
-    assert steps[-1] >= 2048
-    assert len(steps) >= 3
-    progress = load_progress(list_checkpoints(run.checkpoints)[-1])
-    assert progress.cpu_seconds > 0.0
-    assert run.finished()
-    assert (run.folder / "tensorboard").is_dir()
-    found = evaluate("empty_goal", [run.folder], levels=4, references=False)
-    assert found.summaries[0].episodes == 4
-
-
-def test_the_exported_policy_acts_as_rllib_does(tmp_path):
-    """What evaluate, record, arena and play load has the weights of the learner."""
-    import torch
-    from stable_baselines3 import PPO
-
-    from irsim_gym.training.requests.train import train
-    from irsim_gym.training.rllib.config import make_config
-
-    wanted = settings(tmp_path)
-    run = train(wanted, tmp_path / "run")
-    model = PPO.load(run.policy, device="cpu")
-    config = make_config(wanted, wanted.engine.chosen(16), model, 0)
-    from irsim_gym.rllib import ArrayEnvRunner
-
-    sampler = ArrayEnvRunner(config=config, worker_index=None)
-    (fragment,) = sampler.sample(explore=False)
-    action, _ = model.predict(fragment.observation, deterministic=True)
-    np.testing.assert_allclose(np.clip(fragment.action, -1.0, 1.0), action, atol=1e-6)
-    with torch.no_grad():
-        seen = torch.from_numpy(fragment.observation)
-        _, logp, _ = model.policy.evaluate_actions(seen, torch.from_numpy(fragment.action))
-    np.testing.assert_allclose(fragment.log_probability, logp.numpy(), atol=1e-4)
-
-
-def test_a_stopped_run_goes_on_from_its_checkpoint(tmp_path):
-    from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError
-    from irsim_gym.evaluation.saved_policies.checkpoint_files import load_progress, newest_checkpoint
-    from irsim_gym.training.requests.train import train
-    from irsim_gym.training.settings.run import Run
-
-    wanted, place = settings(tmp_path), tmp_path / "run"
-
-    def stop(run: Run) -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-
-    with pytest.raises(TrainingInterruptedError, match="nothing is lost"):
-        train(wanted, place, on_checkpoint=stop)
-    stopped = load_progress(newest_checkpoint(place / "checkpoints"))
-    assert 0 < stopped.steps < 2048
-    run = train(wanted, place, resume=True)
-    assert run.finished()
-    steps = [row["steps"] for row in load_progress(newest_checkpoint(run.checkpoints)).history]
-    assert steps == sorted(set(steps))
-    assert steps[0] <= stopped.steps < steps[-1]
+    config = configured("empty_goal", kind, worlds_per_worker=16, steps=64, first_level=0)
+    config.reporting(min_time_s_per_iteration=None, min_sample_timesteps_per_iteration=16 * 64)
+    algorithm = config.build_algo()
+    try:
+        before = algorithm.learner_group.get_weights()[DEFAULT_MODULE_ID]
+        before = {name: np.array(weights) for name, weights in before.items()}
+        sampled: dict[str, Any] = {}
+        while sampled.get("num_env_steps_sampled_lifetime", 0) < 4 * 16 * 64:
+            sampled = algorithm.train()["env_runners"]
+        after = algorithm.learner_group.get_weights()[DEFAULT_MODULE_ID]
+        assert any(not np.array_equal(weights, after[name]) for name, weights in before.items())
+        assert 0.0 <= sampled[SUCCESS] <= 1.0
+        assert sampled[CPU_SECONDS] > 0.0
+    finally:
+        algorithm.stop()
 
 
 def children(pid: int, name: str) -> list[int]:
@@ -337,6 +282,7 @@ def workers_of(node: Any) -> list[int]:
 def cluster(ray):
     from ray.cluster_utils import Cluster
 
+    ray.shutdown()  # an earlier test may have started one
     made = Cluster(initialize_head=True, head_node_args={"num_cpus": 2, "include_dashboard": False})
     yield made
     ray.shutdown()
@@ -354,80 +300,36 @@ def waited_for(there: Any) -> Any:
 
 
 @pytest.mark.slow
-def test_training_goes_on_without_a_worker_and_without_a_node(cluster, tmp_path):
+def test_training_goes_on_without_a_worker_and_without_a_node(cluster):
     """A worker is killed, then its node leaves and comes back."""
-    from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints
-    from irsim_gym.training.requests.train import train
-    from irsim_gym.training.settings.engines import Engine
+    import ray
 
     node = cluster.add_node(num_cpus=1)
-    events: list[str] = []
+    ray.init(cluster.address)
+    config = configured("empty_goal", workers=2, worlds_per_worker=8, steps=16, first_level=0)
+    config.env_runners(sample_timeout_s=300.0)
+    config.fault_tolerance(
+        restart_failed_env_runners=True, max_num_env_runner_restarts=1_000_000, delay_between_env_runner_restarts_s=0.0
+    )
+    algorithm = config.build_algo()
 
-    def disturb(run: Any) -> None:
-        number = len(list_checkpoints(run.checkpoints))
-        if number == 1:
-            (pid, *_) = workers_of(cluster.head_node)
-            os.kill(pid, signal.SIGKILL)
-            events.append("killed")
-        elif number == 2:
-            events.append(f"a node with {len(workers_of(node))} left")
-            cluster.remove_node(node)
-        elif number == 3:
-            cluster.add_node(num_cpus=1)
-            events.append("came back")
+    def sampled_more() -> bool:
+        sampled = algorithm.train().get("env_runners", {})
+        return int(sampled.get("num_env_steps_sampled_lifetime", 0)) >= goal
 
-    wanted = settings(tmp_path, engine=Engine(2, 8))
-    run = train(wanted, tmp_path / "run", address=cluster.address, on_checkpoint=disturb)
-    assert run.finished()
-    assert [event.split()[0] for event in events] == ["killed", "a", "came"]
-    assert int(list_checkpoints(run.checkpoints)[-1].name) >= 2048
-
-
-@pytest.mark.slow
-def test_ctrl_c_stops_the_command_and_all_its_processes(tmp_path):
-    """The signal goes to the whole group, as from a terminal; nothing listens beyond the loopback."""
-    place = tmp_path / "run"
-    words = ["train", "empty_goal", "--engine", "rllib", "--workers", "1", "--dev-levels", "0", "--out", str(place)]
-    started = subprocess.Popen([sys.executable, "-m", "irsim_gym", *words], start_new_session=True)
     try:
-        waited_for(lambda: list(place.glob("tensorboard/*")))
-        assert beyond_the_loopback(started.pid) == []
-        os.killpg(started.pid, signal.SIGINT)
-        assert started.wait(LONGEST_S) == 130
+        goal = 256
+        waited_for(sampled_more)
+        (pid, *_) = workers_of(cluster.head_node)
+        os.kill(pid, signal.SIGKILL)
+        goal = 1024
+        waited_for(sampled_more)
+        assert workers_of(node)
+        cluster.remove_node(node)
+        goal = 2048
+        waited_for(sampled_more)
+        cluster.add_node(num_cpus=1)
+        goal = 4096
+        waited_for(sampled_more)
     finally:
-        if started.poll() is None:
-            os.killpg(started.pid, signal.SIGKILL)
-    assert list(place.glob("checkpoints/*/state.pkl"))
-    waited_for(lambda: not family(started.pid))
-
-
-def family(session: int) -> list[int]:
-    """Return the processes of a session."""
-    found = []
-    for place in Path("/proc").glob("[0-9]*"):
-        try:
-            own = int(place.joinpath("stat").read_text().rsplit(")", 1)[1].split()[3])
-        except (OSError, ValueError):
-            continue
-        if own == session:
-            found.append(int(place.name))
-    return found
-
-
-def beyond_the_loopback(session: int) -> list[str]:
-    """Return the addresses at which processes of a session listen to other machines."""
-    sockets = set()
-    for pid in family(session):
-        for link in Path(f"/proc/{pid}/fd").glob("*"):
-            try:
-                sockets.add(str(link.readlink()))
-            except OSError:
-                continue
-    found = []
-    for table in ("tcp", "tcp6"):
-        for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]:
-            _, local, _, state, *rest = line.split()
-            here = local.split(":")[0] in ("0100007F", "0000000000000000FFFF00000100007F", "0" * 24 + "01000000")
-            if state == "0A" and f"socket:[{rest[5]}]" in sockets and not here:
-                found.append(local)
-    return found
+        algorithm.stop()

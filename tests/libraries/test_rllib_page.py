@@ -36,27 +36,6 @@ def test_the_block_runs(tmp_path):
     (block,) = blocks("python")
     script = tmp_path / "block.py"
     script.write_text(block, encoding="utf-8")
-    assert done([str(script)], tmp_path).stdout.startswith("2048")
-
-
-@pytest.mark.slow
-def test_the_training_runs_for_a_while(tmp_path):
-    (line,) = [one for block in blocks("bash") for one in block.splitlines() if one.startswith("irsim-gym train")]
-    done(["-m", *line.replace("irsim-gym", "irsim_gym").split(), "--steps", "100", "--dev-levels", "4"], tmp_path)
-    assert (tmp_path / "runs" / "cluttered_room-ppo-rllib-steps=100-0" / "policy.zip").is_file()
-
-
-@pytest.mark.slow
-def test_the_grid_runs_and_once_more_does_nothing(tmp_path):
-    library("optuna")
-    (text,) = blocks("yaml")
-    (line,) = [one for block in blocks("bash") for one in block.splitlines() if one.startswith("irsim-gym tune")]
-    (tmp_path / "grid.yaml").write_text(text, encoding="utf-8")
-    words = ["-m", *line.replace("irsim-gym", "irsim_gym").split()]
-    first = done(words, tmp_path)
-    assert "8 trials, 8 of them to do" in first.stderr
-    (table,) = (tmp_path / "runs").glob("*/trials.csv")
-    assert len(table.read_text().splitlines()) == 9
-    again = done(words, tmp_path)
-    assert "8 trials, 0 of them to do" in again.stderr
-    assert again.stdout == first.stdout
+    said = done([str(script)], tmp_path).stdout
+    assert said.startswith("2048")
+    assert " rllib " in said  # a row of the evaluation

@@ -73,8 +73,8 @@ def test_names_to_import() -> None:
     assert not (missing := untold(ours, names)), "\n".join(missing)
     with pytest.raises(ImportError, match=r"has no 'RRTStar': planners that sample are not here: world\.path"):
         from irsim_gym.irsim import RRTStar  # noqa: F401
-    with pytest.raises(ImportError, match=r"register_kinematics.*@irsim_gym\.drive"):
-        from irsim_gym.irsim.lib import register_kinematics  # noqa: F401
+    with pytest.raises(ImportError, match=r"KinematicsFactory.*@register_kinematics"):
+        from irsim_gym.irsim.lib import KinematicsFactory  # noqa: F401
 
 
 def test_modules_to_import() -> None:

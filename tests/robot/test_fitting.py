@@ -226,12 +226,17 @@ def test_a_predictor_keeps_its_period(robot: Path) -> None:
         fit.fit(robot, [Variant("", {"period": 0.2})], levels=1)
 
 
-def test_a_scenario_that_has_changed_since_the_export_is_refused(robot: Path) -> None:
-    change(robot, lambda found: found["hashes"].update(scenario="0" * 64))
+def test_a_scenario_that_has_changed_since_the_export_is_refused(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fit, "scenario_hash", lambda asked: "0" * 64)
     with pytest.raises(
         IrsimGymError, match=r"cluttered_room has changed since .* was written: export the policy again"
     ):
         fit.fit(robot, [], levels=1)
+
+
+def rename(folder: Path, name: str) -> None:
+    """Let a contract say that its graph was made of something else."""
+    change(folder, lambda found: found["hashes"].update({name: "0" * 64}))
 
 
 BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
@@ -241,6 +246,8 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "a newer format": (lambda folder: change(folder, lambda found: found.update(format=2)), "contract.json.*format"),
     "no states": (lambda folder: change(folder, lambda found: found.pop("states")), "contract.json.*states"),
     "another graph": (lambda folder: (folder / "policy.onnx").write_bytes(b"\n"), "policy.onnx.*hash"),
+    "another policy": (lambda folder: rename(folder, "policy"), "policy.onnx.*made of another policy"),
+    "another task": (lambda folder: rename(folder, "scenario"), "policy.onnx.*made of another scenario"),
     "no graph": (lambda folder: (folder / "policy.onnx").unlink(), "policy.onnx.*[Nn]o such file"),
     "no contract file": (lambda folder: (folder / "contract.json").unlink(), "contract.json.*[Nn]o such file"),
 }
@@ -254,3 +261,9 @@ def test_a_broken_export_is_one_error_that_names_the_file(robot: Path, name: str
         read_export(robot)
     with pytest.raises((ValueError, OSError), match=r"contract\.json|policy\.onnx"):
         Driver(robot / "contract.json")
+
+
+def test_another_check_is_refused(robot: Path) -> None:
+    (robot / "check.npz").write_bytes(b"")
+    with pytest.raises(UnreadableFileError, match=r"check\.npz is no check of .*: its hash is not that"):
+        read_export(robot)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import messages
 import numpy as np
 import pytest
+from lone_drivers import LoneDrivers
 
 pytest.importorskip("onnx")
 pytest.importorskip("onnxruntime")
@@ -19,7 +20,6 @@ from irsim_gym.evaluation.protocol.protocol import drive
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy
 from irsim_gym.evaluation.saved_policies.shelf import card_of
-from irsim_gym.robot.drive import Driver
 from irsim_gym.robot.export import export_for_robot
 from irsim_gym.robot.inputs import measured
 from irsim_gym.tasks import Episodes, Outcome
@@ -39,46 +39,52 @@ def levels_of(name: str, n_levels: int) -> tuple[SavedPolicy, Episodes]:
 
 
 class DriverPolicy:
-    """Drives all robots by drivers, which get messages and return velocities."""
+    """Drives all robots by drivers without irsim_gym, which get messages and return velocities."""
 
-    def __init__(self, contract: Path) -> None:
-        self.file, self.contract = contract, json.loads(contract.read_text(encoding="utf-8"))
-        self.drivers: dict[tuple[int, int], Driver] = {}
+    def __init__(self, contract: Path, python: str = sys.executable) -> None:
+        self.contract = json.loads(contract.read_text(encoding="utf-8"))
+        self.drivers = LoneDrivers(contract.parent, python)
+        self.levels: dict[int, int] = {}
         self.times: dict[int, float] = {}
         self.spent: list[float] = []
 
     def begin(self, episodes: Episodes, worlds: Any, levels: Any) -> None:
-        for agent in range(episodes.n_agents):
-            goals = measured(episodes, agent)["goal"]
-            for w in worlds.tolist():
-                self.drivers[w, agent], self.times[w] = Driver(self.file), 0.0
-                self.drivers[w, agent].goal(messages.goal(*np.nan_to_num(goals[w])))
+        self.levels.update(zip(worlds.tolist(), levels.tolist(), strict=True))
+        self.times.update(dict.fromkeys(worlds.tolist(), 0.0))
 
     def act(self, episodes: Episodes, worlds: Any) -> Any:
-        actions = np.zeros((len(worlds), episodes.n_agents, 2))
+        actions, places, said = np.zeros((len(worlds), episodes.n_agents, 2)), [], []
         for agent in range(episodes.n_agents):
             values = measured(episodes, agent)
             for k, w in enumerate(worlds.tolist()):
                 if episodes.view.infos["outcome"][w, agent] == Outcome.RUNNING:
                     known = {name: rows[w] for name, rows in values.items()}
-                    actions[k, agent] = self.action(self.drivers[w, agent], self.times[w], known)
+                    places.append((k, agent))
+                    said.append(((self.levels[w], agent), self.messages(self.times[w], known), self.times[w]))
+        for place, (command, spent) in zip(places, self.drivers.tick(said), strict=True):
+            actions[place] = self.action(*command)
+            self.spent.append(spent)
         for w in worlds.tolist():
             self.times[w] += self.contract["period"]
         return actions
 
-    def action(self, driver: Driver, time: float, known: dict[str, Any]) -> Any:
-        """Return what a driver does of what a robot measures, as an action in [-1, 1]."""
-        scan, robot = self.contract["scan"], self.contract["robot"]
-        (v, w), is_car = known["velocity"], robot["steers"]
-        view = scan["step"] * (scan["beams"] - 1)
-        driver.scan(messages.scan(time, known["ranges"], range_max=scan["range_max"], view=view))
-        w = v * np.tan(w) / robot["wheelbase"] if is_car else w
-        driver.odometry(messages.odometry(time, known["pose"], v, w))
-        begin = process_time()
-        v, w, reason = driver.tick(time)
-        self.spent.append(process_time() - begin)
+    def messages(self, time: float, known: dict[str, Any]) -> list[tuple[Any, ...]]:
+        """Return what a robot tells its driver."""
+        scan, (v, w), robot = self.contract["scan"], known["velocity"], self.contract["robot"]
+        w = v * np.tan(w) / robot["wheelbase"] if robot["steers"] else w
+        said = [("odometry", messages.odometry(time, known["pose"], v, w))]
+        if scan:
+            view = scan["step"] * (scan["beams"] - 1)
+            said.append(("scan", messages.scan(time, known["ranges"], range_max=scan["range_max"], view=view)))
+        if time == 0.0:
+            said.append(("goal", messages.goal(*np.nan_to_num(known["goal"]))))
+        return [*said, ("bodies", known["bodies"].tolist(), time)] if self.contract["bodies"] else said
+
+    def action(self, v: float, w: float, reason: str) -> Any:
+        """Return velocities as an action in [-1, 1]."""
+        robot = self.contract["robot"]
         assert reason in ("", "arrived")
-        if is_car:
+        if robot["steers"]:
             w = np.arctan(w * robot["wheelbase"] / v) if v else 0.0
         low, high = np.array(robot["low"]), np.array(robot["high"])
         return (np.array([v, w]) - 0.5 * (low + high)) / (0.5 * (high - low))
@@ -89,6 +95,8 @@ def outcomes(policy: Any, played: Episodes, n_levels: int) -> Any:
     ends = np.zeros((n_levels, played.n_agents), int)
     for _, worlds, levels in drive(policy, played, n_levels, "test"):
         ends[levels] = played.view.infos["outcome"][worlds]
+    if isinstance(policy, DriverPolicy):
+        policy.drivers.close()
     return ends
 
 

@@ -103,6 +103,17 @@ def test_nothing_is_written_where_the_graph_differs(tmp_path: Path, monkeypatch:
     assert not (tmp_path / "out").exists()
 
 
+def test_what_a_task_predicts_is_left_to_the_graph(tmp_path: Path) -> None:
+    late = {"predict": "0.3", "disturbances": "latency:time=0.3"}
+    found = export_for_robot(
+        "cluttered_room", tmp_path / "out", asked=ScenarioRequest("cluttered_room", parameters=late)
+    )
+    assert found.difference <= 1e-5
+    assert found.contract.predict == 0.0
+    assert found.contract.results is not None
+    assert found.contract.results.success > 0.9
+
+
 def test_an_export_is_not_replaced(exported: RobotExport) -> None:
     with pytest.raises(IrsimGymError, match=r"holds policy\.onnx already"):
         export_for_robot("cluttered_room", exported.folder, levels=1)

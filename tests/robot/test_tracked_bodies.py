@@ -107,17 +107,9 @@ def test_the_contract_says_how_many_bodies_were_there(rvo: RobotExport) -> None:
     assert rvo.difference <= 1e-5
 
 
-class TrackingPolicy(DriverPolicy):
-    """Drivers that hear a tracker."""
-
-    def action(self, driver: Driver, time: float, known: dict[str, Any]) -> Any:
-        driver.bodies(known["bodies"].tolist(), time)
-        return super().action(driver, time, known)
-
-
 def test_drivers_with_a_tracker_end_levels_as_the_package_does(rvo: RobotExport) -> None:
     policy, played = levels_of("rl_rvo", 2)
-    driven = TrackingPolicy(rvo.folder / "contract.json")
+    driven = DriverPolicy(rvo.folder / "contract.json")
     np.testing.assert_array_equal(outcomes(driven, played, 2), outcomes(policy, played, 2))
 
 

@@ -12,8 +12,10 @@ from irsim_gym.base import families
 from irsim_gym.robot.inputs import measured, robot_values
 from irsim_gym.robot.perceive import SeenMap
 from irsim_gym.robot.policy_graph import perceived_by
+from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.scenario import load_scenario
 from irsim_gym.simulator.engine import compile
+from irsim_gym.simulator.world.model import OMNI_WORLD
 from irsim_gym.tasks import Episodes, load_task
 from irsim_gym.tasks.terms.graph import Graph, HasGraph
 
@@ -43,6 +45,7 @@ EVERYTHING: list[Any] = [
     "goal_heading",
     "velocity",
     "last_action",
+    {"name": "pending", "steps": 3},
     "drive",
     "own_body",
     "position",
@@ -58,6 +61,7 @@ OTHERWISE: list[Any] = [
     {"name": "goal", "scale": 3.0, "near": 0.4},
     {"name": "trail", "sectors": 1, "spacing": 0.2, "marks": 5, "fresh": 0},
     {"name": "way_on_seen_map", "cell": 0.21, "every": 3, "clearance": 0.1},
+    {"name": "pending", "steps": 1},
     {"name": "nearest_bodies", "count": 5, "range": 3.0, "moving": True, "code": "linear", "speed": 0.5},
     {"name": "time_to_collision", "directions": 7, "speeds": 3, "range": 2.5, "moving": True, "margin": 0.1},
 ]
@@ -65,7 +69,9 @@ WANDER = {"name": "dash", "wander": True, "range_low": [0.5, 0.5, -3.1], "range_
 MOVING = {"kinematics": {"name": "diff"}, "behavior": WANDER, "vel_max": [1, 3]}
 
 
-def episodes(robot: dict[str, Any], observations: list[Any], shift: float = 0.0, **others: Any) -> Episodes:
+def episodes(
+    robot: dict[str, Any], observations: list[Any], shift: float = 0.0, predict: float = 0.0, **others: Any
+) -> Episodes:
     """Return episodes of a robot among three discs, in a world whose corner is at ``shift`` [m] in x and y.
 
     ``others`` are more keys of the discs.
@@ -75,18 +81,23 @@ def episodes(robot: dict[str, Any], observations: list[Any], shift: float = 0.0,
     obstacle = {"number": 3, "shape": {"name": "circle", "radius": 0.4}, "distribution": place, **others}
     world = {"width": 6, "height": 6, "offset": [shift, shift], "step_time": 0.1}
     scenario = load_scenario({"world": world, "robot": {**robot, "distribution": place}, "obstacle": obstacle})
-    task = load_task(scenario, {"name": "blank", "observations": observations, "max_steps": 10_000})
+    chosen = {"name": "blank", "observations": observations, "max_steps": 10_000, "predict": predict}
+    task = load_task(scenario, chosen)
     played = Episodes(compile(scenario, N_WORLDS, agents=task.agents), task)
     played.begin(np.arange(N_WORLDS), np.arange(N_WORLDS))
     return played
 
 
 class Twin:
-    """The observations of episodes as a graph, which is run for all worlds at once."""
+    """The observations of episodes as a graph, which is run for all worlds at once; ``predict`` is that of its task."""
 
     def __init__(self, played: Episodes) -> None:
         graph, self.played = Graph(), played
         robot = robot_values(graph, played, graph.input("action", np.float32, int(played.action_sizes[0])))
+        spans = pending_spans(float(played.task.predict), 0.1)
+        if spans:
+            robot, _ = predicted(robot, played, spans)
+            self.under_way = np.stack([graph.starts.pop("pending")] * N_WORLDS)
         terms = played.terms["observations"]
         columns = [term.options.graph(term, played.simulation.model, 0, robot) for term in terms]
         graph.output("seen", graph.join(columns), played.n_features)
@@ -101,6 +112,20 @@ class Twin:
         """Return the observation of all worlds, and keep the states and the maps."""
         action = self.played.state.action[:, 0].astype(np.float32)
         given = {**measured(self.played), "action": action, **self.states, **changed}
+        if "pending" in self.names:
+            sent = self.played.simulation.state.command[:, self.played.task.agents[0], : action.shape[1]]
+            if self.played.simulation.model.drive[0] == OMNI_WORLD:
+                turn = given["pose"][:, 2]
+                sent = np.stack(
+                    [
+                        np.cos(turn) * sent[:, 0] + np.sin(turn) * sent[:, 1],
+                        np.cos(turn) * sent[:, 1] - np.sin(turn) * sent[:, 0],
+                    ],
+                    axis=1,
+                )
+            if self.played.state.steps[0, 0] > 0:
+                self.under_way = np.concatenate([self.under_way[:, 1:], sent[:, None]], axis=1)
+            given["pending"] = self.under_way
         if self.maps:
             known = zip(self.maps, given["ranges"], given["pose"], given["goal"], strict=True)
             given["way_on_seen_map"] = np.stack([one.way(ranges, pose, goal) for one, ranges, pose, goal in known])
@@ -111,12 +136,16 @@ class Twin:
 
 
 def differences(played: Episodes, n_steps: int, seed: int = 0) -> Iterator[float]:
-    """Yield how far the twin is from the kernels at most, step by step of a random drive."""
+    """Yield how far the twin is from the kernels at most, step by step of a random drive.
+
+    A robot that is stuck is not compared where its motion is predicted: a graph does not know that it is.
+    """
     twin, rng = Twin(played), np.random.default_rng(seed)
     yield float(np.abs(twin.see() - played.view.observation[:, 0]).max())
     for _ in range(n_steps):
         played.step(rng.uniform(-1.0, 1.0, (N_WORLDS, 1, int(played.action_sizes[0]))))
-        yield float(np.abs(twin.see() - played.view.observation[:, 0]).max())
+        moves = ~played.simulation.state.stopped[:, 0] | (not played.task.predict)
+        yield float(np.abs(twin.see() - played.view.observation[:, 0])[moves].max())
 
 
 def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
@@ -149,6 +178,17 @@ def test_the_twin_of_times_to_collision_equals_its_kernel_in_a_few_steps() -> No
     """As above, in so little time that it is done in plain Python, too."""
     times = {"name": "time_to_collision", "directions": 7, "speeds": 2, "range": 2.5, "margin": 0.1}
     assert max(differences(episodes(DIFF, [times], **MOVING), 3)) < TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("robot", "seconds", "latency"), [(DIFF, 0.3, 0.3), (DIFF, 0.25, 0.3), (CAR, 0.4, 0.0), (OMNI, 0.5, 0.5)]
+)
+def test_a_predicted_task_observes_what_the_predictor_in_the_graph_does(
+    robot: dict[str, Any], seconds: float, latency: float
+) -> None:
+    late = {**robot, "disturbances": [{"name": "latency", "time": latency}]}
+    for observations in (EVERYTHING, OTHERWISE):
+        assert max(differences(episodes(late, observations, predict=seconds, **MOVING), 40)) < TOLERANCE
 
 
 @pytest.mark.slow

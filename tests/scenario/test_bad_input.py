@@ -149,8 +149,7 @@ ENTRIES = {
     ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
-        "3 robot.behavior.name: is required: "
-        "'dash', 'dwa', 'hybrid_astar', 'mppi', 'pursuit', 'recorded', 'rvo' or 'sfm'",
+        "3 robot.behavior.name: is required: 'dash', 'dwa', 'hybrid_astar', 'pursuit', 'recorded', 'rvo' or 'sfm'",
     ),
     "wander bounds": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dash, range_low: [11, 0, 0]}",

@@ -221,6 +221,12 @@ def test_who_uses_a_policy_is_told_that_its_scenario_has_changed(monkeypatch: py
     assert load_scenario(run.own_settings().scenario).world.step_time == 0.1
 
 
+def test_a_run_under_disturbances_is_scored_under_them() -> None:
+    settings = replace(asked().settings(), parameters={"disturbances": "latency:time=0.2"})
+    own = train(settings, Path("run")).own_settings()
+    assert [type(one).__name__ for one in own.load().disturbances] == ["Latency"]
+
+
 def test_going_on_from_a_policy_with_other_settings(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     first = asked().settings()
     wanted = replace(first, hyperparameters=replace(first.hyperparameters, normalize={"norm_reward": True}))
@@ -265,6 +271,30 @@ def test_weights_and_statistics_come_along() -> None:
     assert statistics.obs_rms.count == expected.obs_rms.count > 1
 
 
+def test_new_observations_begin_without_influence() -> None:
+    from irsim_gym.training.runs.fine_tuning import copy_weights
+
+    train(asked().settings(), Path("source"))
+    Path("more.yaml").write_text("name: navigation\nobservations: [heading]\n")
+    settings = asked(origin="source", task="more.yaml").settings()
+    model = new_model(settings)
+    copy_weights(model, settings)
+    _, learned = load_origin("source")
+    rows = torch.rand(5, learned.model.observation_space.shape[0])
+    more = torch.cat([rows, torch.rand(5, 2)], dim=1)
+    for network in (learned.model.policy, model.policy):
+        network.set_training_mode(False)
+    old, new = learned.model.policy.get_distribution(rows), model.policy.get_distribution(more)
+    assert torch.allclose(old.mode(), new.mode(), atol=1e-6)
+    assert torch.allclose(learned.model.policy.predict_values(rows), model.policy.predict_values(more), atol=1e-5)
+    Path("other.yaml").write_text(
+        "name: blank\nobservations: [heading, scan, goal, last_action, free_travel, goal_record, trail]\n"
+        "rewards: [progress]\nendings: [arrived]\n"
+    )
+    with pytest.raises(IrsimGymError, match="or more observations at the end"):
+        train(asked(origin="source", task="other.yaml").settings(), Path("onward"))
+
+
 def test_an_evaluation_keeps_earlier_results(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     evaluate = ["evaluate", "empty_goal", "--levels", 1]
     for name in ("evaluation-empty_goal-test", "evaluation-empty_goal-test-2"):
@@ -298,7 +328,7 @@ def test_a_config_of_another_program_is_named(content: str) -> None:
 def test_settings_with_hyperparameters_of_another_form_are_no_settings() -> None:
     run = begun("run", asked())
     data = json.loads(run.config.read_text())
-    for name in ("hyperparameters", "mixture", "engine"):
+    for name in ("hyperparameters", "mixture"):
         run.config.write_text(json.dumps({**data, "settings": {**data["settings"], name: [1]}}))
         with pytest.raises(IrsimGymError, match=r"^run/config.json is no file with the settings"):
             run.settings()

@@ -88,8 +88,8 @@ def test_a_blind_learner_is_told_so_first() -> None:
     assert "observes nothing of the obstacles" in said[2]
 
 
-def test_the_command_to_look_at_it_draws_what_a_policy_does() -> None:
+def test_the_command_to_look_at_it_shows_what_a_policy_does() -> None:
     told = look_command("quick_start", Path("runs/mine"), team=False)
-    assert told == "irsim-gym record quick_start runs/mine --split dev --level 0 --level 1 --level 2 --sheet"
+    assert told == "irsim-gym record quick_start runs/mine --split dev --level 0 --level 1 --level 2 --html"
     told = look_command("quick_start", Path("runs/mine"), team=True, task="mine.yaml")
-    assert told.endswith("--level 2 --team --task mine.yaml --sheet")
+    assert told.endswith("--level 2 --team --task mine.yaml --html")

@@ -56,7 +56,7 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(tables.members.shape[0]):
             own, far, row = tables.members[k], tables.range_max[k], beam_row(w, k, tables)
-            eye = mount(here[own], state.direction[w, own], tables.offset[k])
+            eye = mount(here[own], state.direction[w, own], tables.offset[w, k])
             if row != laid:
                 ray_chunks.lay_beams(tables.beams_x[row], tables.beams_y[row], rays)
                 laid = row

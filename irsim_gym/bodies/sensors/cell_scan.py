@@ -23,7 +23,7 @@ def scan_cells(worlds: Ints, slot: int, tables: ScanTables, cells: CellMaps, mod
             continue
         here = map_of(cells, w)
         for k in range(tables.members.shape[0]):
-            pose = mount_pose(state.pose[w, tables.members[k]], tables.offset[k])
+            pose = mount_pose(state.pose[w, tables.members[k]], tables.offset[w, k])
             row, ranges = beam_row(w, k, tables), tables.ranges[w, k]
             cast_cells(here, pose, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
             shortest = np.float32(tables.cast_min[k])

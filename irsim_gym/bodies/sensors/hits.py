@@ -46,7 +46,7 @@ def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
         for k in range(tables.members.shape[0]):
             own, far, row, hit = tables.members[k], tables.range_max[k], beam_row(w, k, tables), tables.hit[w, k]
             beams_x, beams_y = tables.beams_x[row], tables.beams_y[row]
-            x, y, heading = mount_pose(state.pose[w, own], tables.offset[k])
+            x, y, heading = mount_pose(state.pose[w, own], tables.offset[w, k])
             eye = Eye(x, y, np.cos(heading), np.sin(heading))
             nearest[:] = np.float32(0.0)
             hit[:] = -1
@@ -118,7 +118,7 @@ def write_radial_velocity(
             shortest, farthest = np.float32(tables.range_min[k]), np.float32(tables.range_max[k])
             # How much of the sensor's own velocity is subtracted.
             share = 0.0 if params[k].motion_compensate else 1.0
-            heading = state.pose[w, own, 2] + tables.offset[k, 2]
+            heading = state.pose[w, own, 2] + tables.offset[w, k, 2]
             for j in range(tables.hit.shape[2]):
                 # Drawn for every beam, so that the stream does not depend on what the beams hit.
                 if params[k].velocity_noise_std > 0.0:

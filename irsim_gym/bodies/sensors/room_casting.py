@@ -43,7 +43,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
         is_noted = is_noted and is_complete
         for k in range(tables.members.shape[0]):
             own, far, row = tables.members[k], tables.range_max[k], beam_row(w, k, tables)
-            eye = mount(here[own], state.direction[w, own], tables.offset[k])
+            eye = mount(here[own], state.direction[w, own], tables.offset[w, k])
             if not is_noted:
                 n_rings, n_areas = note_rows(w, slot, tables, model)
                 is_noted = is_complete

@@ -23,7 +23,7 @@ class ScanTables(Struct):
 
     Attributes:
         members: Body of each sensor, shape ``(n_members,)``.
-        offset: Mount poses in the body frame [m, m, rad], shape ``(n_members, 3)``.
+        offset: Mount poses in the body frame [m, m, rad], shape ``(n_worlds, n_members, 3)``.
         range_min: Shortest range that is reported [m], shape ``(n_members,)``.
         range_max: Range of a free beam [m], shape ``(n_members,)``.
         cast_min: Shortest range while beams are cast [m]: 0 where a later pass applies ``range_min``, shape

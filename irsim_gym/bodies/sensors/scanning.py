@@ -112,7 +112,7 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
     ranges = np.tile(given["range_max"].astype(np.float32)[None, :, None], (n_worlds, 1, n_beams))
     tables = group.tables = ScanTables(
         members=group.members,
-        offset=given["offset"],
+        offset=np.tile(given["offset"], (n_worlds, 1, 1)),
         range_min=given["range_min"],
         range_max=given["range_max"],
         cast_min=np.zeros(n_members) if first.noise or finds_hits else given["range_min"],

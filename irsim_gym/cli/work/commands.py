@@ -40,7 +40,6 @@ def run_training(
     resume: bool = False,
     overwrite: bool = False,
     dev_levels: int = 1000,
-    address: str | None = None,
     more_steps: int | None = None,
 ) -> Run:
     """Train a policy, score the checkpoints, print the results, and return the run.
@@ -50,10 +49,9 @@ def run_training(
         resume: Continue the run in the folder.
         overwrite: Replace the run in the folder.
         dev_levels: Number of ``dev`` levels on which each checkpoint is scored; 0 for no scores.
-        address: Address of a Ray cluster, for a run with RLlib; None for this machine.
         more_steps: With ``resume``, let a finished run go on for so many steps; None to leave it as it is.
     """
-    require("train" if request.engine is None else "rllib", "irsim-gym train")
+    require("train", "irsim-gym train")
     from irsim_gym.training.requests.train import train
 
     check_request(request, lambda: check_folder(out), partial(_check_ways, resume, overwrite, more_steps))
@@ -79,7 +77,7 @@ def run_training(
     for line in (f"training {what}{after}, in {run.folder}", *(f"note: {note}" for note in remarks)):
         console.print(line, **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": request.device, "console": console}
-    how |= {"address": address, "on_checkpoint": until and partial(is_enough, until, dev_levels)}
+    how["on_checkpoint"] = until and partial(is_enough, until, dev_levels)
     try:
         with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
@@ -269,23 +267,22 @@ def run_record(
     *,
     overwrite: bool = False,
 ) -> None:
-    """Write a film, a replay page or a ``sheet`` of policies, and print the file's name.
+    """Write a film or a replay page of policies, and print the file's name.
 
     Args:
         policies: Policies, as ``load_policy`` takes them.
         out: File to write; None for a default name in ``runs``, numbered. A name that ends in ``.html`` means a replay
             page.
-        kind: ``film``, ``replay`` or ``sheet``.
+        kind: ``film`` or ``replay``.
         overwrite: Replace an existing file.
     """
-    from irsim_gym.evaluation.comparison.record import check_output, record_film, record_html, record_sheet
+    from irsim_gym.evaluation.comparison.record import check_output, record_film, record_html
 
     names_page = out is not None and out.suffix.lower() == ".html"
     kind = "replay" if kind == "film" and names_page else kind
     checks = partial(check_output, out, kind), partial(check_free, out, overwrite)
     check_inputs(asked, *checks, policies=policies, split=split)
     asked = as_trained(asked, policies)
-    names = {"replay": "replay.html", "film": "film.mp4", "sheet": "sheet.png"}
-    path = out or free_file(Path("runs") / names[kind], overwrite)
-    write = {"replay": record_html, "film": record_film, "sheet": record_sheet}[kind]
+    path = out or free_file(Path("runs") / ("film.mp4" if kind == "film" else "replay.html"), overwrite)
+    write = record_film if kind == "film" else record_html
     print(write(asked, policies, levels, path, split=split))

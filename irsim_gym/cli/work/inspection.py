@@ -40,7 +40,7 @@ def draw_level(
     Raises:
         IrsimGymError: If the file's suffix is not ``.png``, ``.pdf``, ``.svg``, or ``.yaml`` for a map of ROS.
     """
-    from irsim_gym.rendering.films.sheet import save_sheet
+    from irsim_gym.rendering.looks.images import save_picture
 
     output = partial(check_drawing, None if is_map(out) else out)
     asked = ScenarioRequest(scenario, task, parameters=parameters, strict=strict)
@@ -52,7 +52,7 @@ def draw_level(
         return path
     renderer = make_renderer(simulation)
     if path.suffix == ".png":
-        save_sheet(renderer.frame(0), path)
+        save_picture(renderer.frame(0), path)
     else:
         renderer.save(path)
     renderer.close()

@@ -35,7 +35,6 @@ def run_seeds(
     overwrite: bool = False,
     dev_levels: int = 1000,
     test_levels: int = 1000,
-    address: str | None = None,
 ) -> Path:
     """Train several seeds, evaluate them as one method, print a table, and return the folder that holds the runs.
 
@@ -50,7 +49,6 @@ def run_seeds(
         overwrite: Replace existing runs.
         dev_levels: Number of ``dev`` levels on which each checkpoint is scored.
         test_levels: Number of ``test`` levels of the evaluation.
-        address: Address of a Ray cluster, for runs with RLlib; None for this machine.
 
     Raises:
         IrsimGymError: If ``dev_levels`` is 0, a folder holds another run, or a file has fewer levels. This is checked
@@ -69,8 +67,7 @@ def run_seeds(
     runs = []
     for one, run in own:
         how: dict[str, Any] = {"resume": resume and run.exists(), "overwrite": overwrite}
-        how |= {"dev_levels": dev_levels, "address": address}
-        runs.append(run_training(one, run.folder, **how))
+        runs.append(run_training(one, run.folder, dev_levels=dev_levels, **how))
     with ctrl_c_as_error("the trainings are finished, but their evaluation is not: run the same command to continue."):
         summarize_runs(folder, runs, test_levels)
     return folder

@@ -1,4 +1,4 @@
 """Ray RLlib: runners and batches.
 
-The only folder with Ray, but for ``training.rllib``.
+The only folder with Ray.
 """

@@ -104,9 +104,9 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
     Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``; with ``black_death`` also
     ``idle``, which is True where the agent had ended before the step. Two of them are codes, which
     ``Outcome(info["outcome"]).name`` and ``HitKind(info["hit_kind"]).name`` of ``irsim_gym.tasks`` turn into words:
-    ``outcome`` is 0 while the episode is under way, 1 success, 2 collision, 3 time limit, 4 left the world, 5 deadlock;
-    ``hit_kind`` says what the robot touches: 0 nothing, 1 a standing obstacle still, 2 one that moves, 3 a robot,
-    4 the map.
+    ``outcome`` is 0 while the episode is under way, 1 success, 2 collision, 3 time limit, 4 left the world, 5 deadlock,
+    6 misplaced; ``hit_kind`` says what the robot touches: 0 nothing, 1 a standing obstacle still, 2 one that moves,
+    3 a robot, 4 the map.
 
     Where actions are choices (``action: discrete``), infos also hold ``action_mask``, int8 ``(n_choices,)``, as
     ``Discrete.sample`` takes it: 0 for a choice that commands what another one with a smaller number does.

@@ -12,7 +12,7 @@ from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
 from irsim_gym.evaluation.measures.team_metrics import TeamRow
 
-WORST_FIRST = ("collision", "left_world", "deadlock", "timeout", "success")
+WORST_FIRST = ("collision", "left_world", "deadlock", "misplaced", "timeout", "success")
 """Outcome of a team in a level: the first of these that one of its agents had."""
 
 Row = EpisodeRow | TeamRow

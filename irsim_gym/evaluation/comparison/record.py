@@ -1,10 +1,10 @@
-"""Films, replay pages and contact sheets of policies on the same levels."""
+"""Films and replay pages of policies on the same levels."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.base.errors import IrsimGymError
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
-PICTURES = (".png", ".jpg", ".webp", ".tif")
-T = TypeVar("T")
 
 
 def record_film(
@@ -69,46 +67,16 @@ def record_html(
     from irsim_gym.rendering.replay.replay_page import save_html
 
     check_output(path, "replay")
-    return save_html(path, _of_episodes(_recorded, "recording", load_players(asked, sources, **chosen), levels))
+    return save_html(path, _recordings(load_players(asked, sources, **chosen), levels))
 
 
-def record_sheet(
-    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
-) -> Path:
-    """Draw policies on levels into one picture, a row of frames for each episode, and return its path.
-
-    Args:
-        sources: Policies, as ``load_policy`` takes them.
-        path: Picture to write: ``.png``, ``.jpg``, ``.webp`` or ``.tif``.
-        **chosen: ``split`` and ``names`` of ``load_players``.
-
-    Raises:
-        IrsimGymError: If the file's suffix is not that of such a picture.
-    """
-    from irsim_gym.rendering.films.sheet import contact_sheet, save_sheet
-
-    check_output(path, "sheet")
-    shown = _of_episodes(_moments, "drawing", load_players(asked, sources, **chosen), levels)
-    return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
-
-
-def _of_episodes(make: Callable[[Players, int, int], T], what: str, cast: Players, levels: Sequence[int]) -> list[T]:
-    """Return what a function makes of each level and policy, and show the progress."""
+def _recordings(cast: Players, levels: Sequence[int]) -> list[Recording]:
+    """Return a recording of each level and policy, and show the progress."""
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with progress_bar() as bar:
-        made = [make(cast, w, level) for w, level in bar.track(pairs, description=what)]
+        made = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
     cast.renderer.close()
     return made
-
-
-def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
-    """Play a level, and return the title of the episode and some of its frames."""
-    from irsim_gym.rendering.films.sheet import Moments
-
-    moments = Moments()
-    for status in cast.play(world, level):
-        moments.offer(lambda status=status: cast.renderer.frame(world, status))  # type: ignore[misc]
-    return cast.title(world, level, status), moments.frames()
 
 
 def _recorded(cast: Players, world: int, level: int) -> Recording:
@@ -147,11 +115,10 @@ def check_output(path: Path | None, kind: str) -> None:
 
     Args:
         path: The file; None for a default name.
-        kind: ``film``, ``replay`` or ``sheet``.
+        kind: ``film`` or ``replay``.
 
     Raises:
         IrsimGymError: If it has another suffix.
     """
-    known, what = {"film": (FILMS, "a film"), "replay": (REPLAYS, "a replay")}.get(kind, (PICTURES, "such a picture"))
     if path is not None:
-        check_suffix(path, known, what)
+        check_suffix(path, FILMS if kind == "film" else REPLAYS, f"a {kind}")

@@ -66,7 +66,7 @@ def _by_difficulty(certificate: Certificate, count: int, number: int) -> Ints:
 def _draw(simulation: Simulation, split: str, levels: Ints, certificate: Certificate | None, path: Path) -> None:
     """Draw the starts of levels, each with its number and, if certified, its difficulty and path length."""
     from irsim_gym.rendering.films.film import EpisodeFilm
-    from irsim_gym.rendering.films.sheet import reduced, save_sheet
+    from irsim_gym.rendering.looks.images import reduced, save_picture
 
     renderer = make_renderer(simulation)
     frames: list[Bytes] = []
@@ -76,7 +76,7 @@ def _draw(simulation: Simulation, split: str, levels: Ints, certificate: Certifi
         frames.append(reduced(renderer.frame(0), SIDE))
     renderer.close()
     film = EpisodeFilm([_caption(level, certificate) for level in levels.tolist()], fps=1.0)
-    save_sheet(film.compose(frames), path)
+    save_picture(film.compose(frames), path)
 
 
 def _caption(level: int, certificate: Certificate | None) -> str:

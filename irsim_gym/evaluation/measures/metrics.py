@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Any
 
-OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock")
+OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock", "misplaced")
+ARRIVALS = ("success", "misplaced")
+"""Outcomes of episodes that end because the robot believes that it has arrived."""
 HITS = ("obstacle", "moving obstacle", "robot")
 HIT_OF_KIND = ("", *HITS, "obstacle")
 """The word for each ``HitKind``; a map counts as an obstacle."""
@@ -40,6 +42,7 @@ class EpisodeRow:
             there are no people.
         goals_reached: Number of its successive goals that it reached, without unit; NaN if it has only one.
         goals_per_minute: ``goals_reached`` by duration, or by the time limit if it did not reach all [1/min]; likewise.
+        goal_distance: True distance from the goal at the end [m], whatever the robot believes; NaN if not measured.
     """
 
     level: int
@@ -58,6 +61,7 @@ class EpisodeRow:
     time_to_collision: float = math.nan
     goals_reached: float = math.nan
     goals_per_minute: float = math.nan
+    goal_distance: float = math.nan
 
     @property
     def is_success(self) -> bool:
@@ -162,6 +166,7 @@ class SharedFigures:
         timeout: Share ended by the time limit.
         left_world: Share that left the world's rectangle.
         deadlock: Share ended by the task's ending ``deadlocked``.
+        misplaced: Share that believed to have arrived and was elsewhere, where odometry is disturbed.
         spl: Mean of success weighted by path length over all episodes, a share.
         sct: Mean of success weighted by completion time over all episodes, a share.
         path_length: Mean distance driven in the successes [m]; NaN without any.
@@ -174,6 +179,7 @@ class SharedFigures:
         time_to_collision: Mean of the minimum times to collision with a person [s], over episodes that met one.
         throughput: Mean over levels of the rate of reached goals, of a team all its goals [1/min]; NaN if a robot has
             only one goal.
+        end_distance: Mean true distance from the goal at the end [m], over successes and misplaced ones.
     """
 
     policy: str
@@ -182,6 +188,7 @@ class SharedFigures:
     timeout: Rate
     left_world: Rate
     deadlock: Rate
+    misplaced: Rate
     spl: float
     sct: float
     path_length: float
@@ -193,6 +200,7 @@ class SharedFigures:
     intrusion_045: float = math.nan
     time_to_collision: float = math.nan
     throughput: float = math.nan
+    end_distance: float = math.nan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,7 +224,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     counts = {outcome: sum(row.outcome == outcome for row in rows) for outcome in OUTCOMES}
     hits = {hit: sum(row.outcome == "collision" and row.hit == hit for row in rows) for hit in HITS}
     assert sum(counts.values()) == total, (
-        "success + collision + timeout + left + deadlock must equal the number of episodes"
+        "success + collision + timeout + left + deadlock + misplaced must equal the number of episodes"
     )
     assert sum(hits.values()) == counts["collision"], "every collision must have a kind"
     shares: dict[str, Any] = {outcome: rate(count, total) for outcome, count in counts.items()}
@@ -237,6 +245,7 @@ def means(rows: Sequence[EpisodeRow]) -> dict[str, Any]:
     """Return the means that the figures of single robots and of teams share."""
     successes = [row for row in rows if row.outcome == "success"]
     of_all = {name: mean([getattr(row, name) for row in rows]) for name in MEANS}
+    of_all["end_distance"] = mean([row.goal_distance for row in rows if row.outcome in ARRIVALS])
     return of_all | {name: mean([getattr(row, name) for row in successes]) for name in MEANS_OF_SUCCESSES}
 
 

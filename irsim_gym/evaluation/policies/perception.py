@@ -24,11 +24,13 @@ class Perception:
         observations: The observations in order, each with all of its options: ``{"name": "scan", "sectors": 36, ...}``.
         action: The action, likewise.
         observation_form: ``"flat"`` or ``"dict"``.
+        predict: As in a task.
     """
 
     observations: tuple[Mapping[str, Any], ...]
     action: Mapping[str, Any]
     observation_form: str = "flat"
+    predict: float | bool = False
 
     @property
     def names(self) -> list[str]:
@@ -37,12 +39,13 @@ class Perception:
 
     def to_plain(self) -> dict[str, object]:
         """Return the perception as JSON data."""
-        return {**vars(self), "observations": [dict(item) for item in self.observations]}
+        plain = {**vars(self), "observations": [dict(item) for item in self.observations]}
+        return plain if self.predict else {key: value for key, value in plain.items() if key != "predict"}
 
 
 def perception_from(data: Mapping[str, Any]) -> Perception:
     """Make a perception from the result of ``to_plain``."""
-    return Perception(tuple(data["observations"]), data["action"], data["observation_form"])
+    return Perception(tuple(data["observations"]), data["action"], data["observation_form"], data.get("predict", False))
 
 
 def perception_differences(perceptions: Mapping[str, Perception]) -> list[str]:
@@ -70,6 +73,8 @@ def _differences(one: Perception, name: str, other: Perception) -> Iterator[str]
                 yield f"{kind}.{key} {value}, {name} {theirs[kind].get(key)}"
     if one.observation_form != other.observation_form:
         yield f"observation_form {one.observation_form}, {name} {other.observation_form}"
+    if one.predict != other.predict:
+        yield f"predict {one.predict}, {name} {other.predict}"
     if set(ours) == set(theirs) and one.names != other.names:
         yield f"the order {', '.join(one.names)}, {name} {', '.join(other.names)}"
 
@@ -88,14 +93,14 @@ class Perceives(Protocol):
 def perception_of(task: Task) -> Perception:
     """Return the perception of a task's learners, with substitutes for missing sensors."""
     observations = tuple(_as_data(OBSERVATIONS, item) for item in task.observations)
-    return Perception(observations, _as_data(ACTIONS, task.action), task.observation_form)
+    return Perception(observations, _as_data(ACTIONS, task.action), task.observation_form, task.predict)
 
 
 def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Task:
     """Return a task with other observations and another action, but the same learners, rewards and endings.
 
     Args:
-        perception: Replaces its observations and action.
+        perception: Replaces its observations and action, and says what is predicted if the task does not.
 
     Raises:
         UnfitPerceptionError: If the learners lack what the observations or the action need.
@@ -105,6 +110,7 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
         "agents": [scenario.bodies[body].name for body in task.agents],
         "action": dict(perception.action),
         "observations": [dict(item) for item in perception.observations],
+        "predict": task.predict or perception.predict,
     }
     try:
         found = load_task(scenario, wanted)
@@ -115,7 +121,7 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
         ) from error
     form: Any = perception.observation_form
     own: dict[str, Any] = {"observations": found.observations, "action": found.action, "observation_form": form}
-    return replace(task, **own)
+    return replace(task, **own, predict=found.predict)
 
 
 class Perceived:

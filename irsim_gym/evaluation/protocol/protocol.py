@@ -177,6 +177,7 @@ def episode_row(
         time_to_collision=motion.people.time_to_collision(world, agent),
         goals_reached=_goals_reached(episodes, world, agent),
         goals_per_minute=_goals_per_minute(episodes, world, agent),
+        goal_distance=float(infos["goal_distance"]),
     )
 
 

@@ -30,8 +30,6 @@ class Algorithm:
         actions: Supported kinds of actions: ``continuous``, ``discrete``.
         team_module: Module of the subclass that masks waiting robots; empty if the algorithm needs none.
         policy_suffix: Part of the policies' class names between the kind of network and ``Policy``.
-        engine: The only engine that implements it; empty for Stable-Baselines3. With an engine, the class is one of
-            Stable-Baselines3 that has the same policies.
     """
 
     name: str
@@ -40,7 +38,6 @@ class Algorithm:
     actions: frozenset[str]
     team_module: str = ""
     policy_suffix: str = ""
-    engine: str = ""
 
     def load(self, team: bool = False) -> type[BaseAlgorithm]:
         """Import and return the class.
@@ -91,7 +88,6 @@ def _listed() -> Iterator[Algorithm]:
     yield Algorithm("dqn", "stable_baselines3", "DQN", frozenset({DISCRETE}))
     yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked)
     yield Algorithm("gru_ppo", "irsim_gym.envs.sb3_learning.gru", "GruPPO", _BOTH, policy_suffix="Gru")
-    yield Algorithm("appo", "stable_baselines3", "PPO", _BOTH, masked, engine="rllib")
 
 
 ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({one.name: one for one in _listed()})

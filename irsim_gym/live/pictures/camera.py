@@ -131,7 +131,7 @@ class Camera:
 
         seen = self._simulation
         parts = self._scenario(), seen.model, seen.state, seen.sensors
-        whole = Renderer(*parts, trails=ready.trails, explored=seen.explored)
+        whole = Renderer(*parts, trails=ready.trails, explored=seen.explored, marks=seen.marks)
         whole.lay_over(self._drawing.overlay() if overlay is None else overlay)
         return whole.scene(0, status)
 
@@ -183,7 +183,7 @@ class Camera:
 
             seen = self._simulation
             parts = self._scenario(), seen.model, seen.state, self._session.painted.groups(seen)
-            self._renderer = Renderer(*parts, explored=seen.explored)
+            self._renderer = Renderer(*parts, explored=seen.explored, marks=seen.marks)
             if self._limits is not None:
                 self._renderer.look_at(self._limits)
         self._tell(self._renderer.trails)
@@ -201,7 +201,7 @@ class Camera:
 
         ready, seen = self._ready(), self._simulation
         parts = scenario, seen.model, seen.state, self._session.painted.groups(seen)
-        made = Renderer(*parts, trails=ready.trails, explored=seen.explored)
+        made = Renderer(*parts, trails=ready.trails, explored=seen.explored, marks=seen.marks)
         made.lay_over(self._drawing.overlay())
         if self._limits is not None:
             made.look_at(self._limits)

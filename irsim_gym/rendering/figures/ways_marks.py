@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from irsim_gym.base.arraytypes import Floats, Rays
 from irsim_gym.rendering.looks import theme
 
-MARKS = {"collision": "X", "timeout": "s", "left_world": "D", "deadlock": "P"}
-ORDER = ("success", "timeout", "deadlock", "left_world", "collision")
+MARKS = {"collision": "X", "timeout": "s", "left_world": "D", "deadlock": "P", "misplaced": "v"}
+ORDER = ("success", "timeout", "deadlock", "misplaced", "left_world", "collision")
 """Drawing order of paths, so that rare and important outcomes are on top."""
 OTHER = "#7B8794"
 BEYOND = 0.045

@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 from irsim_gym.rendering.figures import ways_marks
 from irsim_gym.rendering.figures.figure import READABLE
 from irsim_gym.rendering.figures.ways_density import Density
-from irsim_gym.rendering.figures.ways_levels import DrawnLevel, draw_level
 from irsim_gym.rendering.figures.ways_marks import BEYOND, ORDER, DrawnWay
 from irsim_gym.rendering.frames.card import number_text
 from irsim_gym.rendering.looks import fonts, theme
@@ -23,15 +22,8 @@ from irsim_gym.rendering.looks.files import whole_file
 from irsim_gym.rendering.looks.tiles import few_columns
 from irsim_gym.rendering.scene.frame_layout import DOTS_PER_INCH, tick_positions
 
-PANEL, WIDE_PANEL = 4.6, 9.0
-"""Longer side of a panel, and of a panel with its levels below [inch]."""
-WIDE = 0.6
-"""Ratio of height to width of a world below which its levels are placed below the panel."""
-COLUMNS, ROWS = 3, 2
-SHOWN_LEVELS = COLUMNS * ROWS
-"""Number of levels beside a panel."""
-HEAD, GAP, NARROWEST = 0.4, 0.16, 1.35
-"""Height of the text above a level, gap between levels, and minimum width of a level [inch]."""
+PANEL = 4.6
+"""Longer side of a panel [inch]."""
 LEFT, RIGHT, TITLE, ABOVE, BELOW = 0.45, 0.2, 0.35, 0.55, 0.6
 """Margins on the left and right, height of the heading, and room above and below each panel [inch]."""
 LETTER, LINE, ENTRY = 0.064, 0.17, 1.0
@@ -49,70 +41,45 @@ class WaysPanel:
         success: Text about its success.
         ways: Whole paths, and the ends of others.
         counts: Number of times each outcome occurred, over all levels.
-        levels: Levels that are shown individually; empty if all levels look alike.
     """
 
     title: str
     success: str
     ways: Sequence[DrawnWay]
     counts: Mapping[str, int]
-    levels: Sequence[DrawnLevel] = ()
 
 
 Place = tuple[float, float, float, float]
-"""Left edge, upper edge, width and height of axes [inch], from the upper left corner of the picture."""
+"""Left edge, upper edge, width and height of a panel [inch], from the upper left corner of the picture."""
 
 
 class WaysPlan:
-    """The positions of panels and levels.
+    """The positions of panels.
 
     Args:
         bounds: The world's rectangle [m].
-        panels: The panels.
+        count: Number of panels.
 
     Attributes:
         width: Width of the picture [inch].
         height: Its height [inch].
     """
 
-    def __init__(self, bounds: Sequence[float], panels: Sequence[WaysPanel]) -> None:
+    def __init__(self, bounds: Sequence[float], count: int) -> None:
         x_min, y_min, x_max, y_max = bounds
         around = 2.0 * BEYOND * max(x_max - x_min, y_max - y_min)
-        self._share = share = (y_max - y_min + around) / (x_max - x_min + around)
-        most = max(len(panel.levels) for panel in panels)
-        self._is_wide = most > 0 and share < WIDE
-        wide = WIDE_PANEL if self._is_wide else PANEL * min(1.0, 1.0 / share)
+        share = (y_max - y_min + around) / (x_max - x_min + around)
+        wide = PANEL * min(1.0, 1.0 / share)
         self._panel = wide, wide * share
-        self._columns = 1 if most else few_columns(len(panels))
-        across, rows = min(most, COLUMNS), math.ceil(most / COLUMNS)
-        if self._is_wide:
-            cell = (wide - (COLUMNS - 1) * GAP) / COLUMNS
-            self._cell = cell, cell * share
-            self._block = wide, self._panel[1] + rows * (HEAD + cell * share)
-        else:
-            high = (self._panel[1] - HEAD) / ROWS
-            self._cell = high / share, high
-            pitch = max(high / share, NARROWEST) + GAP
-            self._block = wide + (2.0 * GAP + across * pitch if across else 0.0), self._panel[1]
-        self.width = LEFT + self._columns * (self._block[0] + LEFT) - LEFT + RIGHT
-        self.height = TITLE + math.ceil(len(panels) / self._columns) * (ABOVE + self._block[1] + BELOW)
+        self._columns = few_columns(count)
+        self.width = LEFT + self._columns * (wide + LEFT) - LEFT + RIGHT
+        self.height = TITLE + math.ceil(count / self._columns) * (ABOVE + self._panel[1] + BELOW)
 
     def panel(self, k: int) -> Place:
         """Return the position of a panel."""
         row, column = divmod(k, self._columns)
-        left = LEFT + column * (self._block[0] + LEFT)
-        return left, TITLE + ABOVE + row * (ABOVE + self._block[1] + BELOW), *self._panel
-
-    def cells(self, k: int) -> Iterator[Place]:
-        """Yield the positions of the levels of a panel."""
-        left, top, wide, high = self.panel(k)
-        for cell in range(SHOWN_LEVELS):
-            row, column = divmod(cell, COLUMNS)
-            pitch = max(self._cell[0], NARROWEST) + GAP
-            if self._is_wide:
-                yield left + column * pitch, top + high + 0.5 * BELOW + HEAD + row * (HEAD + self._cell[1]), *self._cell
-            else:
-                yield left + wide + 2.0 * GAP + column * pitch, top + row * (HEAD + self._cell[1]), *self._cell
+        wide, high = self._panel
+        return LEFT + column * (wide + LEFT), TITLE + ABOVE + row * (ABOVE + high + BELOW), wide, high
 
 
 def draw_ways(
@@ -124,7 +91,7 @@ def draw_ways(
     *,
     dots_per_inch: int = 120,
 ) -> None:
-    """Draw the paths of policies into files, with a panel for each policy and some of its levels beside it.
+    """Draw the paths of policies into files, with a panel for each policy.
 
     Green paths have arrived; marks show the ends of the others. Grey areas are occupied, darker ones in more levels.
 
@@ -144,7 +111,7 @@ def draw_ways(
 
 def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: str) -> Figure:
     """Return the figure of ``draw_ways``."""
-    plan = WaysPlan(density.bounds, panels)
+    plan = WaysPlan(density.bounds, len(panels))
     entries = ways_marks.legend(outcome for panel in panels for outcome in panel.counts)
     room = plan.width - LEFT - RIGHT
     lines = textwrap.wrap(note, max(int(room / LETTER), 20))
@@ -162,8 +129,6 @@ def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: s
     figure.text(LEFT / width, 1.0 - 0.2 / height, words, va="center", fontsize=11, color=theme.INK, **face)
     for k, panel in enumerate(panels):
         _draw_panel(axes(plan.panel(k)), panel, density)
-        for level, place in zip(panel.levels, plan.cells(k), strict=False):
-            draw_level(axes(place), level, density.bounds)
     figure.legend(handles=entries, loc="lower left", bbox_to_anchor=(LEFT / width, 0.0), borderaxespad=0.3,
                   borderpad=0.0, ncols=columns, frameon=False, fontsize=8, title=fonts.label("\n".join(lines)),
                   title_fontsize=8, alignment="left", labelcolor=theme.INK)  # fmt: skip
@@ -181,8 +146,7 @@ def _draw_panel(axes: Axes, panel: WaysPanel, density: Density) -> None:
     shown += [way for way in whole if way.outcome != "success"][:FEW]
     failed = [way for way in panel.ways if way.outcome != "success"]
     ways_marks.draw_lines(axes, shown, 0.8)
-    if not panel.levels:
-        ways_marks.draw_starts_and_goals(axes, shown, 12.0)
+    ways_marks.draw_starts_and_goals(axes, shown, 12.0)
     ways_marks.draw_ends(axes, failed, 26.0 * max(ways_marks.paler(len(failed)), 0.5))
     ways_marks.show_world(axes, density.bounds)
     _write(axes, panel)

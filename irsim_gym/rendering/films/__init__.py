@@ -1,4 +1,4 @@
-"""Many frames: films, sheets, and the renderer of a simulation.
+"""Many frames: films, and the renderer of a simulation.
 
 No drawing of one frame.
 """

@@ -84,12 +84,12 @@ class EpisodeFilm:
         return np.vstack([self._strips[key], frame])
 
 
-def caption_strip(caption: str, width: int, frame_width: float | None = None) -> Bytes:
+def caption_strip(caption: str, width: int) -> Bytes:
     """Draw a caption on a strip, uint8, shape ``(height, width, 3)``.
 
-    The height is even and grows with ``frame_width``, the width of the frames below [pixel]; None for ``width``.
+    The height is even and grows with the width of the frame below [pixel].
     """
-    enlargement = max((frame_width or width) / REFERENCE_SIDE, 0.4)
+    enlargement = max(width / REFERENCE_SIDE, 0.4)
     height = 2 * round(CAPTION_HEIGHT * enlargement / 2.0)
     strip, masks = np.empty((height, width, 3), np.uint8), Masks()
     strip[:] = np.rint(colour(theme.PAPER, 1.0)[:3])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,8 @@ from irsim_gym.rendering.frames.frame_painter import FramePainter, Share
 from irsim_gym.rendering.looks.styles import TOP
 from irsim_gym.rendering.scene.frame_layout import Layout, Limits, lay_out
 from irsim_gym.rendering.scene.reader import DrawnSimulation, SceneReader
-from irsim_gym.rendering.scene.scene import DrawnBody, Scene
-from irsim_gym.simulator.readings.marks import Overlay
+from irsim_gym.rendering.scene.scene import Scene
+from irsim_gym.simulator.readings.marks import Mark, Overlay
 from irsim_gym.simulator.readings.trails import Trails
 from irsim_gym.simulator.world.group import Group
 from irsim_gym.simulator.world.model import Model
@@ -38,6 +38,7 @@ class Renderer:
         trails: Past poses of bodies, recorded by the caller at each step; by default, the poses at which frames were
             drawn.
         explored: Cells of the world that its robots have seen (``Simulation.explored``); the others lie in fog.
+        marks: Returns marks over a world (``Simulation.marks``), which every frame and figure shows.
         share: Divides the work of ``frames`` among threads, like ``Shards.run`` of the engine; None for one thread.
             Frames do not depend on it.
     """
@@ -53,10 +54,11 @@ class Renderer:
         size: tuple[int, int] | None = None,
         trails: Trails | None = None,
         explored: Flags | None = None,
+        marks: Callable[[int], tuple[Mark, ...]] = lambda world: (),
         share: Share | None = None,
     ) -> None:
         plot = scenario.world.plot
-        self._drawn = DrawnSimulation(scenario, model, state, sensors, learners, explored)
+        self._drawn = DrawnSimulation(scenario, model, state, sensors, learners, explored, marks)
         self._reader = SceneReader(self._drawn, trails)
         shown = {"axis": not plot.no_axis, "title": bool(plot.show_title), "tight": plot.tight}
         self._whole = lay_out(model.bounds, size or plot.figure_pixels, **shown)
@@ -98,10 +100,6 @@ class Renderer:
     def scene(self, world: int = 0, status: str = "") -> Scene:
         """Return the content of a frame of the world, as data."""
         return self._reader.read(world, status)
-
-    def moving(self, world: int) -> tuple[DrawnBody, ...]:
-        """Return the bodies of ``scene`` that can move."""
-        return self._reader.moving(world)
 
     def clear(self, world: int | None = None) -> None:
         """Clear the trails of one world, or of all worlds, at the start of an episode."""

@@ -1,4 +1,4 @@
-"""Loads images of bodies."""
+"""Loads images of bodies, and writes pictures."""
 
 import functools
 from pathlib import Path
@@ -7,6 +7,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.base.outside_files import reading
+from irsim_gym.rendering.looks.files import whole_file
 
 LONGEST_SIDE = 512
 """Maximum side of an image [pixel]; larger ones are reduced, since frames do not show more detail."""
@@ -37,3 +38,22 @@ def _read(file: Path, changed: int) -> Bytes:
     pixels = np.array(image, np.uint8)
     pixels.setflags(write=False)
     return pixels
+
+
+def reduced(frame: Bytes, width: int) -> Bytes:
+    """Return a frame reduced to at most ``width`` pixels in width."""
+    from PIL import Image
+
+    if frame.shape[1] <= width:
+        return frame
+    size = width, round(width * frame.shape[0] / frame.shape[1])
+    return np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.LANCZOS))
+
+
+def save_picture(picture: Bytes, path: Path) -> Path:
+    """Write a picture atomically to a file, in the format of its suffix, such as ``.png``."""
+    from PIL import Image
+
+    with whole_file(path) as part:
+        Image.fromarray(picture).save(part)
+    return path

@@ -44,6 +44,7 @@ OUTCOMES = {
     "collision": IMPACT,
     "timeout": "#D97706",
     "left_world": "#7C3AED",
+    "misplaced": "#DB2777",
 }
 RUNNING = "#3B82F6"
 

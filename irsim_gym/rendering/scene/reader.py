@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from irsim_gym.rendering.scene.scan_reader import ScanReader
 from irsim_gym.rendering.scene.scene import DrawnBody, FieldView, FogView, GoalView, MapView, Scene
 from irsim_gym.rendering.scene.track_reader import TrackReader
 from irsim_gym.scenario.specs.plot_spec import trailing
-from irsim_gym.simulator.readings.marks import NOTHING, Overlay
+from irsim_gym.simulator.readings.marks import NOTHING, Mark, Overlay
 from irsim_gym.simulator.readings.trails import Trails
 from irsim_gym.simulator.world.group import Group
 from irsim_gym.simulator.world.model import ROBOT, STATE, Model
@@ -39,6 +40,7 @@ class DrawnSimulation(NamedTuple):
         sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
         learners: Bodies whose goals and trajectories are drawn by default.
         explored: Cells of the world that robots have seen, shape ``(n_worlds, n_columns, n_rows)``; None for no fog.
+        marks: Returns marks of the simulation itself over a world.
     """
 
     scenario: Scenario
@@ -47,6 +49,7 @@ class DrawnSimulation(NamedTuple):
     sensors: Sequence[Group]
     learners: Collection[int]
     explored: Flags | None
+    marks: Callable[[int], tuple[Mark, ...]]
 
 
 class SceneReader:
@@ -59,7 +62,7 @@ class SceneReader:
     """
 
     def __init__(self, drawn: DrawnSimulation, trails: Trails | None = None) -> None:
-        scenario, model, state, sensors, learners, self._explored = drawn
+        scenario, model, state, sensors, learners, self._explored, self._marks = drawn
         self._model, self._state = model, state
         self._names = [body.name for body in scenario.bodies]
         self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
@@ -89,7 +92,7 @@ class SceneReader:
         self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         present = model.present[world]
         fixed = self._fixed_views(world, present)
-        moving = self.moving(world)
+        moving = tuple(self._bodies.view(world, body) for body in self._moving_bodies if present[body])
         goals = self._goals(world)
         return Scene(
             world=world,
@@ -112,11 +115,6 @@ class SceneReader:
             overlay=self.overlay(world),
         )
 
-    def moving(self, world: int) -> tuple[DrawnBody, ...]:
-        """Return views of the bodies of a world that can move."""
-        present = self._model.present[world]
-        return tuple(self._bodies.view(world, body) for body in self._moving_bodies if present[body])
-
     def clear(self, world: int | None = None) -> None:
         """Clear the trails of one world, or of all worlds."""
         self.trails.clear(None if world is None else np.array([world]))
@@ -126,8 +124,9 @@ class SceneReader:
         self._overlays[world] = overlay
 
     def overlay(self, world: int) -> Overlay:
-        """Return the marks over a world."""
-        return self._overlays.get(world, NOTHING)
+        """Return the marks over a world: first those of the simulation."""
+        given, own = self._overlays.get(world, NOTHING), self._marks(world)
+        return replace(given, marks=(*own, *given.marks)) if own else given
 
     def status(self, world: int) -> str:
         """Return IR-SIM's status: arrived if all robots have arrived, else collision if one collides, else running."""

@@ -16,10 +16,11 @@ from irsim_gym.evaluation.requests.remembered import as_trained
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import load_policy
 from irsim_gym.robot.graph_policy import commands_of
-from irsim_gym.robot.inputs import Measured, measured, scanner_of, steers
+from irsim_gym.robot.inputs import Measured, measured, scanner_of
 from irsim_gym.simulator.readings.messages import Header, odometry, planar_twist, scan_message
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.tasks.episodes.prediction import steers
 
 TOPICS = {
     "/scan": "sensor_msgs/msg/LaserScan",
@@ -89,7 +90,7 @@ def _twist(played: Episodes, numbers: Floats) -> Any:
     """Return a command or a velocity of the first robot's drive as a twist in the body frame."""
     model, b = played.simulation.model, played.task.agents[0]
     first, second, *third = numbers.tolist()
-    if steers(played, b):
+    if steers(played.simulation, b):
         second = first * np.tan(second) / float(model.wheelbase[b])
     is_sideways = model.drive[b] not in (DIFFERENTIAL, ACKERMANN)
     return planar_twist(first, second, *(third or [0.0])) if is_sideways else planar_twist(first, 0.0, second)

@@ -31,7 +31,9 @@ class Driving:
     def __init__(
         self, contract: str, transform: Callable[[str, str], Any], say: Callable[[str], Any], drive: Callable[[], None]
     ) -> None:
-        self.driver: Any = runpy.run_path(str(Path(contract).with_name("drive.py")))["Driver"](contract)
+        script = runpy.run_path(str(Path(contract).with_name("drive.py")))
+        self.driver: Any = script["Driver"](contract)
+        self.heading: Callable[[Any], float] = script["SCANS"]["heading"]
         self.transform, self.say, self.drive = transform, say, drive
         scan = self.driver.contract["scan"] or {"no_return": "inf", "mount": [0.0, 0.0, 0.0]}
         x, y, yaw = map(float, scan["mount"])
@@ -128,8 +130,7 @@ class Driving:
             found = self.transform(target, source).transform
         except TransformException:
             return  # the driver says which frames these are
-        q, (x, y, heading) = found.rotation, self.way.T
-        turn = np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+        turn, (x, y, heading) = self.heading(found.rotation), self.way.T
         x, y = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
         moved = [found.translation.x + x, found.translation.y + y, heading + turn]
         self.driver.way, self.driver.goal_frame = np.stack(moved, axis=1), target

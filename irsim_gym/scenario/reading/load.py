@@ -20,7 +20,7 @@ from irsim_gym.scenario.reading import notes
 from irsim_gym.scenario.reading.level_checks import home_of, misfits, read_level_file, tell, with_levels
 from irsim_gym.scenario.reading.level_reading import read_levels
 from irsim_gym.scenario.reading.map_cells import map_extent, read_cells, read_map
-from irsim_gym.scenario.reading.parameters import PERTURBED, fill_in
+from irsim_gym.scenario.reading.parameters import PERTURBED, PREDICT, fill_in
 from irsim_gym.scenario.reading.perturbations import read_perturbations
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
@@ -54,7 +54,8 @@ def load_scenario(
         scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or its content as plain
             data; or the path of a file of levels, .npz, for the scenario that it names with these levels.
         parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; other parameters keep their defaults. Each
-            scenario also takes ``disturbances`` of all learners, such as ``{"disturbances": "latency:time=0.2"}``.
+            scenario also takes ``disturbances`` of all learners, such as ``{"disturbances": "latency:time=0.2"}``, and
+            ``predict`` of its task.
         strict: Whether unused keys are errors; False ignores them with an ``IgnoredKeyWarning``.
         warn: Whether to warn of suspicious values, such as degrees (``ScenarioWarning``), and of ignored keys
             (``IgnoredKeyWarning``).
@@ -96,7 +97,7 @@ def read_scenario(
         UnknownNameError: If the scenario has no such parameter.
     """
     given = dict(parameters or {})
-    perturbed = given.pop(PERTURBED, None)
+    beside = {name: given.pop(name) for name in (PERTURBED, PREDICT) if given.get(name) is not None}
     source, values = fill_in(source, given, strict=strict)
     source = with_presets(source)
     report = Report(source, strict=strict)
@@ -107,6 +108,9 @@ def read_scenario(
     world = _world(sections.get("world"), places["world"], source, report)
     gui = build(GuiSpec, sections.get("gui"), places["gui"], report)
     task = _task(sections.get("task"), places["task"], report)
+    if PREDICT in beside:
+        told = beside[PREDICT]
+        task = {**task, PREDICT: {"true": True, "false": False}.get(str(told).lower(), told)}
     step_time = float(option_fields(WorldSpec)["step_time"].default) if world is None else world.step_time
     bodies, placements = _bodies(sections, places, step_time, report)
     _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
@@ -139,8 +143,8 @@ def read_scenario(
         doubts=tuple(report.doubts),
         ignored=tuple(report.ignored),
         strict=strict,
-        parameters=values if perturbed is None else {**values, PERTURBED: str(perturbed)},
-        disturbances=() if perturbed is None else read_perturbations(perturbed),
+        parameters={**values, **{name: str(value) for name, value in beside.items()}},
+        disturbances=read_perturbations(beside[PERTURBED]) if PERTURBED in beside else (),
     )
 
 

@@ -19,8 +19,10 @@ from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import WRAPPER, Place, Source
 
 SECTION = "parameters"
-PERTURBED = "disturbances"
-"""What each scenario has beside its parameters: disturbances of all learners, see ``perturbations``."""
+PERTURBED, PREDICT = "disturbances", "predict"
+"""What each scenario has beside its parameters: disturbances of all learners, see ``perturbations``, and the option of
+its section ``task``.
+"""
 ARGUMENTS = frozenset(
     (
         *("scenario", "id", "name", "task", "parameters", "seed", "split", "level", "mode", "team", "kwargs"),
@@ -122,7 +124,7 @@ class ParameterSpec:
 
 def is_free(name: str) -> bool:
     """Return whether a parameter may have this name, which no argument of an environment has."""
-    return name not in ARGUMENTS and name != PERTURBED
+    return name not in ARGUMENTS and name not in (PERTURBED, PREDICT)
 
 
 def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True) -> tuple[Source, dict[str, Value]]:

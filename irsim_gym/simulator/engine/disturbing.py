@@ -12,7 +12,7 @@ from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.base.options import drawn_ends
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
-from irsim_gym.simulator.step.disturbances import Disturbances
+from irsim_gym.simulator.step.disturbances import OWN, Belief, Disturbances
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.group import Group
@@ -22,7 +22,12 @@ from irsim_gym.simulator.world.state import State
 
 Member = tuple[int, Any]
 NEEDS_SCAN = "changes scans, but the robot has no range sensor; add sensors: [{name: lidar2d}] to it"
+NEEDS_CIRCLE = "changes a radius, but the robot has none; give it shape: {name: circle, radius: 0.2}"
 NEEDS_DRIVE = "changes how the robot drives, but it cannot move; add kinematics"
+BELIEVED = ("motion", "belief")
+"""What makes the pose that a robot believes in another one than the true one."""
+LOOKS = ("mount", "scan")
+"""What belongs to range sensors."""
 
 
 def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: State, parts: Parts) -> Disturbances:
@@ -57,19 +62,51 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
         turn.asked = replace(state, command=np.zeros_like(state.command)) if turn.commands else None
         turn.moved = replace(state, velocity=np.zeros_like(state.velocity)) if turn.motions else None
         found.groups += [*turn.commands, *turn.motions]
-    looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on == "scan" for sensor in parts.sensors]
-    found.scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
-    found.groups += found.scans
+    looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on in LOOKS for sensor in parts.sensors]
+    scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
+    found.mounts, found.scans = ([group for group in scans if group.kind.acts_on == what] for what in LOOKS)
+    found.groups += scans
+    found.outlines = [_group(*one, model) for one in by_kind if one[0].acts_on == "outline"]
+    if found.outlines:
+        known = np.isin(np.arange(len(model.role)), np.concatenate([group.members for group in found.outlines]))
+        found.known, found.reach = replace(model, reach=model.reach.copy()), np.where(known, model.reach[0], np.nan)
+    believers = [b for b, one in given if one.acts_on in BELIEVED]
+    if believers and parts.turns:
+        errors = [_group(*one, model) for one in by_kind if one[0].acts_on == "belief"]
+        found.belief = _belief(believers, errors, parts.kinematics, state)
+        found.groups += errors
     return found
+
+
+def _belief(believers: list[int], errors: list[Group], drives: Sequence[Group], state: State) -> Belief:
+    """Return what robots believe: their odometry knows the velocities that drives execute, and no noise of motion."""
+    for group in errors:
+        group.arrays["pose"] = state.pose
+    told = replace(state, **{name: getattr(state, name).copy() for name in OWN})
+    rolling = [drive.select(np.flatnonzero(np.isin(drive.members, believers))) for drive in drives]
+    # Tables of a drive with noise are what draws it. Memories are those of the truth: belief has its own.
+    quiet = [replace(drive, tables=None) if _is_noisy(drive) else drive for drive in rolling if len(drive.members)]
+    for drive in quiet:
+        drive.arrays = {name: array.copy() for name, array in drive.arrays.items()}
+    return Belief(told, quiet, errors, np.setdiff1d(np.arange(state.pose.shape[1]), believers))
+
+
+def _is_noisy(drive: Group) -> bool:
+    return any(getattr(options, "noise", False) for options in drive.options)
 
 
 def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
     problems = []
     for b, one in given:
         body = scenario.bodies[b]
-        is_scan = one.acts_on == "scan"
-        if not (any(map(_has_ranges, body.sensors)) if is_scan else model.movable[b]):
-            why = f"'{DISTURBANCES.name_of(type(one))}' {NEEDS_SCAN if is_scan else NEEDS_DRIVE}"
+        fits, needs = bool(model.movable[b]), NEEDS_DRIVE
+        if one.acts_on in LOOKS:
+            fits, needs = any(map(_has_ranges, body.sensors)), NEEDS_SCAN
+        elif one.acts_on == "outline":
+            is_disc = model.disc_count[0, b] == 1 and model.segment_count[0, b] == 0
+            fits, needs = is_disc and not body.shape.is_random, NEEDS_CIRCLE
+        if not fits:
+            why = f"'{DISTURBANCES.name_of(type(one))}' {needs}"
             problems.append(Problem(body.line, f"{body.name}.disturbances", why))
     if problems:
         raise ScenarioError(scenario.file or scenario.name, problems)
@@ -93,6 +130,8 @@ def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model
     rows = [(b, one, k) for b, one in members for k in np.flatnonzero(sensor.members == b).tolist()]
     scan: OwnScan = own_scan(sensor, np.array([k for _, _, k in rows], np.int64))
     group = Group(kind, [one for _, one, _ in rows], np.array([b for b, _, _ in rows], np.int64), scan=scan)
+    if hasattr(sensor.tables, "offset"):
+        group.arrays["mounts"] = sensor.tables.offset
     return _prepared(group, model)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +12,11 @@ from irsim_gym.base.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.engine import field_of_view
+from irsim_gym.simulator.engine.disturbance_marks import marks_of
 from irsim_gym.simulator.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.simulator.running.fused import Fused, Recordings, only_kernels
 from irsim_gym.simulator.running.shards import Shards
-from irsim_gym.simulator.step import outlines, respawn, restart
+from irsim_gym.simulator.step import disturbances, outlines, respawn, restart
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.step import Orders, advance, refresh
 from irsim_gym.simulator.world.group import Group, Shard, WorldContext, find_sensor
@@ -45,7 +47,8 @@ class Simulation:
 
     def __post_init__(self) -> None:
         self._recordings = Recordings()
-        levels = [group.kind for group in (*self.parts.maps, *self.parts.footprints, *self.parts.placements)]
+        drawn = self.parts.maps, self.parts.footprints, self.parts.placements, self.parts.disturbances.outlines
+        levels = [group.kind for groups in drawn for group in groups]
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
         self._start = self.fuse(self._start_drawn)
@@ -81,6 +84,22 @@ class Simulation:
     def explored(self) -> Flags | None:
         """What the robots have seen, shape ``(n_worlds, columns, rows)``; None unless the file asks (``fog_map``)."""
         return None if self.parts.fog is None else self.parts.fog.cells.explored
+
+    @property
+    def told(self) -> State:
+        """The state as robots know it: ``state`` itself, unless their odometry is disturbed."""
+        belief = self.parts.disturbances.belief
+        return self.state if belief is None else belief.state
+
+    def marks(self, world: int) -> tuple[Any, ...]:
+        """Return marks, for a renderer, of what disturbs a world: believed outlines and blind sectors."""
+        return marks_of(self.parts.disturbances, self.model, self.state, world)
+
+    @property
+    def known(self) -> Model:
+        """The constants as robots know them: ``model`` itself, unless their footprints are disturbed."""
+        known = self.parts.disturbances.known
+        return self.model if known is None else known
 
     @property
     def sensors(self) -> list[Group]:
@@ -333,6 +352,7 @@ class Simulation:
         body_buckets.refresh(bodies, model, state, shard)
         for group in parts.kinematics:
             group.kind.begin(group, model, state, shard)
+        disturbances.tell(parts.disturbances, bodies, state, shard)
         if np.isin(bodies, parts.fixed).any():
             # Flags of all bodies stay until the next step: only ``model.static_partner`` is to change.
             collided, hit = state.collided[shard.worlds], state.hit[shard.worlds]

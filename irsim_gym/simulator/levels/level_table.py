@@ -103,7 +103,10 @@ def varied_outlines(scenario: Scenario) -> Flags:
     """Return which bodies have another outline, or map, in each level, shape ``(n_bodies,)``."""
     levels = scenario.levels
     shaped = set() if levels is None else {levels.bodies[k] for k in np.flatnonzero(levels.shaped)}
+    resized = any(one.acts_on == "outline" for one in scenario.disturbances)
     varied = np.array([body.shape.is_random or body.name in shaped for body in scenario.bodies], np.bool_)
+    for b in scenario.robots:
+        varied[b] |= resized or any(one.acts_on == "outline" for one in scenario.bodies[b].disturbances)
     if scenario.occupied is not None and levels is not None:
         varied[-1] = levels.cells is not None
     return varied

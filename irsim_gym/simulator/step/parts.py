@@ -83,5 +83,6 @@ class Parts:
     @property
     def remembering(self) -> list[Group]:
         """Groups of kinds written as functions, whose ``arrays["memory"]`` holds an object for each world and body."""
-        groups = (*self.behaviors, *self.group_behaviors, *self.sensors, *self.kinematics)
+        believed = [] if self.disturbances.belief is None else self.disturbances.belief.drives
+        groups = (*self.behaviors, *self.group_behaviors, *self.sensors, *self.kinematics, *believed)
         return [group for group in groups if getattr(group.arrays.get("memory"), "dtype", None) == np.object_]

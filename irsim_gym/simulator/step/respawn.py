@@ -82,7 +82,7 @@ def respawn(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints
     state.twist[shard.worlds] = np.where(begun[:, :, None], state.twist[shard.worlds], twist)
     body_buckets.refresh(bodies, model, state, shard)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
-    disturbances.begin_again(parts.disturbances, shard, begun)
+    disturbances.begin_again(parts.disturbances, state, shard, begun)
     sense(parts, model, state, shard)
 
 

@@ -89,7 +89,8 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop_bodies(shard.worlds, model, state)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
-    disturbances.begin(parts.disturbances, model, shard)
+    disturbances.begin(parts.disturbances, model, state, shard)
+    disturbances.tell(parts.disturbances, parts.everyone, state, shard)
     sense(parts, model, state, shard)
 
 
@@ -140,6 +141,8 @@ def copy_words(worlds: Ints, model: Model, state: State) -> None:
 
 def draw_level(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Draw presence, maps, outlines and placements, and write ``state.failed``; copy what a file of levels gives."""
+    for group in parts.disturbances.outlines:
+        group.kind.disturb(group, model, state, shard)
     if parts.levels is not None:
         take_level(parts, parts.levels, model, state, shard)
         return

@@ -58,6 +58,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
             group.kind.move(group, model, moved, shard)
         outlines.place(turn.movers, model, state, shard)
         body_buckets.refresh(turn.movers, model, state, shard)
+    disturbances.believe(parts.disturbances, model, state, shard)
     if orders is not None:
         orders.show(state, shard)
     # The caller moves the bodies between steps: their outlines are still those of the old poses.
@@ -69,7 +70,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
     contact.find(parts.movers, model, state, shard, parts.sweep)
     if parts.patience is not None:
         patience.let_go(shard.worlds, parts.patience, model, state)
-    arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
+    check_arrival(parts, model, state, shard)
     sense(parts, model, state, shard)
     if parts.fog is not None:
         fog.reveal(parts.fog, model, state, shard)
@@ -97,6 +98,7 @@ def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: in
         group.kind.move(group, model, state, shard)
     outlines.place(here, model, state, shard)
     body_buckets.refresh(here, model, state, shard)
+    disturbances.tell(parts.disturbances, here, state, shard)
 
 
 def _of(groups: Sequence[Group], body: int) -> list[Group]:
@@ -115,6 +117,7 @@ def refresh(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Update the worlds without moving anything, after poses were written from outside."""
     outlines.place(parts.everyone, model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
+    disturbances.tell(parts.disturbances, parts.everyone, state, shard)
     find_flags(parts, model, state, shard)
     sense(parts, model, state, shard)
 
@@ -123,7 +126,17 @@ def find_flags(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     """Update contacts and arrivals from the present poses."""
     contact.find_static(parts.fixed, model, state, shard)
     contact.find(parts.movers, model, state, shard)
-    arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
+    check_arrival(parts, model, state, shard)
+
+
+def check_arrival(parts: Parts, model: Model, state: State, shard: Shard) -> None:
+    """Update distances to goals, which are true, and arrivals, which are what robots believe."""
+    if (belief := parts.disturbances.belief) is None:
+        arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
+    else:
+        disturbances.tell_truth(shard.worlds, belief.others, state, belief.state)
+        arrival.check_arrival(shard.worlds, parts.goal_bodies, model, belief.state)
+        arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
 
 
 def sense(parts: Parts, model: Model, state: State, shard: Shard) -> None:

@@ -292,14 +292,21 @@ class DisturbanceKind(Protocol):
     and a random stream for each member. It may have ``prepare``, as a drive has it, to make room in ``group.arrays``.
     """
 
-    acts_on: ClassVar[Annotated[Literal["command", "motion", "scan"], "what it changes, see ``disturb``"]]
+    acts_on: ClassVar[
+        Annotated[
+            Literal["command", "motion", "belief", "outline", "mount", "scan"], "what it changes, see ``disturb``"
+        ]
+    ]
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Change something of the members, and count the call in ``group.tables.count``.
 
         ``command``: ``state.command``, before it is limited. ``motion``: ``state.velocity``, which the drive executes.
-        ``scan``: the ranges in ``group.scan``; a robot is a member once for each of its range sensors.
+        ``belief``: ``state.pose``, which is the pose that the robot believes in, after its odometry has moved it;
+        ``group.arrays["pose"]`` has the true ones. ``scan``: the ranges in ``group.scan``; a robot is a member once for
+        each of its range sensors, whose true mount poses are in ``group.arrays["mounts"]``. ``mount``: these, where an
+        episode begins. ``outline``: footprints in ``model``, before a level is placed.
         """
 
 

@@ -12,8 +12,10 @@ from irsim_gym.scenario.checking.validation import Report
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import Place
+from irsim_gym.simulator.world.model import NO_DRIVE
 from irsim_gym.tasks.definition.audit import Terms, ending_for
 from irsim_gym.tasks.definition.layers import Merged
+from irsim_gym.tasks.terms.graph import HasGraph
 
 NOTHING = "nothing"
 """``without_sensor``: the observation of a sensor without beams."""
@@ -117,6 +119,23 @@ def check_action(scenario: Scenario, agents: Sequence[int], action: object, repo
         names = ", ".join(small[0].command_names)
         message = f"must be 1 for a drive with {len(small[0].command_names)} components ({names})"
         report.add(("action", "lateral"), message)
+
+
+def check_prediction(scenario: Scenario, agents: Sequence[int], terms: Terms, report: Report) -> None:
+    """Report observations and drives that cannot be predicted."""
+    for place, item in terms["observations"]:
+        needs = ("?",) if item.needs is None else item.needs
+        if len(agents) > 1 and "bodies" in needs:
+            message = "cannot be predicted in a team, whose robots all have commands under way"
+        elif isinstance(item, HasGraph) or set(needs) <= {"odometry"}:
+            continue
+        else:
+            message = "cannot be predicted"
+        report.add(place, f"'{_term_name(item)}' {message}: leave out either it or 'predict'")
+    for body in (scenario.bodies[b] for b in agents):
+        if getattr(body.kinematics, "drive", NO_DRIVE) == NO_DRIVE:
+            report.add(("predict",), f"must be left out: where its drive takes '{body.name}' is not known")
+            break
 
 
 def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str]:

@@ -7,9 +7,8 @@ from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.tasks.definition.task import Task
 from irsim_gym.tasks.terms.outcome import Outcome
 
-OF_ITSELF = frozenset(
-    {"goal", "goal_heading", "velocity", "last_action", "drive", "own_body", "goal_record", "has_arrived", "trail"}
-)
+OF_ITSELF = frozenset({"goal", "goal_heading", "goal_record", "has_arrived", "velocity", "own_body", "trail"})
+OF_ITSELF |= {"last_action", "pending", "drive"}
 """Observations that contain only the agent itself and its goal."""
 OF_ROBOTS = frozenset({"neighbors"})
 """Observations that contain only robots."""

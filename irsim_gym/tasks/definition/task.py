@@ -1,6 +1,6 @@
 """A task: the actions, observations, rewards and endings of the learning agents."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -11,17 +11,20 @@ from irsim_gym.base.options import kind, option
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.validation import Report, build, build_named
 from irsim_gym.scenario.reading.notes import warn_of_keys
+from irsim_gym.scenario.reading.parameters import PREDICT
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import MissingFileError, Place, Source, read_file, read_mapping
 from irsim_gym.tasks.definition.audit import Sharing, check_audit
-from irsim_gym.tasks.definition.checks import check_action, check_fit, check_terms, choose_agents
+from irsim_gym.tasks.definition.checks import check_action, check_fit, check_prediction, check_terms, choose_agents
 from irsim_gym.tasks.definition.layers import Layer, merge
 
 DEFAULT = "navigation"
 FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
 LONGEST_CHAIN = 8
+LONGEST = 10.0
+"""Longest time that is predicted [s]."""
 _CHANGES = "; changes the terms of the named task by name."
 
 
@@ -54,6 +57,12 @@ class TaskOptions:
     deadlock_time: float = option(
         5.0, gt=0.0, unit="s", meaning="An agent that is stalled for this time is deadlocked."
     )
+    predict: float | bool = option(
+        False,
+        unit="s",
+        meaning="Time until a command acts; observations show what the agent will see then, as far as the commands "
+        "under way say it. 'true': the latency of each level.",
+    )
     audit: bool = option(
         True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
     )
@@ -61,6 +70,11 @@ class TaskOptions:
     observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
     rewards: tuple[Any, ...] = option((), meaning=f"Reward terms; the reward is their sum{_CHANGES}")
     endings: tuple[Any, ...] = option((), meaning=f"What ends an episode, besides the time limit{_CHANGES}")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of an invalid option."""
+        if not 0.0 <= self.predict <= LONGEST:
+            yield "predict", f"must lie from 0 to {LONGEST:g} seconds, or be true or false, got {self.predict:g}"
 
 
 @dataclass(frozen=True)
@@ -81,6 +95,7 @@ class Task:
         team_reward: Share of each reward term that is the mean over the agents of a world.
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
         deadlock_time: Time after which a stalled agent is deadlocked [s].
+        predict: Time until a command acts, for which observations are predicted [s]; True for each level's latency.
     """
 
     name: str
@@ -96,6 +111,7 @@ class Task:
     deadlock_speed: float = 0.05
     deadlock_time: float = 5.0
     names_agents: bool = False
+    predict: float | bool = False
 
 
 def load_task(
@@ -110,8 +126,8 @@ def load_task(
     Args:
         scenario: The scenario.
         task: A shipped name, the path of a YAML file, or its content as plain data, in place of the scenario's own
-            section ``task``; None for that section, or ``navigation`` without one. With a name or path, the time limit
-            of the scenario's own section applies unless the file sets one.
+            section ``task``; None for that section, or ``navigation`` without one. ``predict`` of the scenario's own
+            section applies unless the task sets it; with a name or path, its time limit does, too.
         max_steps: Replaces the task's time limit.
         team: Whether all robots learn, instead of the first one, if the task does not set ``agents``.
 
@@ -133,6 +149,8 @@ def load_task(
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
+            if options.predict:
+                check_prediction(scenario, agents, terms, report)
         if is_sound:
             check_terms(terms, merged)
             if options.audit:
@@ -154,6 +172,7 @@ def load_task(
         deadlock_speed=options.deadlock_speed,
         deadlock_time=options.deadlock_time,
         names_agents=bool(options.agents),
+        predict=options.predict,
     )
 
 
@@ -190,7 +209,7 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) 
     folder = Path(scenario.file).parent if scenario.file else Path()
     if isinstance(task, str | Path):
         called, layers = _file_layers(library.find(task, "tasks"), folder)
-        return called, [*layers[:-1], *_own_limit(scenario), layers[-1]]
+        return called, [*layers[:-1], *_own(scenario, "max_steps", PREDICT), layers[-1]]
     if task is None:
         top = Layer(_title(scenario), scenario.task, _task_line(scenario), ("task",), _task_remark(scenario))
     else:
@@ -210,13 +229,13 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) 
         raise MissingFileError(top.title, [Problem(top.line(("name",)), _path(top), message)]) from None
     except UnknownNameError as error:
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
-    return called, [*layers, top]
+    return called, [*layers, *(_own(scenario, PREDICT) if task is not None else ()), top]
 
 
-def _own_limit(scenario: Scenario) -> list[Layer]:
-    """Return the time limit of a scenario's own section, which also applies to other tasks unless they set one."""
-    # The limit belongs to the level, what is observed and paid to the task.
-    own = {key: value for key, value in scenario.task.items() if key == "max_steps"}
+def _own(scenario: Scenario, *keys: str) -> list[Layer]:
+    """Return options of a scenario's own section that also apply to other tasks unless they set them."""
+    # The limit belongs to the level and the prediction to the robot, what is observed and paid to the task.
+    own = {key: value for key, value in scenario.task.items() if key in keys}
     if not own:
         return []
     return [Layer(_title(scenario), own, _task_line(scenario), ("task",), _task_remark(scenario))]

@@ -3,8 +3,10 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
-from irsim_gym.tasks.terms.outcome import RUNNING, SUCCESS, TIMEOUT
+from irsim_gym.simulator.step.arrival import goal_gap
+from irsim_gym.simulator.world.model import STATE
+from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel, row_of
+from irsim_gym.tasks.terms.outcome import MISPLACED, RUNNING, SUCCESS, TIMEOUT
 
 
 @kernel
@@ -152,6 +154,30 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
             episode.truncated[w, a] = found == RUNNING and episode.steps[w, a] >= max_steps
             episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else found
             episode.success[w, a] = found == SUCCESS
+
+
+@kernel
+def find_misplaced(worlds: Ints, agents: Ints, model: Model, state: State, told: State, episode: EpisodeState) -> None:
+    """Let the episodes of agents fail that believe to have arrived, and are elsewhere by more than their tolerance.
+
+    What counts is how far the true pose is from the believed one: a robot that stops as soon as it believes to be
+    within the tolerance is beyond it in truth half of the time, however small its error is.
+
+    Reads: model (arrive_mode, goal_threshold), state (pose), told (pose), episode (outcome, over).
+    Writes: episode (outcome, success).
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        told: The state with the believed poses.
+    """
+    for w in worlds:
+        threshold = model.goal_threshold[row_of(model.goal_threshold, w)]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            error = goal_gap(state.pose[w, b], told.pose[w, b], model.arrive_mode[b] == STATE)
+            if episode.outcome[w, a] == SUCCESS and not episode.over[w, a] and error > threshold[b]:
+                episode.outcome[w, a], episode.success[w, a] = MISPLACED, False
 
 
 @kernel

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.simulator.running.direct import Direct
-from irsim_gym.simulator.world.model import OMNI_WORLD
+from irsim_gym.simulator.world.model import OMNI_WORLD, Model
+from irsim_gym.simulator.world.state import State as WorldState
 from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.definition.task import Task, checked_limit
 from irsim_gym.tasks.endings.arrived import Arrived
 from irsim_gym.tasks.episodes import account, team_state
 from irsim_gym.tasks.episodes.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.episodes.levels import CHAIN, check_split, take_levels
+from irsim_gym.tasks.episodes.prediction import Predictor
 from irsim_gym.tasks.episodes.transition import transition_of
 from irsim_gym.tasks.terms import EpisodeState, Shard, Simulation
 from irsim_gym.tasks.terms.outcome import PRECEDENCE
@@ -59,6 +61,9 @@ class Episodes:
         self._turned = self._agents[is_turned & (getattr(task.action, "frame", "command") == "body")]
         self._action = bind(ACTIONS, [task.action], simulation, task)[0]
         self._observations = bind(OBSERVATIONS, task.observations, simulation, task)
+        self._predictor = Predictor(simulation, task) if task.predict else None
+        if self._predictor is not None:
+            self._predictor.show(self._observations)
         self._rewards = bind(REWARDS, task.rewards, simulation, task)
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = bind(ENDINGS, by_precedence, simulation, task)
@@ -277,7 +282,7 @@ class Episodes:
         commands.rest(worlds, self._agents, model, state)
         account.begin_episodes(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
-            term.options.begin(term, model, simulation.state, state, shard)
+            term.options.begin(term, *self._known_to(term), state, shard)
         self._observe(shard)
         account.mark(worlds, False, state.began)
 
@@ -297,6 +302,8 @@ class Episodes:
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)
         account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
+        if simulation.told is not world:
+            account.find_misplaced(shard.worlds, self._agents, model, world, simulation.told, state)
         if self.waits:
             account.hold_arrivals(shard.worlds, state)
         for term in self._rewards:
@@ -330,8 +337,20 @@ class Episodes:
         )
 
     def _observe(self, shard: Shard) -> None:
+        if self._predictor is not None:
+            self._predictor.look_ahead(self.state, shard)
         for term in self._observations:
-            term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
+            model, state = self._known_to(term)
+            if self._predictor is not None:
+                state = self._predictor.state
+            term.options.write(term, model, state, self.state, shard)
+
+    def _known_to(self, term: Term) -> tuple[Model, WorldState]:
+        """Return what a term reads: for observations, except those of true bodies, what the robot knows."""
+        needs = getattr(term.options, "needs", ("bodies",)) or ()
+        sees_bodies = "bodies" in needs and "map_frame" not in needs
+        simulation = self.simulation
+        return (simulation.model, simulation.state) if sees_bodies else (simulation.known, simulation.told)
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

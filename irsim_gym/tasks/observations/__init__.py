@@ -19,6 +19,7 @@ from irsim_gym.tasks.observations.own.has_arrived import HasArrived
 from irsim_gym.tasks.observations.own.heading import Heading
 from irsim_gym.tasks.observations.own.last_action import LastAction
 from irsim_gym.tasks.observations.own.own_body import OwnBody
+from irsim_gym.tasks.observations.own.pending import Pending
 from irsim_gym.tasks.observations.own.position import Position
 from irsim_gym.tasks.observations.own.trail import Trail
 from irsim_gym.tasks.observations.own.velocity import Velocity
@@ -39,6 +40,7 @@ OBSERVATIONS.register("goal", Goal)
 OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)
 OBSERVATIONS.register("last_action", LastAction)
+OBSERVATIONS.register("pending", Pending)
 OBSERVATIONS.register("drive", Drive)
 OBSERVATIONS.register("own_body", OwnBody)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)

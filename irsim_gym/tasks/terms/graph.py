@@ -90,26 +90,26 @@ class Value:
         """Return the value in another type."""
         return self if self.dtype == dtype else self.op("Cast", dtype, to=code_of(dtype))
 
-    def columns(self, start: int, stop: int) -> Value:
-        """Return some columns: a slice of the second axis."""
-        ends = [self.graph.constant(np.array([k])) for k in (start, stop, 1)]
+    def columns(self, start: int, stop: int, axis: int = 1) -> Value:
+        """Return some columns: a slice of the second axis, or of another."""
+        ends = [self.graph.constant(np.array([k])) for k in (start, stop, axis)]
         return self.graph.op("Slice", [self, *ends], self.dtype)
 
     def take(self, indices: NDArray[Any]) -> Value:
         """Return columns by their numbers; a table of numbers gives one axis more."""
         return self.graph.op("Gather", [self, self.graph.constant(np.asarray(indices))], self.dtype, axis=1)
 
-    def part(self, axis: int) -> Value:
+    def part(self, place: int) -> Value:
         """Return one number of each row of the last axis, which goes."""
-        return self.graph.op("Gather", [self, self.graph.constant(np.array(axis))], self.dtype, axis=-1)
+        return self.graph.op("Gather", [self, self.graph.constant(np.array(place))], self.dtype, axis=-1)
 
     def first(self, count: int) -> Value:
         """Return where the smallest numbers of each row stand, ascending, ``(batch, count)``; equal ones in order."""
         return self.graph.op("TopK", [self, self.graph.constant(np.array([count]))], np.int64, largest=0)
 
     def at(self, places: Value) -> Value:
-        """Return the numbers of each row at places of its own, ``(batch, count)``."""
-        return self.graph.op("GatherElements", [self, places], self.dtype, axis=1)
+        """Return the second axis at places of each row's own, ``(batch, count)``."""
+        return self.graph.op("GatherND", [self, places.spread(2)], self.dtype, batch_dims=1)
 
     def spread(self, axis: int) -> Value:
         """Return the value with another axis, of length 1."""
@@ -131,7 +131,7 @@ class Value:
         """Return where it is not a number."""
         return self.op("IsNaN", np.bool_)
 
-    def times(self, matrix: Value) -> Value:
+    def times(self, matrix: Value | Number) -> Value:
         """Return the matrix product."""
         return self._with("MatMul", matrix)
 
@@ -259,14 +259,18 @@ class RobotValues:
         cosine, sine = heading.op("Cos"), heading.op("Sin")
         return dx * cosine + dy * sine, dy * cosine - dx * sine
 
-    def others(self, count: int) -> tuple[Value, ...]:
-        """Return the offsets dx, dy of other bodies [m], their velocity vx, vy [m/s] and their radius [m].
-
-        Each is ``(batch, n + count)``, float64, in the axes of ``bodies``: the last ``count`` are absent.
-        """
+    def others(self, count: int) -> Value:
+        """Return other bodies as in ``bodies``, but places from its own on; the last ``count`` rows are absent."""
         absent = self.elapsed.spread(2) * 0.0 + np.full((count, 5), np.nan)
-        x, y, *others = (self.graph.join([self.bodies, absent]).part(k) for k in range(5))
-        return x - self.pose.columns(0, 1), y - self.pose.columns(1, 2), *others
+        place = self.pose.times(np.diag([1.0, 1.0, 0.0]) @ np.eye(3, 5))
+        return self.graph.join([self.bodies, absent]) - place.spread(1)
+
+    def turned_rows(self, rows: Value) -> Value:
+        """Return rows of ``others`` in the axes of its own frame."""
+        heading, aside = self.pose.columns(2, 3).spread(2), np.zeros((5, 5))
+        aside[[0, 1, 2, 3], [1, 0, 3, 2]] = [-1.0, 1.0, -1.0, 1.0]
+        turn = heading.op("Cos") * np.diag([1.0, 1.0, 1.0, 1.0, 0.0]) + heading.op("Sin") * aside
+        return rows.times(turn + np.diag([0.0, 0.0, 0.0, 0.0, 1.0]))
 
     def constant(self, numbers: Sequence[float] | NDArray[Any]) -> Value:
         """Return the same float32 numbers for each row of the batch, ``(batch, n)``."""
@@ -307,8 +311,6 @@ def between_edges(x: Value, y: Value, edges: Floats) -> Value:
         edges: Ascending angles [rad]; neighbours are at most half a turn apart.
     """
     # A place on an edge belongs to the sector that begins there, whatever is rounded.
-    cosines, sines = (function(edges - 1e-12).astype(x.dtype) for function in (np.cos, np.sin))
-    begun, over = (
-        y.spread(2) * cosines[side] - x.spread(2) * sines[side] for side in (slice(None, -1), slice(1, None))
-    )
-    return (begun >= 0.0) & (over < 0.0)
+    turned = np.stack([-np.sin(edges - 1e-12), np.cos(edges - 1e-12)]).astype(x.dtype)
+    begun = x.graph.join([x.spread(-1), y.spread(-1)], axis=-1).times(turned) >= 0.0
+    return begun.columns(0, len(edges) - 1, -1) & ~begun.columns(1, len(edges), -1)

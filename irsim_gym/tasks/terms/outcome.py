@@ -8,7 +8,8 @@ class Outcome(IntEnum):
     """The outcome of an agent's episode; the numbers are part of the public interface.
 
     If several outcomes apply in the same step, the first of collision, left the world, success, deadlock and timeout
-    counts. An agent that has arrived and waits for its team succeeds whatever comes later.
+    counts. An agent that has arrived and waits for its team succeeds whatever comes later. MISPLACED is an arrival that
+    the agent only believes in, where its odometry is disturbed.
     """
 
     RUNNING = 0
@@ -17,6 +18,7 @@ class Outcome(IntEnum):
     TIMEOUT = 3
     LEFT_WORLD = 4
     DEADLOCK = 5
+    MISPLACED = 6
 
 
 class HitKind(IntEnum):
@@ -39,3 +41,4 @@ COLLISION = int(Outcome.COLLISION)
 TIMEOUT = int(Outcome.TIMEOUT)
 LEFT_WORLD = int(Outcome.LEFT_WORLD)
 DEADLOCK = int(Outcome.DEADLOCK)
+MISPLACED = int(Outcome.MISPLACED)

@@ -59,6 +59,7 @@ class Term:
         image: Output of an image observation, ``(n_worlds, n_agents, height, width, n_channels)``; empty for other
             terms.
         bounds: Lower and upper bound of each column of an observation, ``(width,)`` each; empty for other terms.
+        measured: The state as it is, for observations that are called with a predicted one; else None.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Term:
     bodies: Group | None = None
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
     bounds: tuple[Rays, Rays] = field(default_factory=lambda: (np.zeros(0, np.float32), np.zeros(0, np.float32)))
+    measured: State | None = None
 
     @cached_property
     def bound(self) -> Bound:

@@ -70,10 +70,10 @@ def verdict(point: Mapping[str, float], scenario: Scenario, task: Task, look: st
 
 
 def look_command(scenario: str, folder: Path, *, team: bool, task: str | None = None) -> str:
-    """Return the command that draws a run's policy on some ``dev`` levels."""
+    """Return the command that shows a run's policy on some ``dev`` levels."""
     levels = " ".join(f"--level {level}" for level in range(3))
     options = f"{' --team' if team else ''}{'' if task is None else f' --task {task}'}"
-    return f"irsim-gym record {scenario} {folder} --split dev {levels}{options} --sheet"
+    return f"irsim-gym record {scenario} {folder} --split dev {levels}{options} --html"
 
 
 def _ends(point: Mapping[str, float]) -> str:

@@ -1,8 +1,7 @@
-"""Training that can be interrupted at any time, with Stable-Baselines3 or Ray RLlib."""
+"""Training with Stable-Baselines3 that can be interrupted at any time."""
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import torch
@@ -11,21 +10,18 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.base.extras import require
 from irsim_gym.evaluation.protocol.tables import PLAIN, remove_leftovers, write_bytes, write_csv
 from irsim_gym.evaluation.requests.inputs import check_folder
 from irsim_gym.evaluation.requests.interruption import stopped_at_end, stopped_early
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, listed
 from irsim_gym.sb3 import LogCallback
-from irsim_gym.training.rllib.ray_session import prepare
 from irsim_gym.training.runs import checkpoint as files
 from irsim_gym.training.runs import models
 from irsim_gym.training.runs.cloning import clone_behavior
 from irsim_gym.training.runs.environment import compile_kernels
 from irsim_gym.training.runs.fine_tuning import copy_weights
 from irsim_gym.training.runs.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
-from irsim_gym.training.settings.engine_checks import check_engine
 from irsim_gym.training.settings.folders import check_replaceable, setting_differences, sole_writer
 from irsim_gym.training.settings.run import FILES, Run, Settings
 
@@ -41,7 +37,6 @@ def train(
     device: str | None = None,
     console: Console | None = None,
     on_checkpoint: Callable[[Run], object] | None = None,
-    address: str | None = None,
 ) -> Run:
     """Train a policy, and write checkpoints, logs and the final policy to ``folder``.
 
@@ -58,7 +53,6 @@ def train(
         on_checkpoint: Function that is called after each checkpoint but the last. Its time does not count as training
             time, and it does not affect the result, unless it returns True: then the run ends there. If it raises, the
             run stops unfinished.
-        address: Address of a Ray cluster, for a run with RLlib; None for this machine.
 
     Raises:
         IrsimGymError: If the folder is a file, holds another run or one that has to be resumed, or another process
@@ -79,11 +73,10 @@ def train(
             return run
         used = run.own_settings() if resumed else settings
         newest = stored.newest_checkpoint(run.checkpoints) if resumed else None
-        _check_engine(used, address)
         model, progress = _model(used, newest, device, screen)
         _begin(run, settings, now, resumed=resumed)
         try:
-            _learn_with(used, newest, address)(run, used, model, progress, screen, on_checkpoint)
+            _learn(run, used, model, progress, screen, on_checkpoint)
         finally:
             _write_log(run, progress)
             _close(model)
@@ -103,23 +96,6 @@ def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> Non
     if not resumed:
         run.begin(settings, now)
     _remove_leftovers(run)
-
-
-def _learn_with(settings: Settings, newest: Path | None, address: str | None) -> Callable[..., None]:
-    """Return the function that learns with the engine of a run."""
-    if settings.engine is None:
-        return _learn
-    from irsim_gym.training.rllib.train import learn
-
-    return partial(learn, newest=newest, address=address)
-
-
-def _check_engine(settings: Settings, address: str | None) -> None:
-    """Check that the engine of a run is installed and supports its settings, and prepare the import of Ray."""
-    check_engine(settings)
-    if settings.engine is not None:
-        require("rllib", "--engine rllib")
-        prepare(address)
 
 
 def _remove_leftovers(run: Run) -> None:
@@ -152,11 +128,9 @@ def _model(
     torch.set_num_threads(settings.hyperparameters.torch_threads)
     models.resolve_device(settings.hyperparameters.device)
     compile_kernels(settings)
-    if newest is not None and settings.engine is None:
+    if newest is not None:
         return models.restored_model(settings, newest)
     model = models.new_model(settings)
-    if newest is not None:
-        return model, stored.load_progress(newest)
     if settings.origin is not None:
         copy_weights(model, settings)
     if settings.hyperparameters.clone is None:

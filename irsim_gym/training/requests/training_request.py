@@ -18,8 +18,6 @@ from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.terms.term import IsImage
-from irsim_gym.training.settings.engine_checks import check_engine
-from irsim_gym.training.settings.engines import RLLIB, Engine
 from irsim_gym.training.settings.folders import default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters
 from irsim_gym.training.settings.hyperparameters import Hyperparameters, load_hyperparameters
@@ -47,7 +45,6 @@ class TrainingRequest:
         origin: Policy to start from: a run's folder or a ``policy.zip``.
         mixture: Scenarios that are trained together. ``scenario`` is the first of them.
         mixture_name: Name of the file that lists them; None without one.
-        engine: Settings of Ray RLlib; None for Stable-Baselines3.
         changes: Single changes of hyper-parameters by key, text as YAML; ``policy_kwargs.net_arch`` is in a mapping.
         until: Success on ``dev`` levels [%] at which a checkpoint ends the run; None for that of the hyper-parameters.
     """
@@ -65,7 +62,6 @@ class TrainingRequest:
     origin: str | None = None
     mixture: tuple[MixturePart, ...] = ()
     mixture_name: str | None = None
-    engine: Engine | None = None
     changes: Mapping[str, object] | None = None
     until: float | None = None
 
@@ -122,9 +118,7 @@ class TrainingRequest:
             )
         pairs = zip(self.mixture, found, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
-        settings = replace(found[0], mixture=mixed)
-        check_engine(settings)
-        return settings
+        return replace(found[0], mixture=mixed)
 
     def _scenario_settings(self, algorithm: str) -> Settings:
         """Return the settings for a single scenario."""
@@ -142,19 +136,15 @@ class TrainingRequest:
         }
         found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
-        settings = Settings(
-            named, algorithm, self.seed, task, found, loaded.parameters, self.strict, engine=self.engine
-        )
+        settings = Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
         if settings.is_team:  # its robots have to fit each other, too
             settings.load_task()
-        check_engine(settings)
         return settings
 
     def folder(self, settings: Settings) -> Path:
         """Return the default folder of a run. Its name contains the settings that differ from the defaults."""
         task = self.task_name
         marks = [] if task is None else [task]
-        marks += [] if self.engine is None else [RLLIB]
         file = self.hyperparameters
         marks += [] if file is None or file.stem == settings.algorithm else [file.stem]
         marks += [] if self.steps is None else [f"steps={self.steps}"]
@@ -184,7 +174,6 @@ class TrainingRequest:
             settings,
             origin=begun.origin if self.origin is None else settings.origin,
             algorithm=begun.algorithm if self.algorithm is None else settings.algorithm,
-            engine=begun.engine if self.engine is None or begun.engine is None else self.engine.or_of(begun.engine),
             hyperparameters=self._hyperparameters_of(begun, settings),
         )
         other = setting_differences(begun, wanted)

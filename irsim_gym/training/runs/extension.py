@@ -23,7 +23,7 @@ def extend(run: Run, steps: int, until: float | None) -> str:
         raise IrsimGymError(
             f"--more-steps is for finished runs, and {run.folder} is not: continue it with --resume alone"
         )
-    if newest is None or settings.engine is not None or settings.algorithm in OFF_POLICY:
+    if newest is None or settings.algorithm in OFF_POLICY:
         why = (
             "its replay buffer is not kept"
             if settings.algorithm in OFF_POLICY

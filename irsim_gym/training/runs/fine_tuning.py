@@ -7,8 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from gymnasium import Space
+from gymnasium.spaces import Box
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize, unwrap_vec_normalize
+from torch import Tensor
+from torch.nn.functional import pad
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.saved_policies.algorithms import ALGORITHMS
@@ -98,8 +102,28 @@ def _normalization(learned: VecNormalize | None, wanted: Mapping[str, object] | 
     return {**own, **(wanted or {}), **keys, "norm_obs": learned.norm_obs}
 
 
+def _columns(space: Space[Any]) -> int:
+    """Return the number of columns of flat observations; 0 for others."""
+    return space.shape[0] if isinstance(space, Box) and len(space.shape) == 1 else 0
+
+
+def _widened(learned: Mapping[str, Tensor], here: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Return weights for more observations: those of the columns that come last are zero, so that actions are equal."""
+    lengths = {name: here[name].shape[-1] - one.shape[-1] for name, one in learned.items() if one.ndim == 2}
+    return {name: pad(one, (0, lengths[name])) if lengths.get(name, 0) > 0 else one for name, one in learned.items()}
+
+
+def _misfit(file: Path, what: str, learned: Space[Any], here: Space[Any]) -> IrsimGymError:
+    return IrsimGymError(
+        f"{file} was trained with {what} {form_of(learned)}, but this task has {form_of(here)}: --from needs the same, "
+        "or more observations at the end of a vector without normalisation"
+    )
+
+
 def copy_weights(model: BaseAlgorithm, settings: Settings) -> None:
     """Copy the weights and the normalisation of the policy that a run starts from into its new model.
+
+    Observations that the policy does not know may follow those that it knows: they begin without influence.
 
     Raises:
         IrsimGymError: If the policy no longer exists, or was trained with other observations or actions.
@@ -107,17 +131,17 @@ def copy_weights(model: BaseAlgorithm, settings: Settings) -> None:
     assert settings.origin is not None
     file, policy = load_origin(settings.origin["policy"])
     learned = _model(policy)
-    for what, known, here in (
-        ("observations", learned.observation_space, model.observation_space),
-        ("actions", learned.action_space, model.action_space),
-    ):
-        if form_of(known) != form_of(here):
-            raise IrsimGymError(
-                f"{file} was trained with {what} {form_of(known)}, but this task has {form_of(here)}: "
-                "--from needs the same observations and actions"
-            )
+    weights = learned.policy.state_dict()
+    names, known = settings.perception().names, [] if policy.perception is None else policy.perception.names
+    more = _columns(learned.observation_space) < _columns(model.observation_space)
+    if more and policy.normalization is None and names[: len(known)] == known:
+        weights = _widened(weights, model.policy.state_dict())
+    elif form_of(learned.observation_space) != form_of(model.observation_space):
+        raise _misfit(file, "observations", learned.observation_space, model.observation_space)
+    if form_of(learned.action_space) != form_of(model.action_space):
+        raise _misfit(file, "actions", learned.action_space, model.action_space)
     try:
-        model.policy.load_state_dict(learned.policy.state_dict())
+        model.policy.load_state_dict(weights)
     except RuntimeError as error:
         raise IrsimGymError(f"the weights of {file} do not fit the networks of this run: {error}") from error
     entropy, begun = getattr(model, "log_ent_coef", None), getattr(learned, "log_ent_coef", None)

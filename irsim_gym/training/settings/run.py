@@ -16,10 +16,10 @@ from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND, RunFolder, folder_of
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, read_snapshot, snapshot_of
 from irsim_gym.scenario.reading.load import load_scenario
+from irsim_gym.scenario.reading.parameters import PERTURBED
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.tasks import Task, load_task
-from irsim_gym.training.settings.engines import Engine
 from irsim_gym.training.settings.hyperparameters import Hyperparameters
 from irsim_gym.training.settings.mixture import MixturePart
 
@@ -46,7 +46,6 @@ class Settings:
         origin: Policy that the run starts from: the path of its file, ``policy``, and its hash, ``sha256``; None for
             random weights.
         mixture: All scenarios of the training, including ``scenario``; empty for a single scenario.
-        engine: Settings of Ray RLlib; None for Stable-Baselines3.
     """
 
     scenario: str
@@ -58,7 +57,6 @@ class Settings:
     strict: bool = True
     origin: Mapping[str, str] | None = None
     mixture: tuple[MixturePart, ...] = ()
-    engine: Engine | None = None
 
     def parts(self) -> tuple[Settings, ...]:
         """Return the settings for each scenario of a mixture; for a single scenario, these settings."""
@@ -118,7 +116,6 @@ class Settings:
             **({} if self.strict else {"strict": False}),
             **({} if self.origin is None else {"from": dict(self.origin)}),
             **({"mixture": [one.to_plain() for one in self.mixture]} if self.mixture else {}),
-            **({} if self.engine is None else {"engine": self.engine.to_plain()}),
         }
 
     @classmethod
@@ -128,8 +125,7 @@ class Settings:
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
         others["mixture"] = tuple(MixturePart(**one) for one in data.get("mixture", ()))
-        engine = Engine.from_plain(data.get("engine"))
-        return cls(**values, hyperparameters=wanted, origin=data.get("from"), engine=engine, **others)
+        return cls(**values, hyperparameters=wanted, origin=data.get("from"), **others)
 
 
 @dataclass(frozen=True)
@@ -149,7 +145,7 @@ class Run(RunFolder):
         """
         with reading(self.config, CONFIG_KIND):
             made = Settings.from_plain(json_object(self.config)["settings"])
-            for part in (*made.mixture, *([] if made.engine is None else [made.engine])):
+            for part in made.mixture:
                 checked(part)
             return checked(made)
 
@@ -181,11 +177,13 @@ class Run(RunFolder):
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        own: dict[str, Any] = {"task": None, "parameters": {}, "mixture": ()}
+        own: dict[str, Any] = {"task": None, "parameters": _disturbances(settings.parameters), "mixture": ()}
         files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
         if settings.mixture:
             parts = zip(settings.mixture, files, strict=True)
-            own["mixture"] = tuple(MixturePart(str(file.resolve()), {}, part.share) for part, file in parts)
+            own["mixture"] = tuple(
+                MixturePart(str(file.resolve()), _disturbances(part.parameters), part.share) for part, file in parts
+            )
         return replace(settings, scenario=str(files[0].resolve()), **own)
 
     def changes_in_others(self, settings: Settings) -> list[str]:
@@ -214,6 +212,11 @@ class Run(RunFolder):
         self.settings()
         for name in (*FOLDERS, *FILES):
             remove(self.folder / name)
+
+
+def _disturbances(parameters: Mapping[str, object]) -> dict[str, object]:
+    """Return what a copy of a scenario, in which all parameters are filled in, still takes."""
+    return {name: value for name, value in parameters.items() if name == PERTURBED}
 
 
 def _values(parameters: Mapping[str, object]) -> str:

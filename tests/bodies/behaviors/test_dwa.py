@@ -7,9 +7,7 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym.bodies.behaviors.local_planners.dwa_search import stop_time
-from irsim_gym.bodies.behaviors.local_planners.mppi_sampling import draw_samples
 from irsim_gym.bodies.behaviors.local_planners.rollouts import place_at, spread_over
-from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 
 DIFF = {"kinematics": {"name": "diff"}, "vel_min": [0, -1.5], "vel_max": [1, 1.5]}
 OMNI = {"kinematics": {"name": "omni", "frame": "body"}, "vel_min": [-1, -1], "vel_max": [1, 1]}
@@ -18,14 +16,14 @@ DRIVES = {"diff": DIFF, "omni": OMNI, "car": CAR}
 SEES = [{"name": "lidar2d", "number": 121, "angle_range": 2 * np.pi, "range_max": 5}]
 
 
-def scene(posts: Any, name: str = "dwa", turn: float = 0.0, mirror: float = 1.0, **more: Any) -> dict[str, Any]:
+def scene(posts: Any, turn: float = 0.0, mirror: float = 1.0, **more: Any) -> dict[str, Any]:
     """Return a robot at the origin, 4 m before its goal, among posts; turned about it, or mirrored."""
 
     def put(x: float, y: float) -> list[float]:
         y *= mirror
         return [x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)]
 
-    options = {"name": name, **more.pop("options", {})}
+    options = {"name": "dwa", **more.pop("options", {})}
     goal = [*put(*more.pop("to", (4, 0))), 0]
     robot = {"shape": {"name": "circle", "radius": 0.2}, "sensors": SEES, "goal_threshold": 0.2, **more}
     robot |= {"state": [0, 0, turn], "goal": goal, "behavior": options}
@@ -87,10 +85,9 @@ def test_a_turn_on_the_spot_begins_as_fast_as_a_step_allows() -> None:
     assert command(scene([(0.62, 0.0, 0.4)], **DIFF, to=(0, 3), **slower))[1] >= 0.8
 
 
-@pytest.mark.parametrize("name", ["dwa", "mppi"])
 @pytest.mark.parametrize("drive", DRIVES)
-def test_a_post_is_passed(name: str, drive: str) -> None:
-    simulation = ig.compile(ig.load_scenario(scene([(2.0, 0.15, 0.4)], name, **DRIVES[drive])))
+def test_a_post_is_passed(drive: str) -> None:
+    simulation = ig.compile(ig.load_scenario(scene([(2.0, 0.15, 0.4)], **DRIVES[drive])))
     simulation.reset(seed=0)
     for _ in range(150):
         simulation.step()
@@ -113,29 +110,10 @@ def test_mirrored_and_turned_levels(drive: str) -> None:
     np.testing.assert_allclose(command(scene(POSTS, turn=np.pi / 2, **options), 2), here, atol=1e-9)
 
 
-@pytest.mark.slow
-def test_mppi_is_mirrored_on_average() -> None:
-    """Commands are drawn: means over other levels agree within four standard errors of their difference."""
-    means, errors = [], []
-    for seed, mirror in ((0, 1.0), (10_000, -1.0)):
-        options = {"options": {"path": "straight"}, "to": (3.0, 1.5), **DIFF}
-        simulation = ig.compile(ig.load_scenario(scene(POSTS, "mppi", mirror=mirror, **options)), 400)
-        simulation.reset(seed=seed)
-        simulation.step()
-        simulation.step()
-        commands = simulation.state.command[:, 0, :2] * [1, mirror]
-        means.append(commands.mean(axis=0))
-        errors.append(commands.std(axis=0) / np.sqrt(len(commands)))
-    error = np.hypot(*errors)
-    assert abs(means[0][1]) > 20 * error[1]
-    assert (np.abs(means[0] - means[1]) < 4 * error).all()
-
-
-@pytest.mark.parametrize("name", ["dwa", "mppi"])
 @pytest.mark.parametrize("path", ["map", "seen"])
-def test_batches_and_shards_follow_the_same_paths(name: str, path: str) -> None:
+def test_batches_and_shards_follow_the_same_paths(path: str) -> None:
     """A single world, a batch, one on threads, and one whose steps are not recorded; the posts are drawn."""
-    data = scene([], name, **DIFF, options={"path": path, **({"samples": 20} if name == "mppi" else {})})
+    data = scene([], **DIFF, options={"path": path})
     shape = {"name": "circle", "random_shape": True, "radius_range": [0.2, 0.4]}
     where = {"name": "random", "range_low": [0.7, -2, 0], "range_high": [3.3, 2, 0]}
     data["obstacle"] = [{"number": 5, "shape": shape, "distribution": where}]
@@ -193,54 +171,12 @@ def test_a_turn_that_cannot_be_stopped_in_time_is_not_admissible(slowest: float,
     assert command(data).tolist() == expected
 
 
-def samples_of(noise: float = 0.5, **options: Any) -> tuple[Any, Any, Any]:
-    """Return a simulation of one omnidirectional robot with `mppi`, its group and its samples."""
-    options = {"samples": 6, "horizon": 0.4, "noise": noise, "path": "straight", **options}
-    simulation = ig.compile(ig.load_scenario(scene([], "mppi", **OMNI, options=options)))
-    simulation.reset(seed=0)
-    (group,) = simulation.parts.behaviors
-    return simulation, group, group.tables[0][1]
-
-
-def test_samples_are_the_plan_a_stop_and_noise_about_the_plan() -> None:
-    simulation, group, samples = samples_of(gamma=2.0)
-    plan = np.array([[0.5, -0.25], [0.75, 0.0], [0.25, 0.5], [1.0, -1.0]])
-    limits = np.full(3, -1.0), np.ones(3), np.full(3, np.inf)
-    moving = Moving(0, False, 0.0, 0.1, np.zeros(3), 0.0, np.zeros(3), *limits)
-    draw_samples(0, simulation.state, group.params[0], moving, plan, samples)
-    np.testing.assert_array_equal(samples.asked[0], plan)
-    np.testing.assert_array_equal(samples.asked[1], np.zeros((4, 2)))
-    assert (np.abs(samples.asked[2:]) <= 1.0).all()
-    assert (samples.asked[2:] != plan).any(axis=(1, 2)).all()
-    # Standard deviation 0.5 x half of the range from -1 to 1; gamma times the sum of u e / s^2.
-    noise = samples.asked - plan
-    np.testing.assert_allclose(samples.cost, 2.0 * (plan * noise).sum(axis=(1, 2)) / 0.25, atol=1e-12)
-    assert samples.cost[0] == 0.0
-
-
-def test_the_rest_of_the_plan_is_the_plan_of_the_next_step() -> None:
-    """With next to no noise and one cheapest sample, the command is the plan's first, and the plan moves on."""
-    simulation, _, samples = samples_of(noise=1e-9, temperature=1e-9, gamma=0.0)
-    plan = np.array([[1.0, 0.1], [1.0, 0.2], [1.0, 0.3], [1.0, 0.4]])
-    samples.nominal[0, 0] = plan
-    simulation.step()
-    assert simulation.state.command[0, 0, :2] == pytest.approx(plan[0], abs=1e-6)
-    np.testing.assert_allclose(samples.nominal[0, 0], plan[[1, 2, 3, 3]], atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("name", "options"),
-    [
-        ("dwa", {"path": "seen", "samples": [3, 5]}),
-        ("dwa", {"path": "map", "samples": [3, 5]}),
-        ("mppi", {"path": "seen", "samples": 6, "horizon": 0.5}),
-    ],
-)
-def test_nothing_is_remembered_in_another_level(name: str, options: dict[str, Any]) -> None:
-    """A world that has played another level does what a fresh one does: paths, seen cells, plans and turns are new."""
+@pytest.mark.parametrize("path", ["seen", "map"])
+def test_nothing_is_remembered_in_another_level(path: str) -> None:
+    """A world that has played another level does what a fresh one does: paths, seen cells and turns are new."""
     box = {"number": 4, "shape": {"name": "rectangle", "length": 1.2, "width": 0.3}}
     boxes = {**box, "distribution": {"name": "random", "range_low": [-1, -2, -3], "range_high": [1, 2, 3]}}
-    data = {**scene([], name, **DIFF, options=options), "obstacle": boxes}
+    data = {**scene([], **DIFF, options={"path": path, "samples": [3, 5]}), "obstacle": boxes}
     data["world"] |= {"height": 6, "width": 6, "offset": [-3, -3]}
     data["robot"]["state"], data["robot"]["goal"] = [-2.5, 0, 0], [2.5, 0, 0]
     used, fresh = (ig.compile(ig.load_scenario(data)) for _ in range(2))

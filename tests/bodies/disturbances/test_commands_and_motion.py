@@ -71,9 +71,87 @@ def test_a_lag_follows_what_the_latency_lets_through() -> None:
     assert found == pytest.approx([0.0, 1.0 - np.exp(-1.0)])
 
 
+def test_lost_commands_leave_the_last_one_in_force() -> None:
+    n, chance = 2000, 0.3
+    sim = driven({"name": "lost_commands", "chance": chance}, n_worlds=n)
+    before = np.zeros(n)
+    for k in range(1, 6):
+        sim.step([0.1 * k, 0.0])
+        now = sim.state.velocity[:, 0, 0].copy()
+        is_lost = now == before
+        assert np.all(is_lost | (now == 0.1 * k))
+        assert is_lost.mean() == pytest.approx(chance, abs=3 * np.sqrt(chance * (1 - chance) / n))
+        before = now
+
+
+def test_slip_moves_the_robot_less_than_its_wheels_and_it_believes_its_wheels() -> None:
+    sim = driven({"name": "slip", "ahead": 0.1, "turn": 0.5})
+    sim.step([1.0, 1.0])
+    sim.step([1.0, 0.0])
+    assert sim.state.velocity[0, 0].tolist() == [1.0, 0.0, 0.0]
+    # The first step is straight ahead, the second along the heading after the first.
+    assert sim.state.pose[0, 0] == pytest.approx([0.09 + 0.09 * np.cos(0.05), 0.09 * np.sin(0.05), 0.05])
+    assert sim.told.pose[0, 0] == pytest.approx([0.1 + 0.1 * np.cos(0.1), 0.1 * np.sin(0.1), 0.1])
+    assert sim.state.twist[0, 0, 0] == pytest.approx(0.9 * np.cos(0.05))
+
+
+def test_odometry_is_too_long_and_turns_with_the_way() -> None:
+    sim = driven({"name": "odometry", "scale": 0.02, "yaw": 0.3})
+    sim.step([1.0, 0.0])
+    assert sim.state.pose[0, 0].tolist() == [0.1, 0.0, 0.0]
+    assert sim.told.pose[0, 0] == pytest.approx([0.102, 0.0, 0.03])
+    sim.step([-1.0, 0.0])
+    assert sim.state.pose[0, 0] == pytest.approx([0.0, 0.0, 0.0])
+    assert sim.told.pose[0, 0] == pytest.approx([0.102 - 0.102 * np.cos(0.03), -0.102 * np.sin(0.03), 0.06])
+
+
+def test_a_fix_gives_the_true_pose_with_a_deviation_at_its_times_alone() -> None:
+    n = 4000
+    fix = {"every": 0.3, "std": 0.05, "angle_std": 0.02}
+    sim = driven({"name": "odometry", "scale": 1.0, "fix": fix}, n_worlds=n)
+    for _ in range(2):
+        sim.step([1.0, 0.0])
+    np.testing.assert_allclose(sim.told.pose[:, 0, 0], 0.4)
+    sim.step([1.0, 0.0])
+    error = sim.told.pose[:, 0] - sim.state.pose[:, 0]
+    for axis, std in enumerate((0.05, 0.05, 0.02)):
+        assert error[:, axis].mean() == pytest.approx(0.0, abs=3 * std / np.sqrt(n))
+        assert error[:, axis].std() == pytest.approx(std, rel=3 / np.sqrt(2 * n))
+
+
+def test_motion_noise_is_no_error_of_what_odometry_counts() -> None:
+    sim = driven({"name": "odometry"}, kinematics={"name": "diff", "noise": True})
+    sim.step([1.0, 0.0])
+    assert sim.told.pose[0, 0] == pytest.approx([0.1, 0.0, 0.0])
+    assert sim.state.pose[0, 0, 0] != 0.1
+
+
+def test_who_is_put_elsewhere_knows_its_place_and_others_are_where_they_are() -> None:
+    slip = {"name": "slip", "ahead": 0.5}
+    data = {
+        "robot": [
+            {"kinematics": {"name": "diff"}, "goal": [9, 0], "disturbances": [slip]},
+            {"kinematics": {"name": "diff"}, "goal": [9, 5], "state": [5, 5, 0]},
+        ]
+    }
+    sim = ig.compile(ig.load_scenario(data), 1, agents=(0, 1))
+    sim.reset(seed=0)
+    sim.step([1.0, 0.0])
+    assert sim.told.pose[0, :, 0] == pytest.approx([0.1, 5.1])
+    assert sim.told.goal_distance[0] == pytest.approx([8.9, 3.9])
+    assert sim.state.goal_distance[0] == pytest.approx([8.95, 3.9])
+    sim.state.pose[0, :, 0] = [2.0, 9.0]
+    sim.place(np.array([0]))
+    assert sim.told.pose[0, 0, 0] == 2.0
+    sim.state.pose[0, 0, 0] = 3.0
+    sim.refresh()
+    assert sim.told.pose[0, :, 0].tolist() == [3.0, 9.0]
+    assert sim.state.arrived[0].tolist() == [False, True]
+
+
 def test_a_pair_is_drawn_for_each_level_and_a_number_for_none() -> None:
     n = 3000
-    sim = driven({"name": "drive_lag", "tau": [0.1, 0.3], "dead_band": 0.2}, n_worlds=n)
+    sim = driven({"name": "slip", "ahead": [0.1, 0.3], "turn": 0.2}, n_worlds=n)
     drawn = sim.parts.disturbances.groups[0].tables.values[:, 0]
     assert np.all(drawn[:, 1] == 0.2)
     assert drawn[:, 0].min() >= 0.1
@@ -87,7 +165,7 @@ def test_a_pair_is_drawn_for_each_level_and_a_number_for_none() -> None:
 
 
 def test_disturbances_do_not_touch_the_stream_of_the_level() -> None:
-    plain, disturbed = driven(), driven({"name": "latency", "time": [0, 0.3]}, {"name": "drive_lag", "tau": [0, 0.1]})
+    plain, disturbed = driven(), driven({"name": "latency", "time": [0, 0.3]}, {"name": "slip", "ahead": [0, 0.1]})
     for sim in (plain, disturbed):
         sim.step([1.0, 0.0])
     assert plain.state.random[0] == disturbed.state.random[0]
@@ -96,7 +174,11 @@ def test_disturbances_do_not_touch_the_stream_of_the_level() -> None:
 def test_they_act_in_one_order_whatever_the_file_says() -> None:
     found = []
     for order in (1, -1):
-        given = [{"name": "latency", "time": 0.1}, {"name": "latency", "time": 0.2}, {"name": "drive_lag", "tau": 0.2}]
+        given = [
+            {"name": "lost_commands", "chance": 0.4},
+            {"name": "latency", "time": 0.2},
+            {"name": "drive_lag", "tau": 0.2},
+        ]
         found.append(speeds(driven(*given[::order]), [0.1 * k for k in range(10)]))
     assert found[0] == found[1]
 
@@ -110,6 +192,7 @@ def test_they_act_in_one_order_whatever_the_file_says() -> None:
         ({"name": "latncy"}, "no disturbance named 'latncy' (did you mean 'latency'?)"),
         ({"name": "lost_beams", "chance": 2}, "must lie from 0 to 1, got 2"),
         ({"name": "lost_beams", "reads": "one"}, "must be 'none' or 'zero', got 'one'"),
+        ({"name": "odometry", "fix": {"every": 0}}, "fix.every: must be > 0, got 0"),
         ({"name": "range_bias"}, "'range_bias' changes scans, but the robot has no range sensor"),
     ],
 )
@@ -124,7 +207,5 @@ def test_only_robots_that_move_have_disturbances(tmp_path: Any) -> None:
     file.write_text("robot:\n  - kinematics: {name: diff}\nobstacle:\n  - disturbances: [{name: latency, time: 1}]\n")
     with pytest.raises(ScenarioError, match=r"(?s)world.yaml.*4.*only robots have disturbances"):
         ig.load_scenario(file)
-    with pytest.raises(
-        ScenarioError, match="'drive_lag' changes how the robot drives, but it cannot move; add kinematics"
-    ):
-        driven({"name": "drive_lag"}, kinematics=None)
+    with pytest.raises(ScenarioError, match="'slip' changes how the robot drives, but it cannot move; add kinematics"):
+        driven({"name": "slip"}, kinematics=None)

@@ -81,6 +81,16 @@ def test_a_sector_of_a_drawn_direction_sees_nothing() -> None:
     np.testing.assert_array_equal(ranges(sim) == FAR, blind)
 
 
+def test_scans_between_two_of_the_sensor_show_the_last_one() -> None:
+    sim = scanning({"name": "scan_rate", "every": 0.25})
+    seen = [float(ranges(sim)[0, 4])]
+    for _ in range(7):
+        sim.step([1.0, 0.0])
+        seen.append(float(ranges(sim)[0, 4]))
+    # Every third step: 0.25 s are rounded up.
+    assert seen == pytest.approx([3.0, 3.0, 3.0, 2.7, 2.7, 2.7, 2.4, 2.4])
+
+
 def test_each_range_sensor_of_a_robot_is_disturbed() -> None:
     lidar = {"name": "lidar2d", "number": 9, "angle_range": 2 * np.pi, "range_max": FAR}
     robot = {"kinematics": {"name": "diff"}, "sensors": [lidar, lidar, {**lidar, "name": "fmcw_lidar2d"}]}
@@ -96,6 +106,7 @@ def test_what_observations_read_stays_within_their_bounds() -> None:
         {"name": "range_bias", "offset": [-1, 1], "scale": [-0.5, 1]},
         {"name": "lost_beams", "chance": 0.5, "reads": "zero"},
         {"name": "blind_sector", "width": [0, 3]},
+        {"name": "odometry", "scale": [-1, 1], "yaw": [-1, 1]},
     ]
     text = "; ".join(f"{one['name']}" + "".join(f":{k}={v}" for k, v in one.items() if k != "name") for one in given)
     envs = gymnasium.make_vec("irsim_gym/cluttered_room-v0", num_envs=8, disturbances=text)
@@ -104,3 +115,59 @@ def test_what_observations_read_stays_within_their_bounds() -> None:
     for _ in range(60):
         assert envs.observation_space.contains(seen)
         seen, *_ = envs.step(envs.action_space.sample())
+
+
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_sensor_that_stands_elsewhere_sees_what_it_would_see_from_there(turn: float) -> None:
+    told, true = (0.3, -0.1, 0.5), (0.3 + 0.2, -0.1 + 0.4, 0.5 + 0.25)
+    disturbed = {"name": "mount", "x": 0.2, "y": 0.4, "turn": 0.25}
+    found = []
+    for offset, disturbances in ((told, [disturbed]), (true, [])):
+        lidar = {"name": "lidar2d", "number": 30, "angle_range": 2 * np.pi, "range_max": 50.0, "offset": list(offset)}
+        entry = {"kinematics": {"name": "diff"}, "state": [1.0, 2.0, turn], "sensors": [lidar]}
+        disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [1.0, 5.0, 0]}
+        data = {"robot": {**entry, "disturbances": disturbances}, "obstacle": [WALL, disc]}
+        sim = ig.compile(ig.load_scenario(data), 1, agents=(0,))
+        sim.reset(seed=0)
+        sim.step([0.5, 0.3])
+        assert sim.state.pose[0, 0, 2] == pytest.approx(turn + 0.03)
+        found.append(ranges(sim)[0])
+    np.testing.assert_allclose(*found, atol=1e-5)
+
+
+@pytest.mark.parametrize(("within", "seen"), [(0.3, [4]), (0.8, [3, 4, 5])])
+def test_glass_is_seen_where_beams_meet_it_nearly_at_right_angles(within: float, seen: list[int]) -> None:
+    found = ranges(scanning({"name": "glass", "share": 1.0, "seen_within": within}))[0]
+    np.testing.assert_array_equal(np.flatnonzero(found < FAR), seen)
+    assert found[4] == pytest.approx(3.0)
+
+
+def test_a_disc_of_glass_is_seen_in_its_middle_by_noisy_scanners_too() -> None:
+    lidar = {"name": "lidar2d", "number": 401, "angle_range": 0.4, "range_max": FAR}
+    disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [3, 0, 0]}
+    for noise in ({}, {"noise": True, "std": 0.01, "angle_std": 0.0}):
+        glass = [{"name": "glass", "share": 1.0, "seen_within": 0.5}, {"name": "mount", "turn": 0.05}]
+        robot = {"kinematics": {"name": "diff"}, "sensors": [{**lidar, **noise}], "disturbances": glass}
+        sim = ig.compile(ig.load_scenario({"robot": robot, "obstacle": disc}), 1, agents=(0,))
+        sim.reset(seed=0)
+        directions = np.linspace(-0.2, 0.2, 401) + 0.05
+        # The law of sines in the triangle of sensor, centre and hit.
+        expected = np.abs(3.0 * np.sin(directions)) < 0.5 * np.sin(0.5)
+        assert np.sum((ranges(sim)[0] < FAR) != expected) <= (12 if noise else 2)
+
+
+def test_a_share_of_the_bodies_is_of_glass_for_a_level_and_robots_agree() -> None:
+    n, share = 1000, 0.3
+    lidar = {"name": "lidar2d", "number": 2, "angle_range": 0.02, "range_max": FAR}
+    glass = [{"name": "glass", "share": share, "seen_within": 0.0}]
+    robots = [
+        {"kinematics": {"name": "diff"}, "state": [0, y, 0], "sensors": [lidar], "disturbances": glass} for y in (0, 5)
+    ]
+    sim = ig.compile(ig.load_scenario({"robot": robots, "obstacle": WALL}), n, agents=(0, 1))
+    sim.reset(seed=0)
+    seen = np.concatenate([group.arrays["ranges"][:, :, 0] for group in sim.sensors], axis=1)
+    is_glass = seen == FAR
+    assert is_glass[:, 0].mean() == pytest.approx(share, abs=3 * np.sqrt(share * (1 - share) / n))
+    np.testing.assert_array_equal(is_glass[:, 0], is_glass[:, 1])
+    sim.step([0.0, 0.0])
+    np.testing.assert_array_equal(seen[:, 0], sim.sensors[0].arrays["ranges"][:, 0, 0])

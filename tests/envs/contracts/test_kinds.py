@@ -39,11 +39,18 @@ OWNERS = {
 
 
 DISTURBED: dict[str, dict[str, Any]] = {
+    "radius": {"offset": [-0.1, 0.1]},
+    "lost_commands": {"chance": 0.3},
     "latency": {"time": [0.0, 0.3]},
     "drive_lag": {"tau": [0.0, 0.5], "dead_band": 0.01},
+    "slip": {"ahead": [0.0, 0.2], "turn": [-0.2, 0.2]},
+    "odometry": {"scale": [-0.1, 0.1], "yaw": 0.1, "fix": {"every": 0.5, "std": 0.1, "angle_std": 0.1}},
+    "mount": {"x": [-0.1, 0.1], "y": 0.05, "turn": [-0.1, 0.1]},
+    "glass": {"share": 1.0, "seen_within": 0.1},
     "range_bias": {"offset": [-0.1, 0.1], "scale": 0.02},
     "lost_beams": {"chance": [0.0, 0.5]},
     "blind_sector": {"width": [0.5, 2.0]},
+    "scan_rate": {"every": [0.1, 0.4]},
 }
 """Options with which disturbances show."""
 
@@ -52,13 +59,8 @@ SMALL = {
     "recorded": {"file": "square.txt"},
     "dwa": {"samples": [3, 5], "sim_granularity": 0.5, "path": "straight"},
     "hybrid_astar": {"cell": 2.0},
-    "mppi": {"samples": 6, "horizon": 0.5, "path": "straight"},
 }
 """Options that behaviours need, or without which they would take long in plain Python."""
-
-
-ROUNDING = {"behavior mppi": 1e-7}
-"""Weights exp(-cost / temperature) magnify what rounding changes."""
 
 
 RANDOM = [entry.name for entry in families.FOOTPRINTS if "random_shape" in option_fields(entry.kind)]
@@ -154,6 +156,8 @@ def snapshot(sim: ig.Simulation, w: int) -> dict[str, np.ndarray]:
     fields = {name: getattr(sim.state, name)[w].copy() for name in State.columns()}
     for index, group in enumerate(sim.sensors):
         fields[f"reading {index}"] = group.arrays[group.kind.reading][w].copy()
+    if sim.told is not sim.state:
+        fields["told pose"] = sim.told.pose[w].copy()
     if sim.explored is not None:
         fields["explored"] = sim.explored[w].copy()
     return fields
@@ -211,10 +215,10 @@ def test_a_disturbance_shows_and_spares_the_robots_that_have_none(name: str) -> 
     for _ in range(8):
         for sim in sims:
             sim.step()
-    found = [snapshot(sim, w) for w in range(8) for sim in sims]
+    found = [{**snapshot(sim, w), "told pose": sim.told.pose[w].copy()} for w in range(8) for sim in sims]
     changed = set()
     for one, other in zip(found[::2], found[1::2], strict=True):
-        for field in ("pose", "velocity", "command"):
+        for field in ("pose", "velocity", "command", "told pose", "discs"):
             np.testing.assert_array_equal(one[field][1:], other[field][1:], err_msg=field)
             changed |= {field} if np.any(one[field][0] != other[field][0]) else set()
         changed |= {"reading"} if np.any(one["reading 0"][0] != other["reading 0"][0]) else set()
@@ -238,7 +242,8 @@ def rollouts() -> dict[str, np.ndarray]:
             rows = []
             for _ in range(20 if family in ("kinematics", "disturbance") else 3):
                 sim.step()
-                rows.append(np.dstack([sim.state.pose, sim.state.twist, sim.state.steering[..., None]]))
+                told = [sim.told.pose] if family == "disturbance" else []
+                rows.append(np.dstack([sim.state.pose, sim.state.twist, sim.state.steering[..., None], *told]))
             found[f"{family} {name}"] = np.array(rows)
     return found
 
@@ -249,7 +254,7 @@ def test_compiled_kernels_do_what_plain_python_does(tmp_path: Path) -> None:
     subprocess.run([sys.executable, __file__, str(file)], env=plain, check=True, timeout=120)
     expected = np.load(file)
     for case, found in rollouts().items():
-        np.testing.assert_allclose(found, expected[case], rtol=0, atol=ROUNDING.get(case, 1e-12), err_msg=case)
+        np.testing.assert_allclose(found, expected[case], rtol=0, atol=1e-12, err_msg=case)
 
 
 if __name__ == "__main__":

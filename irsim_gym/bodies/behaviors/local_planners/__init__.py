@@ -1,4 +1,4 @@
-"""``dwa`` and ``mppi``, and what they share: a task, a way, rollouts.
+"""``dwa``: its task, its way, its rollouts.
 
 Only planners of the next command.
 """

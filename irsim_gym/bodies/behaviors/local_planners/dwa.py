@@ -1,15 +1,15 @@
 """DWA: the dynamic window approach (Fox, Burgard and Thrun 1997) on the body's own scan."""
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from irsim_gym.bodies.behaviors.local_planners.dwa_search import Turns, decide_dwa, forget_turns
-from irsim_gym.bodies.behaviors.local_planners.options import LocalPlanner
 from irsim_gym.bodies.behaviors.local_planners.paths import find_paths
 from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
 from irsim_gym.bodies.behaviors.local_planners.way import forget_ways
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
 
 MOST_SAMPLES = 1000
@@ -17,7 +17,7 @@ MOST_SAMPLES = 1000
 
 
 @kind
-class Dwa(LocalPlanner):
+class Dwa(RenewsGoals):
     """Choose the command with the lowest cost among admissible commands that can be reached within a step.
 
     The body sees what its first range sensor hits, and assumes that it stands still. A constant command moves the body
@@ -32,6 +32,47 @@ class Dwa(LocalPlanner):
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True
 
+    path: Literal["straight", "map", "seen"] = option(
+        "seen",
+        meaning="The path to follow: straight (to the goal), map (the shortest one around the map and all that never "
+        "moves), or seen (a short one around what its own scans have shown).",
+    )
+    path_clearance: float = option(
+        0.1, ge=0.0, unit="m", meaning="Distance of a path from obstacles, where there is room for it."
+    )
+    memory: float = option(60.0, gt=0.0, unit="s", meaning="How long path seen remembers what a scan has shown.")
+    lookahead: float = option(
+        4.0,
+        gt=0.0,
+        unit="m",
+        meaning="Length of the part of the path that counts.",
+        consequence="Shorter than what it can drive in the time that it looks ahead: it drives slower.",
+    )
+    forward_point: float = option(
+        0.3,
+        ge=0.0,
+        unit="m",
+        meaning="For diff and acker, ways are measured at a point this far ahead of the body, or less near the goal, "
+        "so that turns count.",
+    )
+    footprint_padding: float = option(
+        0.02,
+        ge=0.0,
+        unit="m",
+        meaning="Added to the footprint. A body that is nearer to something already may move if it gets no nearer.",
+    )
+    obstacle_range: float = option(2.5, gt=0.0, unit="m", meaning="Hits farther from the sensor are ignored.")
+    spacing: float = option(
+        0.02, ge=0.0, unit="m", meaning="A hit closer than this to that of the beam before is ignored."
+    )
+    inflation_radius: float = option(
+        0.5, ge=0.0, unit="m", meaning="Obstacles farther than this from the padded footprint cost nothing."
+    )
+    cost_scaling: float = option(
+        5.0, ge=0.0, unit="1/m", meaning="How fast the cost of obstacles falls with the distance."
+    )
+    path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
     samples: tuple[int, int] = option(
         (7, 21),
         meaning="Number of values of each of the command's two numbers: speed and turn rate or steering angle, or the "

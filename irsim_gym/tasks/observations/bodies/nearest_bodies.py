@@ -93,25 +93,22 @@ class NearestBodies(EncodesDepths):
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
         far, body = term.arrays.sight, term.agents[agent]
-        dx, dy, vx, vy, radius = robot.others(self.count)
+        rows = robot.others(self.count)
+        dx, dy, radius = (rows.part(k) for k in (0, 1, 4))
         away = (dx * dx + dy * dy).op("Sqrt")
         gaps = away - radius
         order = (gaps < far).where(gaps, np.inf).first(self.count)
-        dx, dy, vx, vy, away, gap = (values.at(order) for values in (dx, dy, vx, vy, away, gaps))
+        rows, away, gap = (values.at(order) for values in (robot.turned_rows(rows), away, gaps))
         is_there = gap < far
         scale = gap.op("Sign") / away  # from inside, the nearest point lies behind
-        ahead, left = ((is_there & (away > 0.0)).where(way, 0.0) for way in robot.turned(dx * scale, dy * scale))
-        depth = is_there.where(gap - extent_graph(model, body, ahead, left), far).most(0.0).least(far)
-        motion = list(robot.turned(vx, vy))
-        for axis in range(2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1):
-            motion[axis] = motion[axis] - robot.velocity.columns(axis, axis + 1)
-        ahead, left, *motion = (
-            value.most(-1.0).least(1.0).cast(np.float32)
-            for value in (ahead, left, *(is_there.where(speed / self.speed, 0.0) for speed in motion))
-        )
-        numbers = [ahead, left, self.coded_graph(far, depth.cast(np.float32)), *motion]
-        rows, width = robot.graph.join([number.spread(2) for number in numbers], axis=2), WIDTH * self.count
-        return robot.graph.op("Reshape", [rows, robot.graph.constant(np.array([0, width]))], np.float32)
+        ways = (is_there & (away > 0.0)).spread(2).where(rows.columns(0, 2, 2) * scale.spread(2), 0.0)
+        depth = is_there.where(gap - extent_graph(model, body, ways.part(0), ways.part(1)), far).most(0.0).least(far)
+        n_axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
+        own = robot.velocity.columns(0, n_axes).times(np.eye(n_axes, 2)).spread(1)
+        motion = is_there.spread(2).where((rows.columns(2, 4, 2) - own) / self.speed, 0.0)
+        ways, motion = (values.most(-1.0).least(1.0).cast(np.float32) for values in (ways, motion))
+        numbers = [ways, self.coded_graph(far, depth.cast(np.float32)).spread(2), motion]
+        return robot.graph.join(numbers, axis=2).op("Flatten")
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -248,14 +245,16 @@ def extent_graph(model: Model, body: int, ahead: Value, left: Value) -> Value:
     discs, ahead, left = model.local_discs[0, first:last], ahead.spread(2), left.spread(2)
     first, last = span(model.segment_start, model.segment_count, 0, body)
     (x, y, radius), (ax, ay, bx, by) = discs.T, model.local_segments[0, first:last].T
-    aside = ahead * y - left * x
-    room = -(aside * aside - radius * radius)
-    on_discs = (room >= 0.0).where(ahead * x + left * y + room.most(0.0).op("Sqrt"), 0.0)
-    a_aside, b_aside = ahead * ay - left * ax, ahead * by - left * bx
-    share = a_aside / (a_aside - b_aside)
-    along = (share * (bx - ax) + ax) * ahead + (share * (by - ay) + ay) * left
-    crossed = (~(a_aside * b_aside > 0.0) & ~a_aside.equals(b_aside)).where(along, 0.0)
-    extents = [ahead * 0.0, on_discs, crossed]
+    extents = [ahead * 0.0]
+    if len(x):
+        aside = ahead * y - left * x
+        room = -(aside * aside - radius * radius)
+        extents.append((room >= 0.0).where(ahead * x + left * y + room.most(0.0).op("Sqrt"), 0.0))
+    if len(ax):
+        a_aside, b_aside = ahead * ay - left * ax, ahead * by - left * bx
+        share = a_aside / (a_aside - b_aside)
+        along = (share * (bx - ax) + ax) * ahead + (share * (by - ay) + ay) * left
+        extents.append((~(a_aside * b_aside > 0.0) & ~a_aside.equals(b_aside)).where(along, 0.0))
     is_direction = ahead * ahead + left * left > 0.5
     return is_direction.where(ahead.graph.join(extents, axis=2), 0.0).largest(2)
 

@@ -97,17 +97,18 @@ class TimeToCollision:
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
         table: Velocities = term.arrays
-        dx, dy, vx, vy, radius = robot.others(1)
-        is_seen = ~((dx * dx + dy * dy).op("Sqrt") - radius > (np.inf if self.range is None else self.range))
-        (x, y), motion, reach = robot.turned(dx, dy), robot.turned(vx, vy), radius + table.radius[agent]
-        beyond = (x * x + y * y - reach * reach).cast(np.float32).most(0.0).spread(2)
-        x, y, vx, vy = (value.cast(np.float32).spread(2) for value in (x, y, *motion))
-        ux, uy = -(vx - table.ahead[agent]), -(vy - table.aside[agent])
+        rows = robot.turned_rows(robot.others(1))
+        x, y, radius = rows.part(0), rows.part(1), rows.part(4)
+        square, reach = x * x + y * y, radius + table.radius[agent]
+        nearer = (reach * reach - square).cast(np.float32).least(0.0)
+        if self.range is not None:
+            nearer = (square.op("Sqrt") - radius > self.range).where(nearer * np.nan, nearer)
+        x, y, vx, vy = (rows.cast(np.float32).part(k).spread(2) for k in range(4))
+        ux, uy, nearer = vx - table.ahead[agent], vy - table.aside[agent], nearer.spread(2)
         # Rounded where the kernel's fused operations are: close passes amplify the last bit.
-        along, square = _fused(x, ux, y * uy), _fused(ux, ux, uy * uy)
-        root = _fused(along, along, -(square * beyond))
-        meets = is_seen.spread(2) & (along > 0.0) & (root >= 0.0)
-        times = meets.where(beyond / (along + root.most(0.0).op("Sqrt")), self.horizon)
+        leaving, speeds = _fused(x, ux, y * uy), _fused(ux, ux, uy * uy)
+        root = _fused(leaving, leaving, speeds * nearer)
+        times = ((leaving < 0.0) & (root >= 0.0)).where(nearer / (leaving - root.most(0.0).op("Sqrt")), self.horizon)
         return 1.0 - times.smallest(1).least(self.horizon) / self.horizon
 
     @staticmethod

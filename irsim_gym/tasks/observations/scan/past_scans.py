@@ -126,20 +126,16 @@ class PastScans(EncodesDepths):
         poses = robot.graph.join([pose, poses.is_nan().where(pose, poses)])
         robot.graph.keep("past_scans", scans.columns(0, oldest))
         robot.graph.keep("past_poses", poses.columns(0, oldest))
-        return robot.graph.join([self._seen(memory, agent, robot, scans, poses, k) for k in self.ago])
-
-    def _seen(self, memory: Memory, agent: int, robot: RobotValues, scans: Value, poses: Value, k: int) -> Value:
-        """Return the encoded depths of the scan of ``k`` steps ago as a graph, ``(batch, n_sectors)``."""
-        scan, then, far = scans.take(np.array(k)), poses.take(np.array(k)), memory.far[agent]
-        x, y = (scan.cast(np.float64) * memory.beams[agent, axis] + memory.mount[agent, axis] for axis in (0, 1))
-        # The way between the two poses is a difference of large numbers: it comes first.
-        moved_x, moved_y = robot.own_frame(then.columns(0, 1), then.columns(1, 2))
-        turn = then.columns(2, 3) - robot.pose.columns(2, 3)
+        scans, poses, far = scans.take(np.array(self.ago)), poses.take(np.array(self.ago)), memory.far[agent]
+        x, y = (scans.cast(np.float64) * memory.beams[agent, axis] + memory.mount[agent, axis] for axis in (0, 1))
+        # The way between two poses is a difference of large numbers: it comes first.
+        moved_x, moved_y = (way.spread(2) for way in robot.own_frame(poses.part(0), poses.part(1)))
+        turn = (poses.part(2) - robot.pose.columns(2, 3)).spread(2)
         cosine, sine = turn.op("Cos"), turn.op("Sin")
         ahead, left = moved_x + cosine * x - sine * y, moved_y + sine * x + cosine * y
         depth = ((ahead * ahead + left * left).op("Sqrt") - memory.reach[agent]).most(0.0).cast(np.float32)
-        is_hit = (scan < far).spread(2) & sector_flags(ahead, left, self.sectors)
-        return self.coded_graph(far, is_hit.where(depth.spread(2), far).smallest(1).least(far))
+        is_hit = (scans < far).spread(3) & sector_flags(ahead, left, self.sectors)
+        return self.coded_graph(far, is_hit.where(depth.spread(3), far).smallest(2).least(far)).op("Flatten")
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -46,7 +46,8 @@ class EncodesDepths:
         """Return what ``encode`` makes of depths [m] of at most ``far``, of any shape, float32."""
         code = RangeCode.of(self, far)
         if code.number == INVERSE:
-            return (1.0 / (depths + code.near) - code.zero) / (np.float32(1.0) / code.near - code.zero)
+            contact = np.float32(1.0) / code.near - code.zero
+            return (1.0 / contact) / (depths + code.near) - code.zero / contact
         return 1.0 - depths / code.far
 
 

@@ -83,19 +83,22 @@ class WayOnSeenMap(ObservesWay):
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Add the latest scans to the maps, and write the three elements."""
-        note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
+        measured = term.measured or state
+        note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, measured, episode)
         narrow_ways(shard.worlds, term.bound, term.arrays, model, episode)
-        write_ways_seen(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
+        write_ways_seen(shard.worlds, shard.slot, term.bound, term.arrays, model, measured, state, episode)
 
 
 @kernel
 def write_ways_seen(
-    worlds: Ints, slot: int, term: Bound, ways: SeenWays, model: Model, state: State, episode: EpisodeState
+    worlds: Ints, slot: int, term: Bound, ways: SeenWays, model: Model, state: State, seen: State, episode: EpisodeState
 ) -> None:
     """Write cosine and sine of the path's direction, (1, 0) at the goal itself, and its length over the diagonal.
 
-    Reads: term (agents, column), ways (least, levels, queues, seen, target, way), model (bounds), state (direction,
-        goal, pose).
+    The path begins where the agent is, its direction and length where it is seen from.
+
+    Reads: term (agents, column), ways (least, levels, queues, seen, target, way), model (bounds), state (goal, pose),
+        seen (direction, pose).
     Writes: ways (least, queues, target, way), episode (observation).
     """
     full = diagonal(model.bounds)
@@ -105,4 +108,5 @@ def write_ways_seen(
             here, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
             there, rest, _ = way_ahead(ways, slot, w, a, here, goal)
             row = episode.observation[w, a, term.column : term.column + 3]
-            write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
+            eye = seen.pose[w, b, 0], seen.pose[w, b, 1]
+            write_way(row, eye, turned(seen.pose[w, b, 2], seen.direction[w, b]), there, rest, full)

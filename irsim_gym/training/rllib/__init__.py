@@ -1,4 +1,0 @@
-"""Training with Ray RLlib.
-
-The only folder of ``training`` with Ray.
-"""
