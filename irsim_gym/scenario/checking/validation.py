@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from irsim_gym.base.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
-from irsim_gym.base.options import LARGEST, OPTIONS_CONFIG, option_fields
+from irsim_gym.base.options import LARGEST, OPTIONS_CONFIG, drawn_problems, option_fields
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.needless import NEEDLESS, coasts, mapping_of
 from irsim_gym.scenario.checking.whereabouts import elsewhere, unknown_key
@@ -188,7 +188,7 @@ def _construct(cls: type[T], values: Mapping[str, object], place: Place, report:
             where = (*place, *(part for part in record["loc"] if isinstance(part, str | int)))
             report.add(where, messages.translate(record, record.get("input"), Any))
         return None
-    problems = list(made.problems()) if hasattr(made, "problems") else []
+    problems = [*drawn_problems(made), *(made.problems() if hasattr(made, "problems") else ())]
     for key, message in problems:
         report.add((*place, key) if key else place, message)
     return None if problems else made
