@@ -1,14 +1,12 @@
 """Converts plain data to typed options, and reports all mistakes with their paths."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math
 import types
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -57,7 +55,7 @@ class Report:
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     @classmethod
-    def of_file(cls, file: Path) -> Report:
+    def of_file(cls, file: Path) -> Self:
         """Read a file that is no scenario: there, repeated keys are problems.
 
         In scenarios, the last of two equal sections counts, with a warning.
