@@ -7,10 +7,9 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+from replay_pages import read_html, unpacked
 
 import irsim_gym
-from irsim_gym.rendering.looks.packing import unpacked
-from irsim_gym.rendering.replay.replay_page import read_html
 
 
 def test_episodes_of_an_environment(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """The command ``irsim-gym play``: a person drives the robot of a task in a window, in real time."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections import Counter

@@ -1,11 +1,9 @@
 """Training runs on disk: their settings and their files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from irsim_gym.base.errors import UnreadableFileError
 from irsim_gym.base.outside_files import checked, json_object, reading, remove
@@ -58,7 +56,7 @@ class Settings:
     origin: Mapping[str, str] | None = None
     mixture: tuple[MixturePart, ...] = ()
 
-    def parts(self) -> tuple[Settings, ...]:
+    def parts(self) -> tuple[Self, ...]:
         """Return the settings for each scenario of a mixture; for a single scenario, these settings."""
         alone = replace(self, mixture=())
         return tuple(replace(alone, scenario=one.scenario, parameters=one.parameters) for one in self.mixture) or (
@@ -119,7 +117,7 @@ class Settings:
         }
 
     @classmethod
-    def from_plain(cls, data: dict[str, Any]) -> Settings:
+    def from_plain(cls, data: dict[str, Any]) -> Self:
         """Make settings from the data of ``to_plain``."""
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
