@@ -178,7 +178,7 @@ def episode_row(
         goals_reached=_goals_reached(episodes, world, agent),
         goals_per_minute=_goals_per_minute(episodes, world, agent),
         goal_distance=float(infos["goal_distance"]),
-        shield=float(infos.get("shield", math.nan)) / max(int(infos["steps"]), 1),
+        shield=float(infos["shield"]) / max(int(infos["steps"]), 1) if "shield" in infos else math.nan,
     )
 
 
