@@ -72,12 +72,11 @@ _HOMES = {
 _LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}
 _FACES = ("evaluation", "irsim", "levels", "live", "plugins", "rllib", "sb3", "suite", "tasks", "training")
 
-__all__ = ["Batch", "BatchStep", "Body", "Simulation", "TorchRows", "World", "WorldEnv"]
-__all__ += ["WorldParallelEnv", "WorldVectorEnv", "__version__", "action", "arena", "behavior", "compile", "drive"]
-__all__ += ["ending", "errors", "evaluate", "group_behavior", "irsim", "load", "load_demonstrations", "load_policy"]
-__all__ += ["load_scenario", "make", "make_batch", "make_vec", "observation", "parallel_env", "placement", "plan"]
-__all__ += ["plugins", "record_demonstrations", "register", "register_scenarios", "reward", "sb3", "sensor"]
-__all__ += ["torch_rows", "train"]
+__all__ = ["Batch", "BatchStep", "Body", "Simulation", "TorchRows", "World", "WorldEnv", "WorldParallelEnv"]
+__all__ += ["WorldVectorEnv", "__version__", "action", "arena", "behavior", "compile", "drive", "ending", "errors"]
+__all__ += ["evaluate", "group_behavior", "irsim", "load", "load_demonstrations", "load_policy", "load_scenario"]
+__all__ += ["make", "make_batch", "make_vec", "observation", "parallel_env", "placement", "plan", "plugins"]
+__all__ += ["record_demonstrations", "register", "register_scenarios", "reward", "sb3", "sensor", "torch_rows", "train"]
 
 
 def __getattr__(name: str) -> Any:

@@ -3,10 +3,11 @@
 import numpy as np
 
 from irsim_gym.bodies.shields.rolling import begin_rolling, brakes_in_time, roll_on
-from irsim_gym.bodies.shields.stop_in_time import StopInTime, slow_down, take_share
-from irsim_gym.bodies.shields.tables import ShieldTables
+from irsim_gym.bodies.shields.stop_in_time import slow_down, take_share
+from irsim_gym.bodies.shields.tables import ShieldTables, lay_tables
 from irsim_gym.bodies.shields.walls import lay_walls
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option, row_of
+from irsim_gym.simulator.world.response import Response
 
 GRID = 7
 """Values of the first and of the second number of a command that are tried."""
@@ -15,14 +16,20 @@ URGENCY = 4.0
 
 
 @kind
-class VelocityObstacle(StopInTime):
+class VelocityObstacle:
     """Besides what stop_in_time does, a command that leads to a moving body within ``horizon`` is exchanged.
 
     Bodies count as discs that keep their velocity, as they truly are: a robot needs a tracker. The command whose way is
     free and that differs least takes the place of the learner's; where none is free, a later meeting is better.
     """
 
+    margin: float = option(0.0, ge=0.0, unit="m", meaning="Distance that is kept, where the robot is not nearer yet.")
     horizon: float = option(1.5, gt=0.0, le=60.0, unit="s", meaning="How far ahead others' ways are followed.")
+
+    @staticmethod
+    def prepare(group: Group, response: Response, model: Model, n_slots: int) -> None:
+        """Make the tables of the members."""
+        group.tables = lay_tables(group, response, n_slots)
 
     @staticmethod
     def shield(group: Group, model: Model, state: State, shard: Shard) -> None:

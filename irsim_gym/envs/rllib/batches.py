@@ -10,7 +10,6 @@ from ray.rllib.algorithms.appo.torch.appo_torch_learner import APPOTorchLearner
 from ray.rllib.algorithms.ppo.torch.ppo_torch_learner import PPOTorchLearner
 from ray.rllib.core import DEFAULT_MODULE_ID
 from ray.rllib.core.columns import Columns
-from ray.rllib.core.learner.torch.torch_learner import TorchLearner
 from ray.rllib.core.learner.training_data import TrainingData
 from ray.rllib.evaluation.postprocessing import Postprocessing
 from ray.rllib.policy.sample_batch import MultiAgentBatch, SampleBatch
@@ -20,8 +19,8 @@ from irsim_gym.envs.parts.spaces import Observation
 from irsim_gym.envs.rllib.fragments import Fragment, advantages, joined
 
 
-class _FragmentLearner(TorchLearner):  # type: ignore[misc]
-    """What both learners do for fragments in place of episodes."""
+class ArrayPPOLearner(PPOTorchLearner):  # type: ignore[misc]
+    """RLlib's PPO learner, for fragments in place of episodes."""
 
     def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
         """Make Adam with the arguments under ``optimizer`` in ``learner_config_dict``.
@@ -30,14 +29,10 @@ class _FragmentLearner(TorchLearner):  # type: ignore[misc]
             module_id: Name of the module.
             config: Ignored; RLlib passes it.
         """
-        params = self.get_parameters(self.module[module_id])
-        optimizer = torch.optim.Adam(params, **self.config.learner_config_dict.get("optimizer", {}))
-        self.register_optimizer(
-            module_id=module_id, optimizer=optimizer, params=params, lr_or_lr_schedule=self.config.lr
-        )
+        _make_adam(self, module_id)
 
     def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
-        """Make a batch of fragments, and pass it on to RLlib's learner.
+        """Compute advantages of fragments and update the networks.
 
         Args:
             training_data: Fragments, in place of episodes, or a batch.
@@ -49,24 +44,46 @@ class _FragmentLearner(TorchLearner):  # type: ignore[misc]
         training_data.solve_refs()
         if training_data.episodes is not None:
             module = self.module[DEFAULT_MODULE_ID].unwrapped()
-            training_data = TrainingData(batch=self.batch_of(module, training_data.episodes))
+            batch = advantage_batch(module, training_data.episodes, self.config.gamma, self.config.lambda_)
+            training_data = TrainingData(batch=batch)
         return super().update(training_data=training_data, **kwargs)
 
 
-class ArrayPPOLearner(_FragmentLearner, PPOTorchLearner):  # type: ignore[misc]
-    """RLlib's PPO learner, for fragments in place of episodes."""
-
-    def batch_of(self, module: Any, fragments: Sequence[Fragment]) -> MultiAgentBatch:
-        """Return the rows of fragments with their advantages."""
-        return advantage_batch(module, fragments, self.config.gamma, self.config.lambda_)
-
-
-class ArrayAPPOLearner(_FragmentLearner, APPOTorchLearner):  # type: ignore[misc]
+class ArrayAPPOLearner(APPOTorchLearner):  # type: ignore[misc]
     """RLlib's APPO learner, for fragments in place of episodes."""
 
-    def batch_of(self, module: Any, fragments: Sequence[Fragment]) -> MultiAgentBatch:
-        """Return the rows of fragments in their order."""
-        return sequence_batch(module, fragments, self.config.gamma)
+    def configure_optimizers_for_module(self, module_id: str, config: Any = None) -> None:
+        """Make Adam with the arguments under ``optimizer`` in ``learner_config_dict``.
+
+        Args:
+            module_id: Name of the module.
+            config: Ignored; RLlib passes it.
+        """
+        _make_adam(self, module_id)
+
+    def update(self, training_data: TrainingData, **kwargs: Any) -> Any:
+        """Pass fragments to the thread that updates the networks.
+
+        Args:
+            training_data: Fragments, in place of episodes, or a batch.
+            **kwargs: Passed on to RLlib's learner.
+
+        Returns:
+            What RLlib's learner returns.
+        """
+        training_data.solve_refs()
+        if training_data.episodes is not None:
+            module = self.module[DEFAULT_MODULE_ID].unwrapped()
+            training_data = TrainingData(batch=sequence_batch(module, training_data.episodes, self.config.gamma))
+        return super().update(training_data=training_data, **kwargs)
+
+
+def _make_adam(learner: Any, module_id: str) -> None:
+    params = learner.get_parameters(learner.module[module_id])
+    optimizer = torch.optim.Adam(params, **learner.config.learner_config_dict.get("optimizer", {}))
+    learner.register_optimizer(
+        module_id=module_id, optimizer=optimizer, params=params, lr_or_lr_schedule=learner.config.lr
+    )
 
 
 def advantage_batch(module: Any, fragments: Sequence[Fragment], gamma: float, lambda_: float) -> MultiAgentBatch:

@@ -1,5 +1,7 @@
 """What a batch of worlds with many learners gives at each step."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 
