@@ -77,11 +77,8 @@ def note_lag(worlds: Ints, disturbed: Disturbed, model: Model, response: Respons
     """
     for w in worlds:
         for k in range(disturbed.members.shape[0]):
-            place, tau, least = (
-                response.place[disturbed.members[k]],
-                disturbed.values[w, k, 0],
-                disturbed.values[w, k, 1],
-            )
+            place = response.place[disturbed.members[k]]
+            tau, least = disturbed.values[w, k, 0], disturbed.values[w, k, 1]
             if place >= 0:
                 response.share[w, place] *= share_of(tau, model)
                 response.dead_band[w, place] = max(response.dead_band[w, place], least)

@@ -14,7 +14,7 @@ from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND, RunFolder, folder_of
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, read_snapshot, snapshot_of
 from irsim_gym.scenario.reading.load import load_scenario
-from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.scenario.reading.parameters import BESIDE
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.tasks import Task, load_task
@@ -175,12 +175,12 @@ class Run(RunFolder):
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        own: dict[str, Any] = {"task": None, "parameters": _disturbances(settings.parameters), "mixture": ()}
+        own: dict[str, Any] = {"task": None, "parameters": _beside(settings.parameters), "mixture": ()}
         files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
         if settings.mixture:
             parts = zip(settings.mixture, files, strict=True)
             own["mixture"] = tuple(
-                MixturePart(str(file.resolve()), _disturbances(part.parameters), part.share) for part, file in parts
+                MixturePart(str(file.resolve()), _beside(part.parameters), part.share) for part, file in parts
             )
         return replace(settings, scenario=str(files[0].resolve()), **own)
 
@@ -212,9 +212,9 @@ class Run(RunFolder):
             remove(self.folder / name)
 
 
-def _disturbances(parameters: Mapping[str, object]) -> dict[str, object]:
+def _beside(parameters: Mapping[str, object]) -> dict[str, object]:
     """Return what a copy of a scenario, in which all parameters are filled in, still takes."""
-    return {name: value for name, value in parameters.items() if name == PERTURBED}
+    return {name: value for name, value in parameters.items() if name in BESIDE}
 
 
 def _values(parameters: Mapping[str, object]) -> str:

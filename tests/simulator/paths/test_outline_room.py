@@ -11,7 +11,7 @@ import pytest
 from irsim_gym.base.arraytypes import BodyOutline
 from irsim_gym.base.kernels.structs import Struct
 from irsim_gym.simulator.cell_paths.outline_room import PoseShape, largest_disc, lay_outline, room_at_pose
-from tests.simulator.paths.scenes import Scene
+from tests.simulator.paths.scenes import Parts, Scene
 
 SQUARE = [[-0.5, -0.5, 0.5, -0.5], [0.5, -0.5, 0.5, 0.5], [0.5, 0.5, -0.5, 0.5], [-0.5, 0.5, -0.5, -0.5]]
 
@@ -42,19 +42,10 @@ def test_an_outline_is_turned_and_moved() -> None:
 
 
 @dataclass
-class Bodies(Struct):
+class Bodies(Parts):
     """What ``room_at_pose`` reads of model and state."""
 
-    segments: Any
-    segment_start: Any
-    segment_count: Any
-    discs: Any
-    disc_start: Any
-    disc_count: Any
-    solid: Any
-    pose: Any
     reach: Any
-    rigid: Any
 
 
 def test_the_room_at_a_pose_is_that_to_the_nearest_obstacle() -> None:
