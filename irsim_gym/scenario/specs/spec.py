@@ -18,6 +18,7 @@ from irsim_gym.scenario.text.source import Place, Source
 
 Waypoint = tuple[float, float, float]
 Limit = Annotated[float, AllowInfNan(True), Field(ge=0.0)]
+Mass = Annotated[float, AllowInfNan(True), Field(gt=0.0)]
 
 MAX_BODIES = 100_000
 Coordinate = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
@@ -58,10 +59,18 @@ class WorldSpec:
     control_mode: Literal["auto", "keyboard"] = option(
         "auto", meaning="What drives in irsim_gym.load: behaviours, or the keyboard of a window. No effect on learners."
     )
-    collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
+    collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles", "contact"] = option(
         "stop",
-        meaning="Which bodies stop at a collision: all, none, or robots only.",
+        meaning="Which bodies stop at a collision: all, none, or robots only; with contact, bodies push each other.",
         consequence="With stop, bodies that touch stand still until one of them is removed.",
+    )
+    gravity: float = option(9.81, gt=0.0, unit="m/s2", meaning="Gravity, which presses bodies to the ground.")
+    friction: float = option(0.5, ge=0.0, meaning="Coefficient of friction of bodies without their own.")
+    restitution: float = option(
+        0.0, ge=0.0, le=1.0, meaning="Restitution of bodies without their own; 1 loses no speed."
+    )
+    drive_tau: float = option(
+        0.0, ge=0.0, unit="s", meaning="With contact, time constant of the lag of drives without tau; 0: no lag."
     )
     collision_check: Literal["step_end", "swept"] = option(
         "step_end",
@@ -128,7 +137,25 @@ class BodyOptions:
         consequence="Degrees instead of radians give an arbitrary heading.",
     )
     velocity: tuple[float, ...] = option(
-        (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
+        (),
+        unit="m/s or rad/s",
+        meaning="Velocity at the start, in the drive's coordinates; of a body with a mass and no drive, along x and y, "
+        "and its turn rate; missing numbers are 0.",
+    )
+    mass: Mass | None = option(
+        None,
+        unit="kg",
+        meaning="Mass; default: 1 with a drive, else infinite. A body with a finite mass and no drive coasts, and what "
+        "touches it pushes it (collision_mode: contact).",
+    )
+    friction: float | None = option(
+        None, ge=0.0, meaning="Coefficient of friction with the ground, and with what it touches; default: the world's."
+    )
+    inertia: Mass | None = option(
+        None, unit="kg m2", meaning="Moment of inertia about the centre of mass; default: that of an even footprint."
+    )
+    restitution: float | None = option(
+        None, ge=0.0, le=1.0, meaning="Speed that a bounce keeps, 0 to 1; default: the world's."
     )
     goal: tuple[tuple[Coordinate, ...], ...] = option(
         (),
@@ -254,7 +281,11 @@ class BodySpec:
         angle_range: Interval that headings wrap into [rad]; exactly 2 pi wide.
         goal_threshold: The goal is reached when the body is closer than this [m].
         arrive_mode: ``position`` or ``state``.
-        static: Whether the body never moves; True without kinematics.
+        static: Whether the body never moves; True without kinematics and a finite mass.
+        mass: Mass [kg]; may be infinite.
+        friction: Coefficient of friction; None for the world's.
+        inertia: Moment of inertia [kg m2]; None for that of an even footprint.
+        restitution: Speed that a bounce keeps; None for the world's.
         unobstructed: Whether collisions and sensors ignore the body; behaviours do not.
         group: Number of its group.
         group_name: Name of its group.
@@ -290,6 +321,10 @@ class BodySpec:
     goal_threshold: float = 0.1
     arrive_mode: Literal["position", "state"] = "position"
     static: bool
+    mass: float = np.inf
+    friction: float | None = None
+    inertia: float | None = None
+    restitution: float | None = None
     unobstructed: bool = False
     group: int
     group_name: str
@@ -302,6 +337,11 @@ class BodySpec:
     speed_range: tuple[float, float] | None = None
     unyielding: float = 0.0
     party: int = 1
+
+    @property
+    def coasts(self) -> bool:
+        """Whether it moves without a drive, because it has a finite mass."""
+        return self.kinematics is None and not self.static
 
     @property
     def renewal(self) -> Any:

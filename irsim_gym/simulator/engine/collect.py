@@ -9,6 +9,8 @@ from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.base.errors import Problem, ScenarioError
 from irsim_gym.scenario.reading.level_checks import n_goals_drawn
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
+from irsim_gym.simulator.contact.matter import Matter
+from irsim_gym.simulator.contact.pushing import lay_pushing
 from irsim_gym.simulator.contact.swept import lay_sweep
 from irsim_gym.simulator.engine import field_of_view
 from irsim_gym.simulator.engine.own_scans import with_scans
@@ -16,6 +18,7 @@ from irsim_gym.simulator.levels.body_measures import measure
 from irsim_gym.simulator.levels.level_table import given_bodies, lay_levels, varied_outlines
 from irsim_gym.simulator.levels.path_checks import reachability_check
 from irsim_gym.simulator.levels.traits import collect_traits
+from irsim_gym.simulator.step.coasting import Coasting
 from irsim_gym.simulator.step.fog import lay_fog
 from irsim_gym.simulator.step.guide import guide
 from irsim_gym.simulator.step.parts import Parts
@@ -31,7 +34,12 @@ _OTHER_BEAMS = "its group reads scans, so the first range sensor of each member 
 
 
 def collect_parts(
-    scenario: Scenario, outlines: Sequence[Outline], model: Model, agents: tuple[int, ...], n_slots: int
+    scenario: Scenario,
+    outlines: Sequence[Outline],
+    model: Model,
+    agents: tuple[int, ...],
+    n_slots: int,
+    matter: Matter | None,
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
@@ -48,11 +56,12 @@ def collect_parts(
     ]
     names = tuple(body.name for _, body in bodies)
     context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
-    kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
+    kinematics = group_members([(b, body.kinematics or Coasting()) for b, body in bodies if model.movable[b]])
     placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
         group.names, group.context = names, context
     for group in (*behaviors, *kinematics):
+        group.tables = matter if group.kind is Coasting else None
         group.kind.prepare(group, model, n_slots)
     for group in (*behaviors, *group_behaviors):
         guide(group, scenario.bodies, kinematics, model)
@@ -86,6 +95,8 @@ def collect_parts(
         fog=lay_fog(scenario, scanners, model),
         sweep=lay_sweep(scenario, model, movers, None if patience is None else patience.free),
         patience=patience,
+        matter=matter,
+        pushing=lay_pushing(scenario, matter, model, n_slots),
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )

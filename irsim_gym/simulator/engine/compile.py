@@ -13,6 +13,7 @@ from irsim_gym.scenario.specs.wander_goals import WanderGoals
 from irsim_gym.simulator.cell_maps.cells import find_boxes
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells, most_boxes
 from irsim_gym.simulator.contact import body_buckets
+from irsim_gym.simulator.contact.matter import lay_matter
 from irsim_gym.simulator.engine.collect import collect_parts
 from irsim_gym.simulator.engine.disturbing import disturb
 from irsim_gym.simulator.engine.given import check_agents, check_scenario, check_worlds
@@ -22,6 +23,7 @@ from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlin
 from irsim_gym.simulator.levels.traits import drawn_traits, watching_bodies, write_people
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.world.model import (
+    CONTACT,
     KEEP_GOAL,
     LOOP,
     NO_DRIVE,
@@ -38,7 +40,12 @@ from irsim_gym.simulator.world.model import (
 from irsim_gym.simulator.world.names import Flags, State
 from irsim_gym.simulator.world.outline import Outline
 
-COLLISION_MODES = {"stop": STOP, "unobstructed": UNOBSTRUCTED, "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES}
+COLLISION_MODES = {
+    "stop": STOP,
+    "unobstructed": UNOBSTRUCTED,
+    "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
+    "contact": CONTACT,
+}
 ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
@@ -98,10 +105,13 @@ def compile(
     _hide_map(model)
     write_people(scenario, model)
     model.rigid[0] = not varied.any()
-    model.stands[:] = ~(model.movable & model.driven)
+    coasts = np.array([body.coasts for body in scenario.bodies], np.bool_)
+    model.stands[:] = ~(model.movable & (model.driven | coasts))
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
-    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
+    pushes = scenario.world.collision_mode == "contact"
+    matter = lay_matter(scenario, outlines, model, varied) if pushes or coasts.any() else None
+    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots, matter)
     parts.disturbances = disturb(scenario, agents, model, state, parts)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
@@ -181,7 +191,7 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     model.speed_bound[b] = getattr(body.kinematics, "bound", "") == "speed"
     model.wheelbase[b] = _wheelbase(body)
     model.initial_steering[b] = body.steering
-    model.movable[b] = body.kinematics is not None and not body.static
+    model.movable[b] = not body.static
     model.unobstructed[b] = body.unobstructed
     model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
     model.goal_threshold[:, b] = body.goal_threshold

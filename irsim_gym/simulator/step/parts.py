@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints, Records
+from irsim_gym.simulator.contact.matter import Matter
+from irsim_gym.simulator.contact.pushing import Pushing
 from irsim_gym.simulator.contact.swept import SweptMotion
 from irsim_gym.simulator.levels.level_table import LevelTable
 from irsim_gym.simulator.levels.path_checks import ReachabilityCheck
@@ -46,6 +48,8 @@ class Parts:
         fog: What the robots have explored; None unless the file asks for it.
         sweep: Memory for contacts within a step; None where only its end is tested.
         patience: Wandering bodies that go on after a collision; None without any.
+        matter: What bodies weigh; None unless they push each other or coast.
+        pushing: What they feel of each other; None unless they push each other.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
         disturbances: What disturbs robots.
@@ -76,9 +80,15 @@ class Parts:
     fog: FogMap | None
     sweep: SweptMotion | None
     patience: Patience | None
+    matter: Matter | None
+    pushing: Pushing | None
     names: tuple[str, ...]
     places: tuple[str, ...]
     disturbances: Disturbances = field(default_factory=Disturbances)
+
+    def driven(self, bodies: Ints) -> Ints:
+        """Return those of some bodies that do not coast."""
+        return bodies if self.matter is None else np.setdiff1d(bodies, self.matter.coasting)
 
     @property
     def remembering(self) -> list[Group]:
