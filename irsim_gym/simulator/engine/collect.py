@@ -9,8 +9,6 @@ from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.base.errors import Problem, ScenarioError
 from irsim_gym.scenario.reading.level_checks import n_goals_drawn
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
-from irsim_gym.simulator.contact.matter import Matter
-from irsim_gym.simulator.contact.pushing import lay_pushing
 from irsim_gym.simulator.contact.swept import lay_sweep
 from irsim_gym.simulator.engine import field_of_view
 from irsim_gym.simulator.engine.own_scans import with_scans
@@ -18,7 +16,9 @@ from irsim_gym.simulator.levels.body_measures import measure
 from irsim_gym.simulator.levels.level_table import given_bodies, lay_levels, varied_outlines
 from irsim_gym.simulator.levels.path_checks import reachability_check
 from irsim_gym.simulator.levels.traits import collect_traits
-from irsim_gym.simulator.step.coasting import Coasting
+from irsim_gym.simulator.pushing.coasting import Coasting
+from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.memory import lay_pushing
 from irsim_gym.simulator.step.fog import lay_fog
 from irsim_gym.simulator.step.guide import guide
 from irsim_gym.simulator.step.parts import Parts

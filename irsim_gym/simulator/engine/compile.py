@@ -13,7 +13,6 @@ from irsim_gym.scenario.specs.wander_goals import WanderGoals
 from irsim_gym.simulator.cell_maps.cells import find_boxes
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells, most_boxes
 from irsim_gym.simulator.contact import body_buckets
-from irsim_gym.simulator.contact.matter import lay_matter
 from irsim_gym.simulator.engine.collect import collect_parts
 from irsim_gym.simulator.engine.disturbing import disturb
 from irsim_gym.simulator.engine.given import check_agents, check_scenario, check_worlds
@@ -21,6 +20,7 @@ from irsim_gym.simulator.engine.simulation import Simulation
 from irsim_gym.simulator.engine.start_checks import refuse_blocked_starts
 from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlines
 from irsim_gym.simulator.levels.traits import drawn_traits, watching_bodies, write_people
+from irsim_gym.simulator.pushing.matter import lay_matter
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.world.model import (
     CONTACT,
@@ -203,7 +203,8 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     ):
         target[:, b, : len(values)] = values
     model.drawn_speed[:, b] = np.inf if body.speed_range is None else body.speed_range[1]
-    model.initial_velocity[b, : len(body.velocity)] = body.velocity
+    if model.movable[b]:
+        model.initial_velocity[b, : len(body.velocity)] = body.velocity
     if body.state is not None:
         model.start[:, b] = body.state[:3]
 

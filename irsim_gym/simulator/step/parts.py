@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints, Records
-from irsim_gym.simulator.contact.matter import Matter
-from irsim_gym.simulator.contact.pushing import Pushing
 from irsim_gym.simulator.contact.swept import SweptMotion
 from irsim_gym.simulator.levels.level_table import LevelTable
 from irsim_gym.simulator.levels.path_checks import ReachabilityCheck
+from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.memory import Pushing
 from irsim_gym.simulator.step.disturbances import Disturbances
 from irsim_gym.simulator.step.fog import FogMap
 from irsim_gym.simulator.step.patience import Patience

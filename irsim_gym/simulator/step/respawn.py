@@ -8,8 +8,8 @@ from irsim_gym.base.errors import PlacementError
 from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.cell_paths.queries import has_free_path, standing_bodies
 from irsim_gym.simulator.contact import body_buckets, contact
-from irsim_gym.simulator.contact.pushing import forget_contacts
 from irsim_gym.simulator.levels import path_checks
+from irsim_gym.simulator.pushing.memory import forget_contacts
 from irsim_gym.simulator.step import arrival, disturbances, outlines
 from irsim_gym.simulator.step.arrival import begin_round
 from irsim_gym.simulator.step.parts import Parts

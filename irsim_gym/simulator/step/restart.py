@@ -8,10 +8,10 @@ from irsim_gym.base.arraytypes import Flags, Ints, Words
 from irsim_gym.base.errors import PlacementError
 from irsim_gym.base.rng import integer
 from irsim_gym.simulator.contact import body_buckets, contact
-from irsim_gym.simulator.contact.matter import renew_matter
-from irsim_gym.simulator.contact.pushing import begin_pushing
 from irsim_gym.simulator.levels import body_measures, path_checks, traits
 from irsim_gym.simulator.levels.level_table import LevelTable, copy_levels, copy_maps
+from irsim_gym.simulator.pushing.matter import renew_matter
+from irsim_gym.simulator.pushing.memory import begin_pushing
 from irsim_gym.simulator.running.fused import Fused
 from irsim_gym.simulator.step import arrival, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.arrival import begin_round

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.simulator.contact import body_buckets, contact, swept
-from irsim_gym.simulator.contact.parting import part_bodies
-from irsim_gym.simulator.contact.pushing import follow
+from irsim_gym.simulator.pushing.memory import follow
+from irsim_gym.simulator.pushing.parting import part_bodies
 from irsim_gym.simulator.step import arrival, command_limits, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.guide import decide
 from irsim_gym.simulator.step.parts import Parts

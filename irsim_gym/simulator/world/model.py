@@ -25,7 +25,7 @@ ROBOT, OBSTACLE = 0, 1
 POSITION, STATE = 0, 1
 """Values of ``arrive_mode``: with STATE, the heading decides about arrival too."""
 STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES, CONTACT = 0, 1, 2, 3
-"""Values of ``collision_mode``: a collision stops all that touch, nobody, robots alone, or nobody, since bodies push."""
+"""Values of ``collision_mode``: a collision stops all that touch, nobody, robots alone, or nobody, but bodies push."""
 KEEP_GOAL, WANDER, LOOP = 0, 1, 2
 """Values of ``goal_renewal``: what happens to goals after arrival."""
 NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 1, 2, 3, 4

@@ -8,7 +8,7 @@ from irsim_gym.base.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.base.errors import ScenarioError
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.simulator.contact.matter import Matter
+from irsim_gym.simulator.pushing.matter import Matter
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE
 from irsim_gym.simulator.world.names import Model, State, Struct, kernel, row_of
 
@@ -179,7 +179,7 @@ def follow(worlds: Ints, bodies: Ints, push: Pushing, matter: Matter, model: Mod
             now, asked = push.drive[w, b], state.velocity[w, b]
             share = min(1.0, dt / stuff.tau) if stuff.tau > 0.0 else 1.0
             drive = model.drive[b]
-            n_speeds = 0 if drive == NO_DRIVE else 1 if drive == DIFFERENTIAL or drive == ACKERMANN else 2
+            n_speeds = 0 if drive == NO_DRIVE else 1 if drive in (DIFFERENTIAL, ACKERMANN) else 2
             change2 = 0.0
             for axis in range(3):
                 if stuff.tau > 0.0:
@@ -206,7 +206,7 @@ def greatest_travel(w: int, matter: Matter, model: Model, state: State) -> float
             continue
         speed, drive = 0.0, model.drive[b]
         if not matter.substance[b].passive:
-            aside = 0.0 if drive == DIFFERENTIAL or drive == ACKERMANN else limits[b, 1]
+            aside = 0.0 if drive in (DIFFERENTIAL, ACKERMANN) else limits[b, 1]
             speed = np.sqrt(limits[b, 0] * limits[b, 0] + aside * aside)
         vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
         fastest = max(fastest, speed, np.sqrt(vx * vx + vy * vy))

@@ -3,12 +3,12 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMaps, Ints
-from irsim_gym.simulator.contact.candidates import SLOP, find_pairs
-from irsim_gym.simulator.contact.matter import Matter, inverse_inertia
-from irsim_gym.simulator.contact.outcome import note_forces, note_times, write_motions
-from irsim_gym.simulator.contact.pieces import begin_motion, deepest, place_pieces
-from irsim_gym.simulator.contact.pushing import BLOCKERS, BOUNCES, PAIRS, SEARCHES, Pushing
 from irsim_gym.simulator.geometry.separation import Overlap
+from irsim_gym.simulator.pushing.candidates import SLOP, find_pairs
+from irsim_gym.simulator.pushing.matter import Matter, inverse_inertia
+from irsim_gym.simulator.pushing.memory import BLOCKERS, BOUNCES, PAIRS, SEARCHES, Pushing
+from irsim_gym.simulator.pushing.outcome import note_forces, note_times, write_motions
+from irsim_gym.simulator.pushing.pieces import begin_motion, deepest, place_pieces
 from irsim_gym.simulator.world.names import Model, State, kernel
 
 SWEEPS = 32
@@ -103,7 +103,7 @@ def part_pair(w: int, slot: int, p: int, found: Overlap, push: Pushing, matter: 
         first_piece, inertia, substance), state (twist).
     Writes: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports).
     """
-    pair, motions = push.pairs[slot, p], push.motions[slot]
+    pair = push.pairs[slot, p]
     a, b = pair.a, pair.b
     one, other = matter.substance[a], matter.substance[b]
     nx, ny, depth = found[1], found[2], found[0] + SLOP

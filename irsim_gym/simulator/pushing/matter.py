@@ -1,6 +1,7 @@
 """What bodies weigh, where their centre of mass is, and the convex pieces that they consist of."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -177,7 +178,7 @@ def _rank_edges(occupied: Flags, rank: Ints) -> None:
     count = 0
     for ring in rings:
         points = shapely.get_coordinates(ring).astype(np.int64)
-        for (ax, ay), (bx, by) in zip(points[:-1], points[1:], strict=True):
+        for (ax, ay), (bx, by) in pairwise(points):
             rank[int(ax == bx), min(ax, bx), min(ay, by)] = count
             count += 1
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
-from irsim_gym.simulator.contact.matter import Matter
-from irsim_gym.simulator.contact.pushing import PAIRS, Pushing, greatest_travel
+from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.memory import PAIRS, Pushing, greatest_travel
 from irsim_gym.simulator.world.names import Model, State, kernel, row_of
 from irsim_gym.simulator.world.outline import CIRCLE_CORNERS, outline_of
 

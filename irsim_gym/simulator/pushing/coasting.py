@@ -4,8 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.simulator.contact.matter import Matter
 from irsim_gym.simulator.geometry.angles import wrap_from
+from irsim_gym.simulator.pushing.matter import Matter
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, row_of
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from irsim_gym.simulator.contact.matter import Matter
-from irsim_gym.simulator.contact.pieces import pushed_origin
-from irsim_gym.simulator.contact.pushing import BOUNCES, PAIRS, Pushing
 from irsim_gym.simulator.geometry.angles import wrap_from
+from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.memory import BOUNCES, PAIRS, Pushing
+from irsim_gym.simulator.pushing.pieces import pushed_origin
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE, OMNI_ANGULAR, OMNI_WORLD
 from irsim_gym.simulator.world.names import Floats, Model, State, kernel
 from irsim_gym.simulator.world.outline import place_outline
@@ -56,7 +56,7 @@ def change(velocity: Floats, dx: float, dy: float, is_passive: bool, drive: int,
     cosine, sine = np.cos(heading), np.sin(heading)
     if drive != NO_DRIVE:
         velocity[0] += cosine * dx + sine * dy
-    if drive != NO_DRIVE and drive != DIFFERENTIAL and drive != ACKERMANN:
+    if drive not in (NO_DRIVE, DIFFERENTIAL, ACKERMANN):
         velocity[1] += cosine * dy - sine * dx
 
 
@@ -67,7 +67,7 @@ def ground_velocity(velocity: Floats, is_passive: bool, drive: int, heading: flo
     if is_passive or drive == OMNI_WORLD:
         return ahead, left
     cosine, sine = np.cos(heading), np.sin(heading)
-    if drive == DIFFERENTIAL or drive == ACKERMANN:
+    if drive in (DIFFERENTIAL, ACKERMANN):
         left = 0.0
     return cosine * ahead - sine * left, sine * ahead + cosine * left
 
