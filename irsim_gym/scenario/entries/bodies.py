@@ -11,7 +11,8 @@ from irsim_gym.scenario.entries import body_checks
 from irsim_gym.scenario.entries.entries import FIELDS, OBSTACLE, OF_ENTRY, BodyEntry
 from irsim_gym.scenario.specs import plot_spec
 from irsim_gym.scenario.specs.image_files import DEFAULT_CAR
-from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
+from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Waypoint
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.source import Place
 
 AS_WRITTEN = (

@@ -26,7 +26,8 @@ from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.ids import IDS
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
-from irsim_gym.scenario.specs.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario, WorldSpec
+from irsim_gym.scenario.specs.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.messages import choices, literal_values, show
 from irsim_gym.scenario.text.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
 

@@ -17,7 +17,7 @@ from irsim_gym.simulator.levels.level_table import given_bodies, lay_levels, var
 from irsim_gym.simulator.levels.path_checks import reachability_check
 from irsim_gym.simulator.levels.traits import collect_traits
 from irsim_gym.simulator.pushing.coasting import Coasting
-from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.matter import Matter, lay_matter
 from irsim_gym.simulator.pushing.memory import lay_pushing
 from irsim_gym.simulator.step.fog import lay_fog
 from irsim_gym.simulator.step.guide import guide
@@ -34,12 +34,7 @@ _OTHER_BEAMS = "its group reads scans, so the first range sensor of each member 
 
 
 def collect_parts(
-    scenario: Scenario,
-    outlines: Sequence[Outline],
-    model: Model,
-    agents: tuple[int, ...],
-    n_slots: int,
-    matter: Matter | None,
+    scenario: Scenario, outlines: Sequence[Outline], model: Model, agents: tuple[int, ...], n_slots: int
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
@@ -56,24 +51,25 @@ def collect_parts(
     ]
     names = tuple(body.name for _, body in bodies)
     context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
-    kinematics = group_members([(b, body.kinematics or Coasting()) for b, body in bodies if model.movable[b]])
+    matter = lay_matter(scenario, outlines, model)
+    kinematics = _kinematics(scenario, model, matter)
     placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
         group.names, group.context = names, context
     for group in (*behaviors, *kinematics):
-        group.tables = matter if group.kind is Coasting else None
         group.kind.prepare(group, model, n_slots)
     for group in (*behaviors, *group_behaviors):
         guide(group, scenario.bodies, kinematics, model)
     external = scenario.world.step_mode == "external"
     in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
+    driven = movers if matter is None else np.setdiff1d(movers, matter.coasting)
     patience = find_patient(scenario, model, agents)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
-        turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
+        turns=[] if external else take_turns(movers, behaviors, kinematics, driven, in_order=in_order),
         visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),
@@ -100,6 +96,16 @@ def collect_parts(
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def _kinematics(scenario: Scenario, model: Model, matter: Matter | None) -> list[Group]:
+    """Return the bodies that move, by drive; those that coast last."""
+    bodies = [(b, body) for b, body in enumerate(scenario.bodies) if model.movable[b]]
+    driven = group_members([(b, body.kinematics) for b, body in bodies if not body.coasts])
+    coasting = group_members([(b, Coasting()) for b, body in bodies if body.coasts])
+    for group in coasting:
+        group.tables = matter
+    return driven + coasting
 
 
 def _loop_returns(scenario: Scenario, model: Model) -> Ints:

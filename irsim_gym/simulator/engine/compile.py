@@ -20,7 +20,6 @@ from irsim_gym.simulator.engine.simulation import Simulation
 from irsim_gym.simulator.engine.start_checks import refuse_blocked_starts
 from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlines
 from irsim_gym.simulator.levels.traits import drawn_traits, watching_bodies, write_people
-from irsim_gym.simulator.pushing.matter import lay_matter
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.world.model import (
     CONTACT,
@@ -105,13 +104,10 @@ def compile(
     _hide_map(model)
     write_people(scenario, model)
     model.rigid[0] = not varied.any()
-    coasts = np.array([body.coasts for body in scenario.bodies], np.bool_)
-    model.stands[:] = ~(model.movable & (model.driven | coasts))
+    model.stands[:] = ~(model.movable & (model.driven | [body.coasts for body in scenario.bodies]))
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
-    pushes = scenario.world.collision_mode == "contact"
-    matter = lay_matter(scenario, outlines, model, varied) if pushes or coasts.any() else None
-    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots, matter)
+    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     parts.disturbances = disturb(scenario, agents, model, state, parts)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)

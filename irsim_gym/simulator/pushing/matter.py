@@ -1,5 +1,6 @@
 """What bodies weigh, where their centre of mass is, and the convex pieces that they consist of."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -12,6 +13,7 @@ from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.geometry.polygons import is_convex
 from irsim_gym.simulator.levels.body_measures import measure_into
+from irsim_gym.simulator.levels.level_table import varied_outlines
 from irsim_gym.simulator.world.names import Model, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import Outline, chain
 
@@ -65,13 +67,16 @@ class Matter(Struct):
     edge_rank: Ints
 
 
-def lay_matter(scenario: Scenario, outlines: list[Outline], model: Model, varied: Flags) -> Matter:
-    """Return the masses of bodies, and their pieces if they push each other.
+def lay_matter(scenario: Scenario, outlines: Sequence[Outline], model: Model) -> Matter | None:
+    """Return the masses of bodies, and their pieces if they push each other; None if they neither push nor coast.
 
     Raises:
         ScenarioError: Levels draw an outline that may not be convex.
     """
     bodies, pushes = scenario.bodies, scenario.world.collision_mode == "contact"
+    if not pushes and not any(body.coasts for body in bodies):
+        return None
+    varied = varied_outlines(scenario)
     if pushes:
         _refuse_drawn(scenario, outlines, varied)
     pieces = [
@@ -115,7 +120,7 @@ def lay_matter(scenario: Scenario, outlines: list[Outline], model: Model, varied
     return matter
 
 
-def _refuse_drawn(scenario: Scenario, outlines: list[Outline], varied: Flags) -> None:
+def _refuse_drawn(scenario: Scenario, outlines: Sequence[Outline], varied: Flags) -> None:
     problems = []
     for body, outline, is_varied in zip(scenario.bodies, outlines, varied, strict=True):
         is_safe = body.shape.is_random and getattr(body.shape, "is_convex", True)

@@ -86,9 +86,10 @@ class Parts:
     places: tuple[str, ...]
     disturbances: Disturbances = field(default_factory=Disturbances)
 
-    def driven(self, bodies: Ints) -> Ints:
-        """Return those of some bodies that do not coast."""
-        return bodies if self.matter is None else np.setdiff1d(bodies, self.matter.coasting)
+    @property
+    def coasting(self) -> Ints:
+        """Bodies that move without a drive."""
+        return np.zeros(0, np.int64) if self.matter is None else self.matter.coasting
 
     @property
     def remembering(self) -> list[Group]:

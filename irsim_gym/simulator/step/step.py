@@ -54,7 +54,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
         if orders is not None:
             orders.give(state, shard)
         asked = disturbances.asked(turn, model, state, shard)
-        limit(parts, turn.movers, model, asked, shard)
+        limit(parts, turn.driven, model, asked, shard)
         moved = disturbances.moved(turn, model, state, shard)
         for group in turn.kinematics:
             group.kind.move(group, model, moved, shard)
@@ -98,7 +98,7 @@ def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: in
     arrival.renew_goals(shard.worlds, goals, loops, model, state)
     for group in _of(parts.behaviors, body) if decides else ():
         decide(group, model, state, shard)
-    limit(parts, here, model, state, shard)
+    limit(parts, np.setdiff1d(here, parts.coasting), model, state, shard)
     for group in _of(parts.kinematics, body):
         group.kind.move(group, model, state, shard)
     outlines.place(here, model, state, shard)
@@ -106,9 +106,8 @@ def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: in
     disturbances.tell(parts.disturbances, here, state, shard)
 
 
-def limit(parts: Parts, movers: Ints, model: Model, state: State, shard: Shard) -> None:
+def limit(parts: Parts, driven: Ints, model: Model, state: State, shard: Shard) -> None:
     """Turn the commands of bodies with a drive into velocities that it can execute."""
-    driven = parts.driven(movers)
     command_limits.limit_velocity(shard.worlds, driven, model, state)
     if parts.pushing is not None and parts.matter is not None:
         follow(shard.worlds, driven, parts.pushing, parts.matter, model, state)
