@@ -1,6 +1,7 @@
 """Groups of equal kinds, and the lists of bodies that phases work on."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,8 @@ from irsim_gym.simulator.levels.level_table import given_bodies, lay_levels, var
 from irsim_gym.simulator.levels.path_checks import reachability_check
 from irsim_gym.simulator.levels.traits import collect_traits
 from irsim_gym.simulator.pushing.coasting import Coasting
-from irsim_gym.simulator.pushing.matter import Matter, lay_matter
-from irsim_gym.simulator.pushing.memory import lay_pushing
+from irsim_gym.simulator.pushing.matter import Matter, is_weighed, lay_matter, weigh_anew
+from irsim_gym.simulator.pushing.memory import Pushing, lay_pushing
 from irsim_gym.simulator.step.fog import lay_fog
 from irsim_gym.simulator.step.guide import guide
 from irsim_gym.simulator.step.parts import Parts
@@ -50,8 +51,9 @@ def collect_parts(
         for part in with_scans(group, scenario.bodies, scanners)
     ]
     names = tuple(body.name for _, body in bodies)
-    context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
-    matter = lay_matter(scenario, outlines, model)
+    matter = lay_matter(scenario, model) if is_weighed(scenario) else None
+    pushing = lay_pushing(scenario, matter, model, n_slots)
+    context = make_context(scenario, model, scanners, matter, pushing)
     kinematics = _kinematics(scenario, model, matter)
     placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
@@ -92,10 +94,18 @@ def collect_parts(
         sweep=lay_sweep(scenario, model, movers, None if patience is None else patience.free),
         patience=patience,
         matter=matter,
-        pushing=lay_pushing(scenario, matter, model, n_slots),
+        pushing=pushing,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def make_context(
+    scenario: Scenario, model: Model, sensors: Sequence[Group], matter: Matter | None, pushing: Pushing | None
+) -> WorldContext:
+    """Return what readers of single bodies look at; without masses, these are made when they are asked for."""
+    weighed = partial(weigh_anew, scenario, model, matter)
+    return WorldContext(scenario.bodies, sensors, field_of_view.detect, weighed, pushing)
 
 
 def _kinematics(scenario: Scenario, model: Model, matter: Matter | None) -> list[Group]:

@@ -13,7 +13,7 @@ from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.geometry.polygons import is_convex
 from irsim_gym.simulator.levels.body_measures import measure_into
-from irsim_gym.simulator.levels.level_table import varied_outlines
+from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlines
 from irsim_gym.simulator.world.names import Model, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import Outline, chain
 
@@ -67,16 +67,24 @@ class Matter(Struct):
     edge_rank: Ints
 
 
-def lay_matter(scenario: Scenario, outlines: Sequence[Outline], model: Model) -> Matter | None:
-    """Return the masses of bodies, and their pieces if they push each other; None if they neither push nor coast.
+def is_weighed(scenario: Scenario) -> bool:
+    """Return whether the masses of bodies matter: they push each other, or coast."""
+    return scenario.world.collision_mode == "contact" or any(body.coasts for body in scenario.bodies)
+
+
+def weigh_anew(scenario: Scenario, model: Model, matter: Matter | None) -> Matter:
+    """Return the masses of bodies, made now if there are none."""
+    return lay_matter(scenario, model) if matter is None else matter
+
+
+def lay_matter(scenario: Scenario, model: Model) -> Matter:
+    """Return the masses of bodies, and their pieces if they push each other.
 
     Raises:
         ScenarioError: Levels draw an outline that may not be convex.
     """
     bodies, pushes = scenario.bodies, scenario.world.collision_mode == "contact"
-    if not pushes and not any(body.coasts for body in bodies):
-        return None
-    varied = varied_outlines(scenario)
+    outlines, varied = roomy_outlines(scenario), varied_outlines(scenario)
     if pushes:
         _refuse_drawn(scenario, outlines, varied)
     pieces = [
