@@ -21,11 +21,12 @@ def find_pairs(w: int, slot: int, push: Pushing, matter: Matter, model: Model, s
     Reads: push (boxes, counts, items, motions, nodes, order, pairs, sequence), matter (map_box, pushable, substance),
         model (disc_count, disc_start, drive, map_frame, movable, present, segment_count, segment_start, solid,
         step_time, unobstructed, velocity_max), state (discs, pose, segments, twist).
-    Writes: push (boxes, counts, items, motions, nodes, order, pairs, sequence).
+    Writes: push (boxes, counts, items, margin, motions, nodes, order, pairs, sequence).
     """
     boxes, pairs, own = push.boxes[slot], push.pairs[slot], model.map_frame[0].body
     n_bodies, count, is_crowded = boxes.shape[0], 0, False
     margin = 2.0 * greatest_travel(w, matter, model, state) * model.step_time[0] + SLOP
+    push.margin[slot] = margin
     for b in range(n_bodies):
         bound_body(w, b, boxes[b], matter, model, state)
     for i in range(n_bodies):

@@ -47,6 +47,7 @@ class Pushing(Struct):
         n_reports: Number of reports, shape ``(n_worlds,)``.
         reports: Contacts of the last step, in the order in which they were found, shape ``(n_worlds, n_pairs)``.
         boxes: Boxes of bodies: x0, y0, x1, y1 [m], shape ``(n_slots, n_bodies, 4)``.
+        margin: How far bodies may come in the step [m], shape ``(n_slots,)``.
         items: Scratch for the order of bodies: boxes of nodes, first body and number, ``(n_slots, n_bodies, 6)``.
         nodes: Scratch likewise.
         order: Scratch for the order of bodies, shape ``(n_slots, 4, n_bodies)``.
@@ -68,6 +69,7 @@ class Pushing(Struct):
     n_reports: Ints
     reports: Records
     boxes: Floats
+    margin: Floats
     items: Floats
     nodes: Floats
     order: Ints
@@ -110,6 +112,7 @@ def lay_pushing(scenario: Scenario, matter: Matter | None, model: Model, n_slots
         n_reports=np.zeros(n_worlds, np.int64),
         reports=np.zeros((n_worlds, n_pairs), REPORT),
         boxes=np.zeros((n_slots, n_bodies, 4)),
+        margin=np.zeros(n_slots),
         items=np.zeros((n_slots, n_bodies, 6)),
         nodes=np.zeros((n_slots, n_bodies, 6)),
         order=np.zeros((n_slots, 4, n_bodies), np.int64),

@@ -24,12 +24,13 @@ def part_bodies(
     """Take all bodies apart, and note what they feel.
 
     Reads: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, drive, force, in_contact,
-        items, motions, n_reports, nodes, order, pairs, reports, sequence), matter (centre, corners, edge_rank,
+        items, margin, motions, n_reports, nodes, order, pairs, reports, sequence), matter (centre, corners, edge_rank,
         first_corner, first_piece, inertia, map_box, n_corners, pushable, rounding, substance), model (disc_count,
         disc_start, drive, local_discs, local_segments, map_frame, movable, present, segment_count, segment_start,
         solid, step_time, unobstructed, velocity_max), state (discs, pose, segments, twist, velocity).
     Writes: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, force, in_contact, items,
-        motions, n_reports, nodes, order, pairs, reports, sequence), state (discs, pose, segments, twist, velocity).
+        margin, motions, n_reports, nodes, order, pairs, reports, sequence), state (discs, pose, segments, twist,
+        velocity).
     """
     for w in worlds:
         push.n_reports[w] = 0
@@ -68,8 +69,9 @@ def sweep_once(
 ) -> bool:
     """Take the bodies of each pair apart, in order; return whether any has moved.
 
-    Reads: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports, sequence), matter
-        (corners, edge_rank, first_corner, first_piece, inertia, n_corners, rounding, substance), state (twist).
+    Reads: push (blockers, bounces, boxes, corners, counts, margin, motions, n_reports, order, pairs, reports,
+        sequence), matter (corners, edge_rank, first_corner, first_piece, inertia, n_corners, rounding, substance),
+        state (twist).
     Writes: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports).
     """
     motions, pairs, n_pairs = push.motions[slot], push.pairs[slot], push.counts[slot, PAIRS]

@@ -61,7 +61,7 @@ def place_pieces(w: int, slot: int, b: int, push: Pushing, matter: Matter) -> No
 def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, cells: CellMaps | None) -> Overlap:
     """Return the deepest overlap of a piece of body a with one of body b, the first of equal ones.
 
-    Reads: push (corners), matter (edge_rank, first_corner, first_piece, n_corners, rounding).
+    Reads: push (boxes, corners, margin), matter (edge_rank, first_corner, first_piece, n_corners, rounding).
     Writes: push (corners).
     """
     best, row = APART, row_of(matter.n_corners, w)
@@ -70,7 +70,7 @@ def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, ce
         if one[1] == 0:
             continue
         if cells is not None and b == cells.body:
-            found = deepest_in_map(w, slot, one, push, matter, cells)
+            found = deepest_in_map(w, slot, a, one, push, matter, cells)
             best = found if found[0] > best[0] else best
             continue
         for k in range(matter.first_piece[b], matter.first_piece[b + 1]):
@@ -82,10 +82,12 @@ def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, ce
 
 
 @kernel
-def deepest_in_map(w: int, slot: int, piece: Piece, push: Pushing, matter: Matter, cells: CellMaps) -> Overlap:
-    """Return the deepest overlap of a piece with an edge of an occupied cell, or with the disc in one.
+def deepest_in_map(w: int, slot: int, a: int, piece: Piece, push: Pushing, matter: Matter, cells: CellMaps) -> Overlap:
+    """Return the deepest overlap of a piece of body a with an edge of an occupied cell, or with the disc in one.
 
-    Reads: push (corners), matter (edge_rank).
+    As in IR-SIM, only edges count that body a may reach by itself in this step, however far others push it.
+
+    Reads: push (boxes, corners, margin), matter (edge_rank).
     Writes: push (corners).
     """
     corners = push.corners[slot]
@@ -99,7 +101,9 @@ def deepest_in_map(w: int, slot: int, piece: Piece, push: Pushing, matter: Matte
     about = piece[2] + NEARBY
     first_i, last_i = cell_range(x0 - about, x1 + about, cells.x, cells.width, columns)
     first_j, last_j = cell_range(y0 - about, y1 + about, cells.y, cells.height, rows)
-    best, best_rank = APART, 0
+    box, margin, best, best_rank = push.boxes[slot, a], push.margin[slot] + NEARBY, APART, 0
+    here = x0 - about, y0 - about, x1 + about, y1 + about
+    reach = box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin
     # Each cell with the sides that it shares with free ones: below, left, above, right.
     for i in range(first_i, last_i + 1):
         for j in range(first_j, last_j + 1):
@@ -112,7 +116,7 @@ def deepest_in_map(w: int, slot: int, piece: Piece, push: Pushing, matter: Matte
                 if is_inside and cells.radius == 0.0:
                     continue
                 place_edge(corners, edge, i + di, j + dj, is_flat, cells)
-                if is_away(corners, edge, (x0 - about, y0 - about, x1 + about, y1 + about)):
+                if is_away(corners, edge, here) or is_away(corners, edge, reach):
                     continue
                 found = overlap(corners, piece, edge)
                 rank = 0
