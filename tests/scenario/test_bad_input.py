@@ -39,7 +39,7 @@ WORLD = {
     "offset of text": ("world:\n  offset:\n    - 1\n    - b", "4 world.offset[1]: must be a number, got 'b'"),
     "mode": (
         "world:\n  collision_mode: stpo",
-        "2 world.collision_mode: must be 'stop', 'unobstructed' or 'unobstructed_obstacles', got 'stpo' "
+        "2 world.collision_mode: must be 'stop', 'unobstructed', 'unobstructed_obstacles' or 'contact', got 'stpo' "
         "(did you mean 'stop'?)",
     ),
     "mode of a wrong type": (
