@@ -21,10 +21,10 @@ PAIR = record_type(
 bodies to push that touch at the beginning of a sweep, with the unit vector from b to a then; ``report`` is the number
 of the report, -1 before there is one, and ``rank`` the order of the pair.
 """
-MOTION = record_type("x y heading cx cy dx dy turn", level=np.int64, blocker=np.int64, mark=np.int64)
-"""A body while it is taken apart from others: pose and centre of mass as the step began [m, m, rad], how far it has
-been pushed [m] and turned [rad] since; how many bodies are between it and one that nobody pushes, its last blocker, and
-the search that has seen it last.
+MOTION = record_type("x y heading cosine sine cx cy dx dy turn", level=np.int64, blocker=np.int64, mark=np.int64)
+"""A body while it is taken apart from others: pose and centre of mass as the step began [m, m, rad], cosine and sine of
+its heading now, how far it has been pushed [m] and turned [rad] since; how many bodies are between it and one that
+nobody pushes, its last blocker, and the search that has seen it last.
 """
 BLOCKER = record_type("nx ny friction", next=np.int64)
 """What a body cannot move into in a sweep: unit vector from the body, friction, and the blocker before, -1 for none."""
@@ -57,6 +57,8 @@ class Pushing(Struct):
         blockers: Blockers of bodies, shape ``(n_slots, 2 n_pairs)``.
         bounces: Bounces, shape ``(n_slots, n_pairs)``.
         counts: Numbers of pairs, blockers, bounces and searches, shape ``(n_slots, 4)``.
+        spans: Boxes around their pieces now: x0, y0, x1, y1 [m], shape ``(n_slots, n_pieces, 4)``.
+        edge: Box around an edge of the map, shape ``(n_slots, 4)`` [m].
         corners: Corners of all pieces in the world frame [m], and two of an edge of the map, ``(n_slots, n, 2)``.
     """
 
@@ -79,6 +81,8 @@ class Pushing(Struct):
     blockers: Records
     bounces: Records
     counts: Ints
+    spans: Floats
+    edge: Floats
     corners: Floats
 
 
@@ -122,6 +126,8 @@ def lay_pushing(scenario: Scenario, matter: Matter | None, model: Model, n_slots
         blockers=np.zeros((n_slots, 2 * n_pairs), BLOCKER),
         bounces=np.zeros((n_slots, n_pairs), BOUNCE),
         counts=np.zeros((n_slots, 4), np.int64),
+        spans=np.zeros((n_slots, matter.n_corners.shape[1], 4)),
+        edge=np.zeros((n_slots, 4)),
         corners=np.zeros((n_slots, n_corners + 2, 2)),
     )
 

@@ -8,7 +8,7 @@ from irsim_gym.simulator.pushing.candidates import SLOP, find_pairs
 from irsim_gym.simulator.pushing.matter import Matter, inverse_inertia
 from irsim_gym.simulator.pushing.memory import BLOCKERS, BOUNCES, PAIRS, SEARCHES, Pushing
 from irsim_gym.simulator.pushing.outcome import note_forces, note_times, write_motions
-from irsim_gym.simulator.pushing.pieces import begin_motion, deepest, place_pieces
+from irsim_gym.simulator.pushing.pieces import begin_motion, deepest, push_body
 from irsim_gym.simulator.world.names import Model, State, kernel
 
 SWEEPS = 32
@@ -23,14 +23,14 @@ def part_bodies(
 ) -> None:
     """Take all bodies apart, and note what they feel.
 
-    Reads: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, drive, force, in_contact,
-        items, margin, motions, n_reports, nodes, order, pairs, reports, sequence), matter (centre, corners, edge_rank,
-        first_corner, first_piece, inertia, map_box, n_corners, pushable, rounding, substance), model (disc_count,
-        disc_start, drive, local_discs, local_segments, map_frame, movable, present, segment_count, segment_start,
-        solid, step_time, unobstructed, velocity_max), state (discs, pose, segments, twist, velocity).
-    Writes: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, force, in_contact, items,
-        margin, motions, n_reports, nodes, order, pairs, reports, sequence), state (discs, pose, segments, twist,
-        velocity).
+    Reads: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, drive, edge, force,
+        in_contact, items, margin, motions, n_reports, nodes, order, pairs, reports, sequence, spans), matter (centre,
+        corners, edge_rank, first_corner, first_piece, inertia, map_box, n_corners, pushable, rounding, substance),
+        model (disc_count, disc_start, drive, local_discs, local_segments, map_frame, movable, present, segment_count,
+        segment_start, solid, step_time, unobstructed, velocity_max), state (discs, pose, segments, twist, velocity).
+    Writes: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, edge, force, in_contact,
+        items, margin, motions, n_reports, nodes, order, pairs, reports, sequence, spans), state (discs, pose, segments,
+        twist, velocity).
     """
     for w in worlds:
         push.n_reports[w] = 0
@@ -50,8 +50,9 @@ def part_bodies(
 def begin_motions(w: int, slot: int, push: Pushing, matter: Matter, state: State) -> None:
     """Begin the motions of all bodies in pairs.
 
-    Reads: push (counts, motions, pairs), matter (centre, corners, first_corner, first_piece), state (pose).
-    Writes: push (corners, counts, motions).
+    Reads: push (counts, motions, pairs), matter (centre, corners, first_corner, first_piece, n_corners, rounding),
+        state (pose).
+    Writes: push (corners, counts, motions, spans).
     """
     motions, pairs = push.motions[slot], push.pairs[slot]
     push.counts[slot, BOUNCES], push.counts[slot, SEARCHES] = 0, 0
@@ -69,10 +70,10 @@ def sweep_once(
 ) -> bool:
     """Take the bodies of each pair apart, in order; return whether any has moved.
 
-    Reads: push (blockers, bounces, boxes, corners, counts, margin, motions, n_reports, order, pairs, reports,
-        sequence), matter (corners, edge_rank, first_corner, first_piece, inertia, n_corners, rounding, substance),
-        state (twist).
-    Writes: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports).
+    Reads: push (blockers, bounces, boxes, corners, counts, edge, margin, motions, n_reports, order, pairs, reports,
+        sequence, spans), matter (corners, edge_rank, first_corner, first_piece, inertia, n_corners, rounding,
+        substance), state (twist).
+    Writes: push (blockers, bounces, corners, counts, edge, motions, n_reports, order, pairs, reports, spans).
     """
     motions, pairs, n_pairs = push.motions[slot], push.pairs[slot], push.counts[slot, PAIRS]
     push.counts[slot, BLOCKERS] = 0
@@ -102,8 +103,8 @@ def part_pair(w: int, slot: int, p: int, found: Overlap, push: Pushing, matter: 
     """Take the bodies of a pair apart; return whether they move.
 
     Reads: push (blockers, bounces, counts, motions, n_reports, order, pairs, reports), matter (corners, first_corner,
-        first_piece, inertia, substance), state (twist).
-    Writes: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports).
+        first_piece, inertia, n_corners, rounding, substance), state (twist).
+    Writes: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports, spans).
     """
     pair = push.pairs[slot, p]
     a, b = pair.a, pair.b
@@ -135,22 +136,9 @@ def part_pair(w: int, slot: int, p: int, found: Overlap, push: Pushing, matter: 
         q = depth / total
         pair.impulse += q
         note_bounce(w, slot, p, (nx, ny), (share_a + turn_a > 0.0, share_b + turn_b > 0.0), push, matter, state)
-        move(
-            w,
-            slot,
-            a,
-            (share_a > 0.0, q * one.inverse * ax, q * one.inverse * ay, q * spin_a if turn_a > 0.0 else 0.0),
-            push,
-            matter,
-        )
-        move(
-            w,
-            slot,
-            b,
-            (share_b > 0.0, q * other.inverse * bx, q * other.inverse * by, -q * spin_b if turn_b > 0.0 else 0.0),
-            push,
-            matter,
-        )
+        by_a, by_b = (q * one.inverse if share_a > 0.0 else 0.0), (q * other.inverse if share_b > 0.0 else 0.0)
+        push_body(w, slot, a, (by_a * ax, by_a * ay), q * spin_a if turn_a > 0.0 else 0.0, push, matter)
+        push_body(w, slot, b, (by_b * bx, by_b * by), -q * spin_b if turn_b > 0.0 else 0.0, push, matter)
     if share_b <= 0.0 and one.inverse > 0.0:
         block(slot, a, -nx, -ny, other.friction, push)
     if share_a <= 0.0 and other.inverse > 0.0:
@@ -251,22 +239,6 @@ def note_bounce(
         push.counts[slot, BOUNCES] += 1
         bounce.a, bounce.b, bounce.nx, bounce.ny, bounce.speed = a, b, nx, ny, -restitution * approach
         bounce.frees_a, bounce.frees_b = frees[0], frees[1]
-
-
-@kernel
-def move(w: int, slot: int, b: int, by: tuple[bool, float, float, float], push: Pushing, matter: Matter) -> None:
-    """Push and turn a body: whether it is pushed, by x and y [m], and by an angle [rad].
-
-    Reads: push (motions), matter (corners, first_corner, first_piece).
-    Writes: push (corners, motions).
-    """
-    motion = push.motions[slot, b]
-    if by[0]:
-        motion.dx += by[1]
-        motion.dy += by[2]
-    motion.turn += by[3]
-    if by[0] or by[3] != 0.0:
-        place_pieces(w, slot, b, push, matter)
 
 
 @kernel
