@@ -143,7 +143,8 @@ def _substance(scenario: Scenario, b: int) -> tuple[Any, ...]:
     friction, restitution = (
         getattr(world, key) if getattr(body, key) is None else getattr(body, key) for key in ("friction", "restitution")
     )
-    tau = getattr(body.kinematics, "tau", None)
+    # The option ``tau`` of a drive from outside is its own.
+    tau = getattr(body.kinematics, "tau", None) if hasattr(body.kinematics, "drive") else None
     inverse = 0.0 if body.static else 1.0 / body.mass
     grip = friction * body.mass * world.gravity if friction > 0.0 else 0.0
     given = np.nan if body.inertia is None else body.inertia
